@@ -1,0 +1,35 @@
+"""Stress measures that a designer reads: Cauchy stress and its principal values, Gil (19)."""
+
+from ufl import Identity, as_vector, cross, inner, outer, sqrt, tr
+from ufl.core.expr import Expr
+
+from .kinematics import unit
+
+
+def cauchy(F: Expr, S: Expr, J: Expr) -> Expr:
+    """Cauchy stress in global axes, shape (3, 3): force per current length [N/m] (d = 2) or force [N] (d = 1).
+
+    Args:
+        F: Deformation gradient, shape (3, d) [-].
+        S: Second Piola-Kirchhoff stress, shape (d, d) [N/m or N].
+        J: Ratio of current to reference measure [-]: `kinematics.stretch_ratio` for the physical stress,
+            `kinematics.projected_ratio` for the one in the paper's Table 2.
+
+    Source:
+        Gil (19).
+    """
+    return F * S * F.T / J  # Gil (19)
+
+
+def principal(sigma: Expr, F: Expr) -> Expr:
+    """Principal values of a membrane's Cauchy stress, the larger first, shape (2,) [N/m].
+
+    Args:
+        sigma: Cauchy stress in global axes, shape (3, 3) [N/m].
+        F: Deformation gradient, shape (3, 2) [-].
+    """
+    n = unit(cross(F[:, 0], F[:, 1]))
+    mean = tr(sigma) / 2
+    deviator = sigma - mean * (Identity(3) - outer(n, n))  # its own norm: no digits lost where both values are equal
+    radius = sqrt(inner(deviator, deviator) / 2)  # of Mohr's circle
+    return as_vector([mean + radius, mean - radius])

@@ -1,0 +1,55 @@
+"""Why a solve failed, in words, and what to try."""
+
+import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from .problem import Problem
+
+
+def linear_failure(problem: Problem, A: PETSc.Mat) -> str:
+    """Why the tangent could not be solved with."""
+    loose = loose_nodes(problem, A)
+    if loose:
+        node, direction = loose[0]
+        also = f" (and {len(loose) - 1} more nodes)" if len(loose) > 1 else ""
+        axis = ", ".join(f"{component + 0.0:.3g}" for component in direction)
+        return (
+            f"the tangent stiffness is singular: nothing holds node {node}{also} in the direction ({axis}). "
+            "A flat membrane or a straight cable without prestress has no stiffness across; give it a prestress, "
+            "apply one by displacements in a stage before the loads, start from a curved shape, or support the nodes."
+        )
+    return (
+        "the tangent stiffness is singular: parts of the structure can move without resistance (a mechanism, or the "
+        "point where it buckles). Add prestress, supports or members, or apply less load per step (steps=...)."
+    )
+
+
+def stalled(problem: Problem, x: PETSc.Vec) -> str:
+    """Why the iteration did not come to an end."""
+    size = np.ptp(problem.discretization.structure.points, axis=0).max()
+    largest = x.norm(PETSc.NormType.NORM_INFINITY)
+    advice = "apply the loads in more steps (steps=...), give more prestress, or allow more iterations (Newton(max_iterations=...))"
+    if not largest <= 10 * size:
+        return (
+            f"the iteration diverged: displacements of {largest:.3g} in a structure of size {size:.3g}. "
+            f"Check that loads, stiffness and lengths are in the same system of units; then {advice}."
+        )
+    return f"the unbalanced forces did not fall below the tolerance; {advice}."
+
+
+def loose_nodes(problem: Problem, A: PETSc.Mat) -> list[tuple[int, list[float]]]:
+    """Nodes that have no stiffness of their own in some direction, and that direction, in the user's numbering."""
+    discretization = problem.discretization
+    first = A.getOwnershipRange()[0]
+    pointers, columns, values = A.getValuesCSR()
+    rows = np.repeat(np.arange(len(pointers) - 1), np.diff(pointers))
+    same_node = (columns - first) // 3 == rows // 3
+    blocks = np.zeros((len(discretization.owned), 3, 3))
+    blocks[rows[same_node] // 3, rows[same_node] % 3, (columns[same_node] - first) % 3] = values[same_node]
+    stiffness, directions = np.linalg.eigh(blocks)
+    limit = 1e-13 * discretization.comm.allreduce(np.abs(blocks).max(initial=0.0), MPI.MAX)
+    weakest = np.argmin(np.abs(stiffness), axis=1)
+    loose = np.flatnonzero(np.abs(stiffness).min(axis=1) <= limit)
+    found = [(int(discretization.owned[i]), directions[i, :, weakest[i]].tolist()) for i in loose]
+    return sorted(entry for part in discretization.comm.allgather(found) for entry in part)

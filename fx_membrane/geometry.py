@@ -1,0 +1,73 @@
+"""Points and cells: ready-made grids, and what can be measured on any."""
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import validation
+
+Diagonals = Literal["right", "left", "to centre"]
+
+
+def rectangle(
+    width: float, height: float, columns: int, rows: int, diagonals: Diagonals = "to centre"
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Grid of triangles over a rectangle in the plane z = 0, centred on the origin.
+
+    Nodes are numbered row by row from the corner (-width/2, -height/2), x running first; node
+    `(columns + 1) * row + column`. All normals point along +z.
+
+    Args:
+        width: Size along x [m].
+        height: Size along y [m].
+        columns: Number of grid cells along x.
+        rows: Number of grid cells along y.
+        diagonals: How a grid cell is split: "right" from its lower left to its upper right corner, "left" the
+            other way, "to centre" along the diagonal that points to the centre of the rectangle (the pattern of
+            Gil's Fig. 6, symmetric about both axes where columns and rows are even).
+
+    Returns:
+        Points, shape ((columns + 1) (rows + 1), 3) [m], and triangles, shape (2 columns rows, 3).
+
+    Raises:
+        ValueError: A size or a number is not positive, or diagonals is none of the three.
+    """
+    for name, value in {"width": width, "height": height, "columns": columns, "rows": rows}.items():
+        validation.positive(name, value)
+    x = np.linspace(-width / 2, width / 2, columns + 1)
+    y = np.linspace(-height / 2, height / 2, rows + 1)
+    points = np.stack([*np.meshgrid(x, y), np.zeros((rows + 1, columns + 1))], axis=-1).reshape(-1, 3)
+
+    row, column = (index.ravel() for index in np.mgrid[:rows, :columns])
+    a = (columns + 1) * row + column  # lower left, then counter-clockwise
+    b, c, d = a + 1, a + columns + 2, a + columns + 1
+    same_sign = (2 * row + 1 > rows) == (2 * column + 1 > columns)
+    if diagonals not in ("right", "left", "to centre"):
+        raise ValueError(f'diagonals is {diagonals!r}; give "right", "left" or "to centre".')
+    right = {"right": np.ones_like(same_sign), "left": np.zeros_like(same_sign), "to centre": same_sign}[diagonals]
+    first = np.where(right, [a, b, c], [a, b, d])
+    second = np.where(right, [a, c, d], [b, c, d])
+    return points, np.stack([first, second], axis=-1).transpose(1, 2, 0).reshape(-1, 3)
+
+
+def boundary(cells: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Edges that belong to one triangle only, shape (edges, 2), in the sense of their triangle."""
+    edges = np.concatenate([cells[:, [0, 1]], cells[:, [1, 2]], cells[:, [2, 0]]])
+    _, first, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
+    return np.asarray(edges[first[count == 1]])
+
+
+def measures(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Areas of triangles [m2] or lengths of segments [m], shape (cells,)."""
+    side = np.diff(points[cells], axis=1)
+    if cells.shape[1] == 2:
+        return np.asarray(np.linalg.norm(side[:, 0], axis=1))
+    return np.asarray(np.linalg.norm(np.cross(side[:, 0], side[:, 1]), axis=1) / 2)
+
+
+def normals(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Unit normals of triangles, by the right-hand rule from the order of their nodes, shape (cells, 3) [-]."""
+    side = np.diff(points[triangles], axis=1)
+    area = np.cross(side[:, 0], side[:, 1])
+    return np.asarray(area / np.linalg.norm(area, axis=1, keepdims=True))

@@ -1,0 +1,139 @@
+"""What acts on a structure, and in which order: loads, prescribed displacements and stages, as plain data."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import validation
+from .structure import Structure
+
+
+@dataclass(frozen=True, eq=False)
+class PointLoad:
+    """The same force on each of some nodes.
+
+    Args:
+        nodes: A node number or several, shape (k,).
+        force: Force on each node, shape (3,) [N].
+
+    Raises:
+        ValueError: Nodes are not whole numbers; the force is not three finite numbers.
+    """
+
+    nodes: ArrayLike
+    force: ArrayLike
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "nodes", validation.rows("PointLoad nodes", self.nodes))
+        object.__setattr__(self, "force", validation.vector("PointLoad force", self.force))
+
+
+@dataclass(frozen=True, eq=False)
+class DeadLoad:
+    """A load of fixed direction, spread over the reference area of a membrane or the length of cables or masts.
+
+    Args:
+        load: Load per reference area [N/m2] or per reference length [N/m], shape (3,).
+        part: Name of the part.
+        cells: The loaded cells of the part, shape (k,); all of them if not given.
+
+    Raises:
+        ValueError: The load is not three finite numbers; cells are not whole numbers.
+    """
+
+    load: ArrayLike
+    part: str
+    cells: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "load", validation.vector("DeadLoad load", self.load))
+        if self.cells is not None:
+            object.__setattr__(self, "cells", validation.rows("DeadLoad cells", self.cells))
+
+
+@dataclass(frozen=True, eq=False)
+class PrescribedDisplacement:
+    """Nodes moved by a given amount and held there.
+
+    Args:
+        nodes: A node number or several, shape (k,).
+        displacement: Displacement of each node from its reference position, shape (3,) [m].
+        components: The components that are prescribed, some of "xyz"; the others stay free.
+
+    Raises:
+        ValueError: Nodes are not whole numbers; the displacement is not three finite numbers; components are not
+            letters of "xyz".
+    """
+
+    nodes: ArrayLike
+    displacement: ArrayLike
+    components: str = "xyz"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "nodes", validation.rows("PrescribedDisplacement nodes", self.nodes))
+        object.__setattr__(self, "displacement", validation.vector("PrescribedDisplacement", self.displacement))
+        validation.components("PrescribedDisplacement components", self.components)
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """A load case: what is applied, in how many increments, on top of which other stage.
+
+    Args:
+        name: Name of the stage; its results are found under it.
+        loads: Loads that this stage adds.
+        displacements: Displacements that this stage prescribes.
+        steps: Number of equal load increments.
+        after: Name of the stage whose final state this one starts from, and whose loads and prescribed
+            displacements it keeps; without it the stage starts from the reference shape.
+
+    Raises:
+        ValueError: steps is not a whole number above zero; an entry is not a load or a prescribed displacement.
+    """
+
+    name: str
+    loads: Sequence[PointLoad | DeadLoad] = ()
+    displacements: Sequence[PrescribedDisplacement] = ()
+    steps: int = 1
+    after: str | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "loads", tuple(self.loads))
+        object.__setattr__(self, "displacements", tuple(self.displacements))
+        if not isinstance(self.steps, int | np.integer) or self.steps < 1:
+            raise ValueError(f"Stage {self.name!r} has steps={self.steps!r}; give a whole number above zero.")
+        for load in self.loads:
+            if not isinstance(load, PointLoad | DeadLoad):
+                raise ValueError(f"Stage {self.name!r} has the load {load!r}; give a PointLoad or a DeadLoad.")
+        for entry in self.displacements:
+            if not isinstance(entry, PrescribedDisplacement):
+                raise ValueError(f"Stage {self.name!r}: {entry!r} is not a PrescribedDisplacement.")
+
+
+def check(structure: Structure, stages: Sequence[Stage]) -> None:
+    """Refuses stages that do not fit together or do not fit the structure.
+
+    Raises:
+        ValueError: Two stages have one name; a stage follows one that does not come before it; a load or a
+            prescribed displacement names a node, part or cell that does not exist, or a node that no part uses.
+    """
+    validation.unique("Stage", (stage.name for stage in stages))
+    for position, stage in enumerate(stages):
+        earlier = [other.name for other in stages[:position]]
+        if stage.after is not None and stage.after not in earlier:
+            raise ValueError(f"Stage {stage.name!r} comes after {stage.after!r}; the stages before it are {earlier}.")
+        for load in stage.loads:
+            if isinstance(load, PointLoad):
+                structure.check_nodes(f"Stage {stage.name!r}: a point load", np.asarray(load.nodes))
+            elif load.part not in structure.parts:
+                raise ValueError(
+                    f"Stage {stage.name!r} has a load on part {load.part!r}; the parts are {list(structure.parts)}."
+                )
+            elif load.cells is not None:
+                count = len(structure.parts[load.part].cells)
+                name = f"Stage {stage.name!r}: a load on part {load.part!r}"
+                validation.in_range(name, np.asarray(load.cells), count, "cell")
+        for entry in stage.displacements:
+            structure.check_nodes(f"Stage {stage.name!r}: a prescribed displacement", np.asarray(entry.nodes))

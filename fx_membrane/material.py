@@ -1,0 +1,59 @@
+"""Materials of membranes, as stiffness per width (modulus times thickness), the way fabric data sheets give it."""
+
+from dataclasses import dataclass
+
+from .validation import number, positive
+
+
+@dataclass(frozen=True)
+class Fabric:
+    """Isotropic Saint Venant-Kirchhoff membrane in plane stress.
+
+    Args:
+        Et: Young's modulus times thickness [N/m].
+        nu: Poisson's ratio, above -1 and at most 0.5 [-].
+
+    Raises:
+        ValueError: A value is out of its range.
+    """
+
+    Et: float
+    nu: float
+
+    def __post_init__(self) -> None:
+        positive("Et", self.Et)
+        if not -1 < number("nu", self.nu) <= 0.5:
+            raise ValueError(f"nu is {self.nu}; Poisson's ratio must be above -1 and at most 0.5.")
+
+    @classmethod
+    def from_modulus(cls, E: float, nu: float, thickness: float) -> "Fabric":
+        """Fabric of a Young's modulus E [Pa], Poisson's ratio nu [-] and a thickness [m]."""
+        return cls(positive("E", E) * positive("thickness", thickness), nu)
+
+
+@dataclass(frozen=True)
+class OrthotropicFabric:
+    """Woven Saint Venant-Kirchhoff membrane in plane stress, with warp and weft.
+
+    Args:
+        Et_warp: Modulus times thickness along the warp [N/m].
+        Et_weft: Modulus times thickness along the weft [N/m].
+        nu: Poisson's ratio, the contraction of the weft under tension in the warp [-]; the other one follows
+            from symmetry, nu Et_weft / Et_warp.
+        Gt: Shear modulus times thickness [N/m].
+
+    Raises:
+        ValueError: A stiffness is not positive, or nu^2 Et_weft / Et_warp >= 1 (the energy would not be positive).
+    """
+
+    Et_warp: float
+    Et_weft: float
+    nu: float
+    Gt: float
+
+    def __post_init__(self) -> None:
+        for name in ("Et_warp", "Et_weft", "Gt"):
+            positive(name, getattr(self, name))
+        limit = (self.Et_warp / self.Et_weft) ** 0.5
+        if not abs(number("nu", self.nu)) < limit:
+            raise ValueError(f"nu is {self.nu}; with these stiffnesses its magnitude must be below {limit:.6g}.")

@@ -1,0 +1,57 @@
+"""Who owns which node, and in what order: the one numbering of nodes that joins all parts of a structure."""
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+
+def node_graph(cells: Iterable[NDArray[np.int64]], count: int) -> sparse.csr_array:
+    """Which nodes share a cell: sparse matrix (count, count), a node with itself included.
+
+    Args:
+        cells: For each part, rows of node numbers, shape (cells, nodes per cell).
+        count: Number of nodes.
+    """
+    graph = sparse.csr_matrix((count, count), dtype=np.int32)
+    for part in cells:
+        n, width = part.shape
+        ones = np.ones(part.size, dtype=np.int32)
+        incidence = sparse.csr_matrix((ones, part.ravel(), np.arange(0, part.size + 1, width)), shape=(n, count))
+        graph = graph + incidence.T @ incidence
+    return graph
+
+
+def bisect(points: NDArray[np.float64], size: int) -> NDArray[np.int32]:
+    """Owner of each point by recursive coordinate bisection, shape (n,): equal shares, short seams.
+
+    Args:
+        points: Positions, shape (n, 3) [m].
+        size: Number of owners.
+    """
+    owner = np.zeros(len(points), dtype=np.int32)
+
+    def split(rows: NDArray[np.intp], first: int, count: int) -> None:
+        if count == 1 or not len(rows):
+            owner[rows] = first
+            return
+        axis = np.argmax(np.ptp(points[rows], axis=0))
+        rows = rows[np.argsort(points[rows, axis], kind="stable")]
+        half = count // 2
+        cut = len(rows) * half // count
+        split(rows[:cut], first, half)
+        split(rows[cut:], first + half, count - half)
+
+    split(np.arange(len(points)), 0, size)
+    return owner
+
+
+def number_nodes(owner: NDArray[np.int32], graph: sparse.csr_array) -> NDArray[np.int64]:
+    """Number of each node: those of an owner are consecutive, and neighbours close together, shape (n,)."""
+    order = reverse_cuthill_mckee(graph, symmetric_mode=True)
+    order = order[np.argsort(owner[order], kind="stable")]
+    number = np.empty(len(owner), dtype=np.int64)
+    number[order] = np.arange(len(owner))
+    return number

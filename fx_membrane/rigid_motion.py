@@ -1,0 +1,61 @@
+"""Rigid-body motions that supports leave free."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
+
+from .partition import node_graph
+from .structure import Structure
+
+MOTIONS = ("move along x", "move along y", "move along z", "turn about x", "turn about y", "turn about z")
+
+
+def check_supports(structure: Structure, held: NDArray[np.bool_]) -> None:
+    """Refuses a structure of which a connected piece can move as a rigid body.
+
+    One free turn is let pass, as of a cable or a banner about the line between its two anchors: loads and prestress
+    can hold it, and the solver tells where they do not.
+
+    Args:
+        structure: The structure.
+        held: Which components of which nodes are held, shape (n, 3).
+
+    Raises:
+        ValueError: Names the piece, and a motion that nothing prevents.
+    """
+    graph = node_graph((part.cells for part in structure.parts.values()), len(structure.points))
+    used = np.flatnonzero(structure.used)
+    count, piece = connected_components(graph[used][:, used], directed=False)
+    order = used[np.argsort(piece, kind="stable")]
+    for nodes in np.split(order, np.cumsum(np.bincount(piece, minlength=count))[:-1]):
+        motions = free_motions(structure.points[nodes], held[nodes])
+        translates = np.linalg.norm(motions[:, 3:], axis=1) < 1e-6
+        if len(motions) > 1 or translates.any():
+            freest = MOTIONS[int(np.argmax(np.sum(motions**2, axis=0)))]
+            raise ValueError(
+                f"The structure is not supported enough: the piece with node {nodes[0]} ({len(nodes)} nodes) can "
+                f"{freest} as a rigid body. Add supports or prescribed displacements there."
+            )
+
+
+def free_motions(points: NDArray[np.float64], held: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Rigid motions that nothing prevents, orthonormal, shape (motions, 6).
+
+    Each is three translations and three rotations about the centre of the points, lengths scaled to the largest
+    distance from it. A motion that moves no point, as the turn of a straight cable about itself, is left out.
+
+    Args:
+        points: Positions, shape (n, 3) [m].
+        held: Which components are held, shape (n, 3).
+    """
+    arm = points - points.mean(axis=0)
+    arm = arm / max(np.abs(arm).max(), np.finfo(float).tiny)
+    translations = np.broadcast_to(np.eye(3), (len(points), 3, 3))
+    rotations = np.cross(np.eye(3), arm[:, None, :]).swapaxes(1, 2)
+    modes = np.concatenate([translations, rotations], axis=2)  # displacement of each point, (n, 3, 6)
+    resisted = modes[held]
+    stiffness, directions = np.linalg.eigh(resisted.T @ resisted)
+    free = directions[:, stiffness <= 1e-12 * max(len(resisted), 1)]
+    moved = (modes @ free).reshape(3 * len(points), -1)
+    amount, combinations = np.linalg.eigh(moved.T @ moved)
+    return np.asarray((free @ combinations[:, amount > 1e-10 * len(points)]).T)

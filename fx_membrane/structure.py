@@ -1,0 +1,234 @@
+"""A tension structure as plain data: points, parts (membranes, cables, masts) and supports, checked when created."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import validation
+from .geometry import measures, normals
+from .material import Fabric, OrthotropicFabric
+
+
+@dataclass(frozen=True, eq=False)
+class Membrane:
+    """Three-node membrane elements of one fabric.
+
+    Args:
+        cells: Triangles as rows of node numbers, shape (n, 3).
+        material: The fabric.
+        prestress: Cauchy stress times thickness in the reference shape [N/m]: a number (isotropic), a pair
+            (warp, weft), or a tensor (2, 2) in the warp/weft frame; or one of these per cell, shape (n, 1),
+            (n, 2) or (n, 2, 2). Shape (2, 2) is always one tensor.
+        warp: A vector (3,), or one per cell (n, 3), that projected on the cell gives the warp direction. The weft
+            is a right angle further, counter-clockwise about the normal of the cell. Without a warp the global x
+            axis is taken, or y where a cell is nearly normal to x, for results only.
+
+    Raises:
+        ValueError: Cells, prestress or warp have a wrong shape or values that are not finite; the material or the
+            prestress has a direction and there is no warp.
+    """
+
+    dimension: ClassVar[int] = 2
+    cells: NDArray[np.int64]
+    material: Fabric | OrthotropicFabric
+    prestress: ArrayLike = 0.0
+    warp: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "cells", validation.cells("Membrane cells", self.cells, 3))
+        if not isinstance(self.material, Fabric | OrthotropicFabric):
+            raise ValueError(f"Membrane material is {self.material!r}; give a Fabric or an OrthotropicFabric.")
+        tensors = self.prestress_tensors()
+        directed = not np.array_equal(tensors, tensors[:, :1, :1] * np.eye(2))
+        if self.warp is not None:
+            warp = validation.finite("Membrane warp", self.warp)
+            if warp.shape not in ((3,), (len(self.cells), 3)):
+                raise ValueError(f"Membrane warp has shape {warp.shape}; give (3,) or ({len(self.cells)}, 3).")
+        elif directed or isinstance(self.material, OrthotropicFabric):
+            raise ValueError("The material or the prestress has a warp and a weft; give the warp as a vector, warp=(x, y, z).")
+
+    def prestress_tensors(self) -> NDArray[np.float64]:
+        """Prestress of every cell in the warp/weft frame, shape (n, 2, 2) [N/m]."""
+        n = len(self.cells)
+        value = validation.finite("Membrane prestress", self.prestress)
+        if value.shape in ((), (1,), (n, 1)):
+            return np.broadcast_to(value.reshape(-1, 1, 1) * np.eye(2), (n, 2, 2))
+        if value.shape == (2,) or (value.shape == (n, 2) and n != 2):
+            return np.broadcast_to(value.reshape(-1, 2, 1) * np.eye(2), (n, 2, 2))
+        if value.shape not in ((2, 2), (n, 2, 2)):
+            raise ValueError(
+                f"Membrane prestress has shape {value.shape}; give a number, a (warp, weft) pair or a (2, 2) tensor, "
+                f"or one of these for each of the {n} cells: ({n}, 1), ({n}, 2) or ({n}, 2, 2)."
+            )
+        if not np.array_equal(value, np.swapaxes(value, -1, -2)):
+            raise ValueError("Membrane prestress is not symmetric; give [[warp, shear], [shear, weft]].")
+        return np.broadcast_to(value, (n, 2, 2))
+
+
+@dataclass(frozen=True, eq=False)
+class _Bar:
+    """Two-node straight elements that carry axial force only.
+
+    Args:
+        cells: Segments as rows of node numbers, shape (n, 2).
+        axial_stiffness: Young's modulus times cross-section [N].
+        prestress: Axial force in the reference shape [N], a number or one per cell, shape (n,).
+
+    Raises:
+        ValueError: Cells or prestress have a wrong shape or values that are not finite; the stiffness is not positive.
+    """
+
+    dimension: ClassVar[int] = 1
+    cells: NDArray[np.int64]
+    axial_stiffness: float
+    prestress: ArrayLike = 0.0
+
+    def __post_init__(self) -> None:
+        kind = type(self).__name__
+        object.__setattr__(self, "cells", validation.cells(f"{kind} cells", self.cells, 2))
+        validation.positive(f"{kind} axial_stiffness", self.axial_stiffness)
+        self.prestress_tensors()
+
+    @classmethod
+    def from_modulus(cls, cells: NDArray[np.int64], E: float, area: float, prestress: ArrayLike = 0.0) -> Self:
+        """Bars of a Young's modulus E [Pa] and a cross-section area [m2]."""
+        return cls(cells, validation.positive("E", E) * validation.positive("area", area), prestress)
+
+    def prestress_tensors(self) -> NDArray[np.float64]:
+        """Prestress of every cell, shape (n, 1, 1) [N]."""
+        name, n = f"{type(self).__name__} prestress", len(self.cells)
+        value = validation.finite(name, self.prestress)
+        if value.shape not in ((), (n,)):
+            raise ValueError(f"{name} has shape {value.shape}; give a number or one for each of the {n} cells.")
+        return np.broadcast_to(value.reshape(-1, 1, 1), (n, 1, 1))
+
+
+class Cable(_Bar):
+    __doc__ = "Cable. " + str(_Bar.__doc__)
+
+
+class Mast(_Bar):
+    __doc__ = "Pinned mast or strut. " + str(_Bar.__doc__)
+
+
+Part = Membrane | Cable | Mast
+
+
+@dataclass(frozen=True, eq=False)
+class Support:
+    """Nodes held at their reference position.
+
+    Args:
+        nodes: A node number or several, shape (k,).
+        components: The components held, some of "xyz".
+
+    Raises:
+        ValueError: Nodes are not whole numbers; components are not letters of "xyz".
+    """
+
+    nodes: ArrayLike
+    components: str = "xyz"
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "nodes", validation.rows("Support nodes", self.nodes))
+        validation.components("Support components", self.components)
+
+
+@dataclass(frozen=True, eq=False)
+class Structure:
+    """Everything that does not change from stage to stage.
+
+    Args:
+        points: Reference (prestressed) position of the nodes, shape (n, 3) [m]. A node is known by its row.
+        parts: Membranes, cables and masts by name. Parts that share a node are hinged together there.
+        supports: Nodes that do not move.
+
+    Raises:
+        ValueError: A cell names a node that does not exist, has no area or no length, or is normal to its warp
+            vector; a support is on a node that does not exist or that no part uses; a value is not finite.
+    """
+
+    points: NDArray[np.float64]
+    parts: Mapping[str, Part]
+    supports: Sequence[Support] = ()
+
+    def __post_init__(self) -> None:
+        points = validation.finite("points", self.points)
+        if points.ndim != 2 or points.shape[1] != 3:
+            raise ValueError(f"points has shape {points.shape}; give (n, 3), one row x, y, z for each node.")
+        object.__setattr__(self, "points", points)
+        object.__setattr__(self, "parts", dict(self.parts))
+        object.__setattr__(self, "supports", tuple(self.supports))
+        if not self.parts:
+            raise ValueError("The structure has no parts; give at least one Membrane, Cable or Mast.")
+        for name, part in self.parts.items():
+            if not isinstance(part, Part):
+                raise ValueError(f"Part {name!r} is {part!r}; give a Membrane, Cable or Mast.")
+            validation.in_range(f"Part {name!r}", part.cells.ravel(), len(points), "node")
+            self._check_measures(name, part)
+            if part.dimension == 2:
+                self.warp(name)
+        for support in self.supports:
+            self.check_nodes("A support", np.asarray(support.nodes))
+
+    @property
+    def used(self) -> NDArray[np.bool_]:
+        """Which nodes belong to a part, shape (n,)."""
+        used = np.zeros(len(self.points), dtype=bool)
+        for part in self.parts.values():
+            used[part.cells] = True
+        return used
+
+    @property
+    def supported(self) -> NDArray[np.bool_]:
+        """Which components of which nodes are held by supports, shape (n, 3)."""
+        held = np.zeros(self.points.shape, dtype=bool)
+        for support in self.supports:
+            for component in validation.components("Support components", support.components):
+                held[support.nodes, component] = True
+        return held
+
+    def warp(self, name: str) -> NDArray[np.float64]:
+        """Unit warp direction of every cell of a membrane in its own plane, shape (cells, 3) [-]."""
+        membrane = self.parts[name]
+        assert isinstance(membrane, Membrane)
+        normal = normals(self.points, membrane.cells)
+        if membrane.warp is None:
+            along_x = np.abs(normal[:, :1]) < 0.99
+            given = np.where(along_x, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
+        else:
+            given = np.broadcast_to(np.asarray(membrane.warp, dtype=np.float64), normal.shape)
+        tangent = given - np.sum(given * normal, axis=1, keepdims=True) * normal
+        length = np.linalg.norm(tangent, axis=1)
+        bad = np.flatnonzero(length <= 1e-8 * np.linalg.norm(given, axis=1))
+        if len(bad):
+            raise ValueError(
+                f"Part {name!r}, cell {bad[0]}: its warp {given[bad[0]].tolist()} is zero or normal to the cell; "
+                "give a vector that lies roughly in the cell."
+            )
+        return np.asarray(tangent / length[:, None])
+
+    def check_nodes(self, what: str, nodes: NDArray[np.int64]) -> None:
+        """Refuses nodes that do not exist or that no part uses.
+
+        Raises:
+            ValueError: Names what, and the node.
+        """
+        validation.in_range(what, nodes, len(self.points), "node")
+        loose = nodes[~self.used[nodes]]
+        if len(loose):
+            raise ValueError(f"{what} is on node {loose[0]}, which no part uses; mend the number or add the part.")
+
+    def _check_measures(self, name: str, part: Part) -> None:
+        size = measures(self.points, part.cells)
+        span = np.ptp(self.points[part.cells], axis=1).max(axis=1) ** part.dimension
+        bad = np.flatnonzero(size <= 1e-10 * np.maximum(span, np.finfo(float).tiny))
+        if len(bad):
+            what = "length" if part.dimension == 1 else "area"
+            raise ValueError(
+                f"Part {name!r}, cell {bad[0]} (nodes {part.cells[bad[0]].tolist()}) has no {what}; "
+                "remove the cell or move its nodes apart."
+            )

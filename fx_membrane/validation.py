@@ -1,0 +1,102 @@
+"""Refusals at the door: each check returns the value as an array or a number, or raises one clear sentence."""
+
+import math
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+
+def number(name: str, value: Any) -> float:
+    """A finite number."""
+    try:
+        result = float(value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be a number, not {value!r}.") from None
+    if not math.isfinite(result):
+        raise ValueError(f"{name} is {value}; give a finite number.")
+    return result
+
+
+def positive(name: str, value: Any) -> float:
+    """A finite number above zero."""
+    result = number(name, value)
+    if result <= 0:
+        raise ValueError(f"{name} is {value}; it must be positive.")
+    return result
+
+
+def finite(name: str, value: ArrayLike) -> NDArray[np.float64]:
+    """A read-only array of finite numbers."""
+    try:
+        result = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} must be an array of numbers with rows of equal length.") from None
+    bad = np.argwhere(~np.isfinite(result))
+    if len(bad):
+        where = f" at index {tuple(map(int, bad[0]))}" if result.ndim else ""
+        raise ValueError(f"{name} has a value that is not finite ({result[tuple(bad[0])]}){where}; give finite numbers.")
+    result.setflags(write=False)
+    return result
+
+
+def vector(name: str, value: ArrayLike) -> NDArray[np.float64]:
+    """A read-only array of three finite numbers."""
+    result = finite(name, value)
+    if result.shape != (3,):
+        raise ValueError(f"{name} must have three components (x, y, z); its shape is {result.shape}.")
+    return result
+
+
+def rows(name: str, value: ArrayLike) -> NDArray[np.int64]:
+    """A read-only, one-dimensional array of node or cell numbers; a single number is an array of one."""
+    result = np.atleast_1d(np.asarray(value))
+    if result.ndim != 1 or not (result.dtype.kind in "iu" or result.size == 0):
+        hint = "; turn a mask into numbers with numpy.flatnonzero" if result.dtype.kind == "b" else ""
+        raise ValueError(f"{name} must be a list of whole numbers, not {result.dtype} of shape {result.shape}{hint}.")
+    return _frozen_integers(result)
+
+
+def cells(name: str, value: ArrayLike, nodes: int) -> NDArray[np.int64]:
+    """A read-only array of cells with that many nodes each; no cell may have a node twice."""
+    result = np.asarray(value)
+    if result.ndim != 2 or result.shape[1] != nodes or not len(result) or result.dtype.kind not in "iu":
+        raise ValueError(
+            f"{name} must be an array of whole numbers of shape (n, {nodes}) with n >= 1, "
+            f"not {result.dtype} of shape {result.shape}."
+        )
+    ordered = np.sort(result, axis=1)
+    twice = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
+    if len(twice):
+        raise ValueError(f"{name}: cell {twice[0]} has a node twice, {result[twice[0]].tolist()}; remove or mend the cell.")
+    return _frozen_integers(result)
+
+
+def in_range(name: str, numbers: NDArray[np.int64], count: int, of: str) -> None:
+    """Refuses numbers outside 0 ... count - 1."""
+    bad = numbers[(numbers < 0) | (numbers >= count)]
+    if len(bad):
+        raise ValueError(f"{name} names {of} {bad[0]}, which does not exist; {of}s are numbered 0 to {count - 1}.")
+
+
+def components(name: str, value: str) -> tuple[int, ...]:
+    """Components as column numbers: "xz" is (0, 2)."""
+    if not isinstance(value, str) or not value or set(value) - set("xyz") or len(set(value)) < len(value):
+        raise ValueError(f'{name} is {value!r}; give one or more of the letters x, y and z, like "xyz" or "z".')
+    return tuple("xyz".index(letter) for letter in value)
+
+
+def unique(name: str, values: Iterable[str]) -> None:
+    """Refuses a name given twice."""
+    seen: set[str] = set()
+    for value in values:
+        if value in seen:
+            raise ValueError(f"{name} {value!r} is given twice; names must differ.")
+        seen.add(value)
+
+
+def _frozen_integers(array: NDArray[Any]) -> NDArray[np.int64]:
+    result = array.astype(np.int64)
+    result.setflags(write=False)
+    return result
