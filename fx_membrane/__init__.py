@@ -2,17 +2,17 @@
 
 import os
 
-# One thread for each process: with more, MUMPS on busy cores can be ten times slower. To be set before PETSc loads.
+# One thread for each process: with more, MUMPS can be ten times slower where cores are busy. Before PETSc is loaded.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-from mpi4py import MPI as _MPI  # noqa: E402, F401  (before dolfinx: its wheel from PyPI needs the MPI library loaded)
+from mpi4py import MPI as _MPI  # noqa: F401  (before dolfinx: its wheel from PyPI needs the MPI library loaded)
 
-from .analysis import Analysis, ConvergenceError  # noqa: E402
-from .geometry import boundary, rectangle  # noqa: E402
-from .loads import DeadLoad, PointLoad, PrescribedDisplacement, Stage  # noqa: E402
-from .material import Fabric, OrthotropicFabric  # noqa: E402
-from .solver import Newton  # noqa: E402
-from .structure import Cable, Mast, Membrane, Structure, Support  # noqa: E402
+from .analysis import Analysis, ConvergenceError
+from .geometry import boundary, rectangle
+from .loads import DeadLoad, PointLoad, PrescribedDisplacement, Stage
+from .material import Fabric, OrthotropicFabric
+from .solver import Newton
+from .structure import Cable, Mast, Membrane, Structure, Support
 
 __all__ = [
     "Analysis",

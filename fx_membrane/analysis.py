@@ -39,7 +39,7 @@ class Analysis:
         comm: The processes that share the work; each must give the same structure and stages.
     """
 
-    def __init__(self, structure: Structure, solver: Newton = Newton(), comm: MPI.Comm = MPI.COMM_WORLD):
+    def __init__(self, structure: Structure, solver: Newton = Newton(), comm: MPI.Intracomm = MPI.COMM_WORLD):
         self.structure = structure
         self._problem = Problem(structure, comm)
         self._solve = solver.prepare(self._problem)
@@ -78,9 +78,10 @@ class Analysis:
         }
         for load in stage.loads:
             if isinstance(load, PointLoad):
-                np.add.at(point_loads, load.nodes, load.force)
+                np.add.at(point_loads, np.asarray(load.nodes), load.force)
             else:
-                np.add.at(dead_loads[load.part], slice(None) if load.cells is None else load.cells, load.load)
+                cells = np.arange(len(dead_loads[load.part])) if load.cells is None else np.asarray(load.cells)
+                np.add.at(dead_loads[load.part], cells, load.load)
         held, displacement = _prescribed(stage, self.structure)
         return Actions(
             loads=start.loads + point_loads + self._problem.nodal_loads(dead_loads),
@@ -89,7 +90,12 @@ class Analysis:
         )
 
     def _run(
-        self, stage: Stage, start: Actions, end: Actions, displacement: NDArray[np.float64], results: dict[str, StageResult]
+        self,
+        stage: Stage,
+        start: Actions,
+        end: Actions,
+        displacement: NDArray[np.float64],
+        results: dict[str, StageResult],
     ) -> StageResult:
         """Load increments of a stage, from a converged displacement at the start actions."""
         free = ~start.held  # what this stage takes hold of starts from where it is

@@ -29,7 +29,10 @@ def stalled(problem: Problem, x: PETSc.Vec) -> str:
     """Why the iteration did not come to an end."""
     size = np.ptp(problem.discretization.structure.points, axis=0).max()
     largest = x.norm(PETSc.NormType.NORM_INFINITY)
-    advice = "apply the loads in more steps (steps=...), give more prestress, or allow more iterations (Newton(max_iterations=...))"
+    advice = (
+        "apply the loads in more steps (steps=...), give more prestress, "
+        "or allow more iterations (Newton(max_iterations=...))"
+    )
     if not largest <= 10 * size:
         return (
             f"the iteration diverged: displacements of {largest:.3g} in a structure of size {size:.3g}. "

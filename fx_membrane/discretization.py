@@ -65,7 +65,7 @@ class Discretization:
         parts: Meshes of the parts of which this process has cells.
     """
 
-    def __init__(self, structure: Structure, comm: MPI.Comm = MPI.COMM_WORLD):
+    def __init__(self, structure: Structure, comm: MPI.Intracomm = MPI.COMM_WORLD):
         self.structure, self.comm = structure, comm
         used = np.flatnonzero(structure.used)
         compact = np.cumsum(structure.used) - 1  # row in `points` -> row in `used`
@@ -104,7 +104,7 @@ class Discretization:
             part=part,
             mesh=mesh,
             cells=share[_dolfinx.cell_order(mesh)],
-            nodes=np.searchsorted(self.local, nodes),
+            nodes=np.asarray(np.searchsorted(self.local, nodes)),
             u=fem.Function(V),
             numbering=PETSc.LGMap().create(self.number[nodes].astype(PETSc.IntType), bsize=3, comm=MPI.COMM_SELF),
         )

@@ -75,10 +75,10 @@ class Problem:
     Attributes:
         discretization: The meshes and their common numbering.
         parts: Forms of the parts of which this process has cells.
-        stiffness: A typical stiffness [N/m]: diagonal entry of held components, and what turns their error into a force.
+        stiffness: A typical stiffness [N/m]: the diagonal entry of held components, which turns their error into a force.
     """
 
-    def __init__(self, structure: Structure, comm: MPI.Comm = MPI.COMM_WORLD):
+    def __init__(self, structure: Structure, comm: MPI.Intracomm = MPI.COMM_WORLD):
         self.discretization = Discretization(structure, comm)
         self.parts = {name: _part_forms(mesh, structure) for name, mesh in self.discretization.parts.items()}
         self.stiffness = max(_typical_stiffness(structure, name) for name in structure.parts)
@@ -97,6 +97,7 @@ class Problem:
         Args:
             dead_loads: For each loaded part, load per reference area or length of each cell, shape (cells, 3).
         """
+
         def share(part: PartForms, q: NDArray[np.float64]) -> tuple[PartMesh, NDArray[np.float64]]:
             part.q.x.array[:] = q[part.mesh.cells].ravel()
             return part.mesh, _assemble_vector(part.load)
@@ -182,6 +183,7 @@ def _part_forms(mesh: PartMesh, structure: Structure) -> PartForms:
 
 def _stress_increment(mesh: PartMesh, E: Any) -> Any:
     """C : E of the part's material, its constants as data so that all parts of a kind share one compiled form."""
+
     def constant(value: float) -> fem.Constant:
         return fem.Constant(mesh.mesh, np.float64(value))
 

@@ -42,7 +42,7 @@ class MembraneResult:
         cauchy: Stress per current length in global axes, shape (cells, 3, 3) [N/m].
         principal: Principal values of `cauchy`, the larger first, shape (cells, 2) [N/m].
         cauchy_projected: Cauchy stress with the determinant of I + grad u as J, in global axes, shape (cells, 3, 3)
-            [N/m]: what Gil (19) gives, the paper's Table 2. It is smaller than `cauchy` where cells have turned.
+            [N/m]: what Gil (19) gives, the paper's Table 2. It is larger than `cauchy` where cells have turned.
     """
 
     strain: Array
@@ -165,9 +165,7 @@ class Recorder:
         self.problem = problem
         self.expressions = {name: _part_expression(part) for name, part in problem.parts.items()}
 
-    def __call__(
-        self, name: str, x: PETSc.Vec, actions: Actions, increments: tuple[Increment, ...]
-    ) -> StageResult:
+    def __call__(self, name: str, x: PETSc.Vec, actions: Actions, increments: tuple[Increment, ...]) -> StageResult:
         """Result of a state x under actions that the problem holds."""
         problem, discretization = self.problem, self.problem.discretization
         b = discretization.create_vector()

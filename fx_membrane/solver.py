@@ -63,7 +63,7 @@ class Newton:
         return _NewtonRaphson(self, problem)
 
 
-class _Stop(Exception):
+class _Stop(Exception):  # noqa: N818  (not an error but a message from callback to caller)
     """Ends the iteration from inside a callback, with the reason in words."""
 
 

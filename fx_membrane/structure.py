@@ -48,7 +48,9 @@ class Membrane:
             if warp.shape not in ((3,), (len(self.cells), 3)):
                 raise ValueError(f"Membrane warp has shape {warp.shape}; give (3,) or ({len(self.cells)}, 3).")
         elif directed or isinstance(self.material, OrthotropicFabric):
-            raise ValueError("The material or the prestress has a warp and a weft; give the warp as a vector, warp=(x, y, z).")
+            raise ValueError(
+                "The material or the prestress has a warp and a weft; give the warp as a vector, warp=(x, y, z)."
+            )
 
     def prestress_tensors(self) -> NDArray[np.float64]:
         """Prestress of every cell in the warp/weft frame, shape (n, 2, 2) [N/m]."""
@@ -70,16 +72,7 @@ class Membrane:
 
 @dataclass(frozen=True, eq=False)
 class _Bar:
-    """Two-node straight elements that carry axial force only.
-
-    Args:
-        cells: Segments as rows of node numbers, shape (n, 2).
-        axial_stiffness: Young's modulus times cross-section [N].
-        prestress: Axial force in the reference shape [N], a number or one per cell, shape (n,).
-
-    Raises:
-        ValueError: Cells or prestress have a wrong shape or values that are not finite; the stiffness is not positive.
-    """
+    """What cables and masts have in common: straight elements that carry axial force only."""
 
     dimension: ClassVar[int] = 1
     cells: NDArray[np.int64]
@@ -107,11 +100,23 @@ class _Bar:
 
 
 class Cable(_Bar):
-    __doc__ = "Cable. " + str(_Bar.__doc__)
+    """Cables as two-node straight elements; they do not go slack yet, so look at the sign of their force.
+
+    Args:
+        cells: Segments as rows of node numbers, shape (n, 2).
+        axial_stiffness: Young's modulus times cross-section [N].
+        prestress: Axial force in the reference shape [N], a number or one per cell, shape (n,).
+
+    Raises:
+        ValueError: Cells or prestress have a wrong shape or values that are not finite; the stiffness is not positive.
+    """
 
 
 class Mast(_Bar):
-    __doc__ = "Pinned mast or strut. " + str(_Bar.__doc__)
+    """Pinned masts and struts as two-node straight elements, in tension and compression.
+
+    Args and Raises as for `Cable`.
+    """
 
 
 Part = Membrane | Cable | Mast

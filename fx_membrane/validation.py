@@ -36,7 +36,9 @@ def finite(name: str, value: ArrayLike) -> NDArray[np.float64]:
     bad = np.argwhere(~np.isfinite(result))
     if len(bad):
         where = f" at index {tuple(map(int, bad[0]))}" if result.ndim else ""
-        raise ValueError(f"{name} has a value that is not finite ({result[tuple(bad[0])]}){where}; give finite numbers.")
+        raise ValueError(
+            f"{name} has a value that is not finite ({result[tuple(bad[0])]}){where}; give finite numbers."
+        )
     result.setflags(write=False)
     return result
 
@@ -69,7 +71,9 @@ def cells(name: str, value: ArrayLike, nodes: int) -> NDArray[np.int64]:
     ordered = np.sort(result, axis=1)
     twice = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
     if len(twice):
-        raise ValueError(f"{name}: cell {twice[0]} has a node twice, {result[twice[0]].tolist()}; remove or mend the cell.")
+        raise ValueError(
+            f"{name}: cell {twice[0]} has a node twice, {result[twice[0]].tolist()}; remove or mend the cell."
+        )
     return _frozen_integers(result)
 
 

@@ -1,0 +1,55 @@
+"""Every demo runs, passes its own check, and draws pictures that show something."""
+
+import os
+import runpy
+import sys
+from pathlib import Path
+
+import matplotlib.image
+import numpy as np
+import pytest
+
+DEMOS = Path(__file__).parent.parent / "demos"
+PICTURES = {
+    "square_membrane": ["fig7_convergence.png", "fig8_displacements.png", "fig9_principal_stresses.png"],
+}
+
+
+def test_every_demo_is_listed():
+    assert {path.stem for path in DEMOS.glob("*.py")} == set(PICTURES)
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize("name", PICTURES)
+def test_demo(name, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", [name])
+    runpy.run_path(str(DEMOS / f"{name}.py"))
+    assert "Check passed" in capsys.readouterr().out
+    pictures = sorted(Path("output", name).glob("*.png"))
+    assert [picture.name for picture in pictures] == PICTURES[name]
+    for picture in pictures:
+        image = matplotlib.image.imread(picture)
+        assert min(image.shape[:2]) > 400
+        white = (image[..., :3] > 0.99).all(axis=2).mean()
+        assert 0.1 < white < 0.97  # neither blank nor filled
+        assert len(np.unique(np.round(image[..., :3] * 16).reshape(-1, 3), axis=0)) > 20  # more than one flat colour
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_demo_on_any_number_of_processes(name, monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", [name, "--no-pictures"])
+    runpy.run_path(str(DEMOS / f"{name}.py"))
+    printed = capsys.readouterr().out
+    first = os.environ.get("OMPI_COMM_WORLD_RANK", os.environ.get("PMI_RANK", "0")) == "0"
+    assert ("Check passed" in printed) == first
+
+
+@pytest.mark.serial
+def test_readme_script(tmp_path, monkeypatch, capsys):
+    """The script in the README runs as printed there."""
+    monkeypatch.chdir(tmp_path)
+    script = (DEMOS.parent / "README.md").read_text().split("```python\n")[1].split("```")[0]
+    exec(compile(script, "README.md", "exec"), {"__name__": "__main__"})
+    assert "largest cable force" in capsys.readouterr().out
+    assert Path("snow.png").exists()
