@@ -7,17 +7,27 @@ export OMPI_MCA_rmaps_base_oversubscribe = 1
 export PRTE_MCA_rmaps_default_mapping_policy = :oversubscribe
 
 BIN := .venv/bin
-PARALLEL := $(BIN)/python -m mpi4py -m pytest -q -p no:cacheprovider -m "not serial"
+SUITE ?= trixie
 
-.PHONY: demo test lint mpi-test benchmark clean
+.PHONY: demo test lint test-wheel test-debian test-matrix benchmark clean
 
 demo: .venv/ready
 	$(BIN)/python demos/square_membrane.py
 
 test: lint
-	$(BIN)/python -m pytest -q
-	mpirun -n 2 $(PARALLEL)
-	mpirun -n 3 $(PARALLEL)
+	@.ci/suite $(BIN)/python mpirun
+
+# The same suite with dolfinx 0.11 from PyPI.
+test-wheel:
+	@.ci/test-wheel
+
+# The same suite in a Debian of another suite: make test-debian SUITE=sid
+test-debian:
+	@.ci/test-debian $(SUITE)
+
+# All of them, and one table.
+test-matrix:
+	@.ci/test-matrix
 
 lint: .venv/ready
 	$(BIN)/ruff check
@@ -32,4 +42,4 @@ benchmark: .venv/ready
 	@.ci/setup
 
 clean:
-	rm -rf .venv output dist build *.egg-info
+	rm -rf .venv .venv-wheel output dist build *.egg-info

@@ -113,6 +113,13 @@ if "--no-pictures" not in sys.argv:
     if MPI.COMM_WORLD.rank == 0:
         print(f"\nPictures are in {folder}/ (shape drawn with displacements five times larger)")
 
+# %%
+numbers = {
+    "displacements [in]": [ours for *_, ours in rows_1],
+    "stresses [psi]": [ours for *_, ours in rows_2],
+    "energies [kip in]": [entry.energy for _, entry in result.history],
+}
+
 # %% [markdown]
 # ## Check
 #

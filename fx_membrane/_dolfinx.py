@@ -1,10 +1,14 @@
-"""Everything that differs between versions of dolfinx, and nothing else.
+"""Everything that differs between dolfinx 0.5, 0.9 and 0.11, and nothing else.
 
-Meshes and forms live on one process each (`MPI.COMM_SELF`); the parallel system is built from them in
-`discretization`.
+Each difference is asked for by name, in one place; the comment says who has which. Meshes and forms live on one
+process each (`MPI.COMM_SELF`); the parallel system is built from them in `discretization`.
 """
 
+import importlib.util
+import inspect
 import logging
+import os
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -12,9 +16,12 @@ from typing import Any
 import basix
 import numpy as np
 import ufl
-from dolfinx import fem, mesh
+from dolfinx import cpp, fem, log, mesh
 from mpi4py import MPI
 from numpy.typing import NDArray
+
+if importlib.util.find_spec("basix.ufl"):
+    import basix.ufl
 
 CELL = {1: "interval", 2: "triangle"}
 
@@ -23,16 +30,29 @@ CELL = {1: "interval", 2: "triangle"}
 JIT = {"cffi_extra_compile_args": ["-O2", "-g0"], "timeout": 300}
 
 
+def _element(family: str, cell: str, degree: int, size: int) -> Any:
+    """Element of vectors with `size` components."""
+    if hasattr(basix, "ufl"):  # 0.9, 0.11
+        return basix.ufl.element(family, cell, degree, shape=(size,))
+    return ufl.VectorElement(family, ufl.Cell(cell, geometric_dimension=3), degree, dim=size)  # 0.5
+
+
 def create_mesh(points: NDArray[np.float64], cells: NDArray[np.int64]) -> Any:
     """Mesh of intervals, cells (n, 2), or triangles, cells (n, 3), in space; points (m, 3) [m]."""
-    cell = ufl.Cell(CELL[cells.shape[1] - 1], geometric_dimension=3)
-    domain = ufl.Mesh(ufl.VectorElement("Lagrange", cell, 1))
-    return mesh.create_mesh(MPI.COMM_SELF, cells, points, domain, ghost_mode=mesh.GhostMode.none)
+    domain = ufl.Mesh(_element("Lagrange", CELL[cells.shape[1] - 1], 1, 3))
+    arguments = inspect.signature(mesh.create_mesh).parameters
+    keyword = "e" if "e" in arguments else "domain"  # 0.9, 0.11: e; 0.5: domain
+    return mesh.create_mesh(MPI.COMM_SELF, cells=cells, x=points, **{keyword: domain})
 
 
 def functionspace(msh: Any, family: str, degree: int, size: int) -> Any:
     """Space of vectors with `size` components."""
-    return fem.FunctionSpace(msh, ufl.VectorElement(family, msh.ufl_cell(), degree, dim=size))
+    create = getattr(fem, "functionspace", None) or fem.FunctionSpace  # 0.9, 0.11: function; 0.5: class
+    return create(msh, _element(family, CELL[msh.topology.dim], degree, size))
+
+
+def _table(dofmap: Any) -> NDArray[np.int32]:
+    return np.asarray(getattr(dofmap, "array", dofmap)).ravel()  # 0.5: adjacency list; 0.9, 0.11: array
 
 
 def cell_order(msh: Any) -> NDArray[np.int64]:
@@ -42,16 +62,17 @@ def cell_order(msh: Any) -> NDArray[np.int64]:
 
 def node_order(V: Any) -> NDArray[np.int64]:
     """Row in the `points` given to `create_mesh` of each node of a linear Lagrange space."""
-    msh = V.mesh
+    geometry = V.mesh.geometry
+    several = hasattr(geometry, "dofmaps") and not callable(geometry.dofmaps)  # 0.11: one for each cell type
+    cells = _table(geometry.dofmaps[0] if several else geometry.dofmap)
     node = np.empty(V.dofmap.index_map.size_local, dtype=np.int64)
-    geometry = np.asarray(msh.geometry.input_global_indices)[msh.geometry.dofmap.array]
-    node[V.dofmap.list.array] = geometry
+    node[_table(V.dofmap.list)] = np.asarray(geometry.input_global_indices)[cells]
     return node
 
 
 @contextmanager
 def _quiet_compiler() -> Iterator[None]:
-    """Keeps the gcc commands that FFCx logs at INFO to the root logger to itself, and undoes its change of level."""
+    """Keeps the gcc commands that FFCx 0.5 logs at INFO to itself, and undoes its change of the root logger's level."""
     disabled, level = logging.root.manager.disable, logging.root.level
     logging.disable(logging.INFO)
     try:
@@ -61,22 +82,65 @@ def _quiet_compiler() -> Iterator[None]:
         logging.root.setLevel(level)
 
 
+def _compile(function: Any, *args: Any) -> Any:
+    arguments = inspect.signature(function).parameters
+    keyword = "jit_options" if "jit_options" in arguments else "jit_params"  # 0.9, 0.11: options; 0.5: params
+    with _quiet_compiler():
+        return function(*args, **{keyword: dict(JIT)})  # a fresh one: dolfinx writes into it
+
+
 def form(a: Any) -> Any:
     """Compiled form; from the cache on disk where it was compiled before."""
-    with _quiet_compiler():
-        return fem.form(a, jit_params=dict(JIT))
+    return _compile(fem.form, a)
 
 
 class CellExpression:
     """A vector-valued UFL expression, compiled, evaluated at the midpoint of every cell."""
 
     def __init__(self, expression: Any, msh: Any):
-        kind = getattr(basix.CellType, CELL[msh.topology.dim])
-        midpoint = basix.geometry(kind).mean(axis=0, keepdims=True)
-        self._cells = np.arange(msh.topology.index_map(msh.topology.dim).size_local, dtype=np.int32)
-        with _quiet_compiler():
-            self._expression = fem.Expression(expression, midpoint, jit_params=dict(JIT))
+        dimension = msh.topology.dim
+        midpoint = np.full((1, dimension), 1 / (dimension + 1))
+        self._cells = np.arange(msh.topology.index_map(dimension).size_local, dtype=np.int32)
+        self._expression = _compile(fem.Expression, expression, midpoint)
+        meshes = "mesh" in inspect.signature(self._expression.eval).parameters  # 0.9, 0.11; not 0.5
+        self._arguments = (msh, self._cells) if meshes else (self._cells,)
 
     def __call__(self) -> NDArray[np.float64]:
         """Values, shape (cells of the mesh, size)."""
-        return self._expression.eval(self._cells).reshape(len(self._cells), -1)
+        return np.asarray(self._expression.eval(*self._arguments)).reshape(len(self._cells), -1)
+
+
+def has_newton_solver() -> bool:
+    """Whether dolfinx has its NewtonSolver: 0.5, 0.9 and 0.11; upstream removes it after that."""
+    return hasattr(cpp.nls.petsc, "NewtonSolver")
+
+
+def newton_solver(comm: MPI.Intracomm) -> Any:
+    """The NewtonSolver of C++, which takes callbacks for residual, tangent and update."""
+    with _quiet_stderr():
+        return cpp.nls.petsc.NewtonSolver(comm)
+
+
+@contextmanager
+def _quiet_stderr() -> Iterator[None]:
+    """Keeps to itself what C++ writes: 0.11 says in each NewtonSolver that it is deprecated, past log and warnings."""
+    sys.stderr.flush()
+    kept = os.dup(2)
+    with open(os.devnull, "w") as nowhere:
+        os.dup2(nowhere.fileno(), 2)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+
+
+@contextmanager
+def quiet_log() -> Iterator[None]:
+    """Keeps dolfinx's warnings to itself; what matters of them is said in our own words."""
+    level = log.get_log_level()
+    log.set_log_level(log.LogLevel.ERROR)
+    try:
+        yield
+    finally:
+        log.set_log_level(level)

@@ -33,8 +33,10 @@ def rectangle(
     Raises:
         ValueError: A size or a number is not positive, or diagonals is none of the three.
     """
-    for name, value in {"width": width, "height": height, "columns": columns, "rows": rows}.items():
-        validation.positive(name, value)
+    validation.positive("width", width)
+    validation.positive("height", height)
+    validation.whole("columns", columns)
+    validation.whole("rows", rows)
     x = np.linspace(-width / 2, width / 2, columns + 1)
     y = np.linspace(-height / 2, height / 2, rows + 1)
     points = np.stack([*np.meshgrid(x, y), np.zeros((rows + 1, columns + 1))], axis=-1).reshape(-1, 3)

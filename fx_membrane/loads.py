@@ -102,8 +102,7 @@ class Stage:
     def __post_init__(self) -> None:
         object.__setattr__(self, "loads", tuple(self.loads))
         object.__setattr__(self, "displacements", tuple(self.displacements))
-        if not isinstance(self.steps, int | np.integer) or self.steps < 1:
-            raise ValueError(f"Stage {self.name!r} has steps={self.steps!r}; give a whole number above zero.")
+        validation.whole(f"Stage {self.name!r}: steps", self.steps)
         for load in self.loads:
             if not isinstance(load, PointLoad | DeadLoad):
                 raise ValueError(f"Stage {self.name!r} has the load {load!r}; give a PointLoad or a DeadLoad.")

@@ -108,6 +108,8 @@ def _picture(
     """The deformed structure, coloured; shape (height, width, 3)."""
     import pyvista  # noqa: PLC0415
 
+    if not os.environ.get("DISPLAY") and pyvista.vtk_version_info < (9, 4):  # it would abort the whole process
+        raise RuntimeError("Without a screen this version of VTK cannot draw; run the script with xvfb-run.")
     points = result.structure.points + scale * result.displacement
     size = np.linalg.norm(np.ptp(points, axis=0))
     plotter = pyvista.Plotter(off_screen=True, window_size=(1200, 840))

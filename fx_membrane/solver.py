@@ -1,13 +1,14 @@
 """Solvers: a problem and a start go in; the state, its history and a reason in words come out."""
 
 import math
+import weakref
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from dolfinx import cpp
 from petsc4py import PETSc
 
+from . import _dolfinx
 from .diagnosis import linear_failure, stalled
 from .problem import Problem
 
@@ -68,6 +69,8 @@ class _Stop(Exception):  # noqa: N818  (not an error but a message from callback
 
 
 class _NewtonRaphson:
+    """The iteration: callbacks for residual, tangent and step, and what drives them."""
+
     def __init__(self, settings: Newton, problem: Problem):
         self.settings, self.problem = settings, problem
         self.A = problem.discretization.create_matrix()
@@ -75,33 +78,27 @@ class _NewtonRaphson:
         self.b = problem.discretization.create_vector()
         self.linear_error = self.b.duplicate()
         self.history: list[Iteration] = []
+        self.tolerance = 0.0
         self.next_step = 0.0
-        self.newton = cpp.nls.petsc.NewtonSolver(problem.discretization.comm)
-        self.newton.setF(self.residual, self.b)
-        self.newton.setJ(self.tangent, self.A)
-        self.newton.set_form(lambda x: None)
-        self.newton.set_update(self.update)
-        self.newton.convergence_criterion = "residual"
-        self.newton.error_on_nonconvergence = False
-        self.newton.rtol = 0.0  # `atol` is set from the forces at hand in each iteration
-        self.newton.max_it = settings.max_iterations
-        ksp = self.newton.krylov_solver
-        ksp.setType("preonly")
-        ksp.getPC().setType("cholesky")
-        ksp.getPC().setFactorSolverType("mumps")
+        # The drivers hold their callbacks in C and C++, where Python's garbage collector does not look: a weak
+        # reference keeps the problem from living as long as the program.
+        owner = weakref.proxy(self)
+        self.iterate = _by_dolfinx(owner) if _dolfinx.has_newton_solver() else _by_snes(owner)
 
     def __call__(self, x: PETSc.Vec) -> Solution:
         self.history, self.next_step = [], 0.0
         try:
-            _, converged = self.newton.solve(x)
+            with _dolfinx.quiet_log():
+                converged = self.iterate(x)
         except _Stop as stop:
             return Solution(False, str(stop), tuple(self.history))
         reason = "converged" if converged else stalled(self.problem, x)
-        return Solution(bool(converged), reason, tuple(self.history))
+        return Solution(converged, reason, tuple(self.history))
 
     def residual(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
+        """Residual with held components; notes the iterate and the tolerance for its 2-norm."""
         self.problem.residual(x, b)
-        self.newton.atol = max(self.settings.rtol * b.norm(), 1e-300)
+        self.tolerance = max(self.settings.rtol * b.norm(), 1e-300)
         self.problem.hold(x, b)
         largest = b.norm(PETSc.NormType.NORM_INFINITY)
         self.history.append(Iteration(self.problem.energy(x), largest, self.next_step))
@@ -109,14 +106,75 @@ class _NewtonRaphson:
             raise _Stop(stalled(self.problem, x))
 
     def tangent(self, x: PETSc.Vec, A: PETSc.Mat) -> None:
+        """Tangent and right-hand side with held components."""
         self.problem.tangent(x, A)
         self.problem.hold_tangent(x, A, self.b)
 
-    def update(self, newton: Any, dx: PETSc.Vec, x: PETSc.Vec) -> None:
+    def step(self, dx: PETSc.Vec) -> float:
+        """Length of the step -dx, after a look at how well dx solves the linear system."""
         self.A.mult(dx, self.linear_error)
         self.linear_error.axpy(-1.0, self.b)
         # Written so that a norm that is not a number counts as a failure.
         if not self.linear_error.norm() <= 1e-6 * self.b.norm():
             raise _Stop(linear_failure(self.problem, self.A))
         self.next_step = 1.0
-        x.axpy(-self.next_step, dx)
+        return self.next_step
+
+
+def _by_dolfinx(owner: _NewtonRaphson) -> Callable[[PETSc.Vec], bool]:
+    """dolfinx's NewtonSolver drives the iteration."""
+    newton = _dolfinx.newton_solver(owner.problem.discretization.comm)
+
+    def residual(x: PETSc.Vec, b: PETSc.Vec) -> None:
+        owner.residual(x, b)
+        newton.atol = owner.tolerance
+
+    newton.setF(residual, owner.b)
+    newton.setJ(lambda x, A: owner.tangent(x, A), owner.A)
+    newton.set_form(lambda x: None)
+    newton.set_update(lambda _, dx, x: x.axpy(-owner.step(dx), dx))
+    newton.convergence_criterion = "residual"
+    newton.error_on_nonconvergence = False
+    newton.rtol = 0.0  # `atol` follows the forces at hand
+    newton.max_it = owner.settings.max_iterations
+    _direct(newton.krylov_solver)
+    return lambda x: bool(newton.solve(x)[1])
+
+
+def _by_snes(owner: _NewtonRaphson) -> Callable[[PETSc.Vec], bool]:
+    """PETSc's SNES drives the same iteration, where dolfinx has no NewtonSolver."""
+    reasons = PETSc.SNES.ConvergedReason
+
+    def shorten(_: PETSc.Vec, dx: PETSc.Vec) -> bool:
+        dx.scale(owner.step(dx))
+        return True
+
+    def test(_: PETSc.SNES, iteration: int, norms: tuple[float, float, float]) -> int:
+        if norms[2] < owner.tolerance:
+            return reasons.CONVERGED_FNORM_ABS
+        return reasons.DIVERGED_MAX_IT if iteration == owner.settings.max_iterations else reasons.ITERATING
+
+    snes = PETSc.SNES().create(owner.problem.discretization.comm)
+    snes.setType("newtonls")
+    snes.setOptionsPrefix("fx_membrane_")
+    PETSc.Options("fx_membrane_")["snes_linesearch_type"] = "basic"
+    snes.setFromOptions()
+    snes.setFunction(lambda _, x, b: owner.residual(x, b), owner.b)
+    snes.setJacobian(lambda _, x, A, P: owner.tangent(x, A), owner.A)
+    snes.setLineSearchPreCheck(shorten)
+    snes.setConvergenceTest(test)
+    _direct(snes.getKSP())
+
+    def solve(x: PETSc.Vec) -> bool:
+        snes.solve(None, x)
+        if snes.getConvergedReason() == reasons.DIVERGED_LINEAR_SOLVE:
+            raise _Stop(linear_failure(owner.problem, owner.A))
+        return bool(snes.getConvergedReason() > 0)
+
+    return solve
+
+
+def _direct(ksp: PETSc.KSP) -> None:
+    ksp.setType("preonly")
+    ksp.getPC().setType("cholesky")
+    ksp.getPC().setFactorSolverType("mumps")

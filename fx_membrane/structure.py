@@ -41,10 +41,12 @@ class Membrane:
         object.__setattr__(self, "cells", validation.cells("Membrane cells", self.cells, 3))
         if not isinstance(self.material, Fabric | OrthotropicFabric):
             raise ValueError(f"Membrane material is {self.material!r}; give a Fabric or an OrthotropicFabric.")
+        object.__setattr__(self, "prestress", validation.finite("Membrane prestress", self.prestress))
         tensors = self.prestress_tensors()
         directed = not np.array_equal(tensors, tensors[:, :1, :1] * np.eye(2))
         if self.warp is not None:
             warp = validation.finite("Membrane warp", self.warp)
+            object.__setattr__(self, "warp", warp)
             if warp.shape not in ((3,), (len(self.cells), 3)):
                 raise ValueError(f"Membrane warp has shape {warp.shape}; give (3,) or ({len(self.cells)}, 3).")
         elif directed or isinstance(self.material, OrthotropicFabric):
@@ -55,7 +57,7 @@ class Membrane:
     def prestress_tensors(self) -> NDArray[np.float64]:
         """Prestress of every cell in the warp/weft frame, shape (n, 2, 2) [N/m]."""
         n = len(self.cells)
-        value = validation.finite("Membrane prestress", self.prestress)
+        value = np.asarray(self.prestress)
         if value.shape in ((), (1,), (n, 1)):
             return np.broadcast_to(value.reshape(-1, 1, 1) * np.eye(2), (n, 2, 2))
         if value.shape == (2,) or (value.shape == (n, 2) and n != 2):
@@ -83,6 +85,7 @@ class _Bar:
         kind = type(self).__name__
         object.__setattr__(self, "cells", validation.cells(f"{kind} cells", self.cells, 2))
         validation.positive(f"{kind} axial_stiffness", self.axial_stiffness)
+        object.__setattr__(self, "prestress", validation.finite(f"{kind} prestress", self.prestress))
         self.prestress_tensors()
 
     @classmethod
@@ -93,7 +96,7 @@ class _Bar:
     def prestress_tensors(self) -> NDArray[np.float64]:
         """Prestress of every cell, shape (n, 1, 1) [N]."""
         name, n = f"{type(self).__name__} prestress", len(self.cells)
-        value = validation.finite(name, self.prestress)
+        value = np.asarray(self.prestress)
         if value.shape not in ((), (n,)):
             raise ValueError(f"{name} has shape {value.shape}; give a number or one for each of the {n} cells.")
         return np.broadcast_to(value.reshape(-1, 1, 1), (n, 1, 1))

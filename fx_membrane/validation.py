@@ -27,6 +27,13 @@ def positive(name: str, value: Any) -> float:
     return result
 
 
+def whole(name: str, value: Any) -> int:
+    """A whole number above zero."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
+        raise ValueError(f"{name} is {value!r}; give a whole number above zero.")
+    return int(value)
+
+
 def finite(name: str, value: ArrayLike) -> NDArray[np.float64]:
     """A read-only array of finite numbers."""
     try:

@@ -1,5 +1,7 @@
 """Every demo runs, passes its own check, and draws pictures that show something."""
 
+import importlib.util
+import json
 import os
 import runpy
 import sys
@@ -15,11 +17,28 @@ PICTURES = {
 }
 
 
+needs_pyvista = pytest.mark.skipif(not importlib.util.find_spec("pyvista"), reason="Debian 12 has no pyvista")
+STORED = Path(__file__).parent / "demo_numbers.json"
+
+
+def compare(name, numbers):
+    """Every version of dolfinx and every number of processes must print the same, to 1e-10 of the largest in a group.
+
+    To store numbers anew, after a change that is meant to move them, run this file as a script.
+    """
+    stored = json.loads(STORED.read_text())[name]
+    assert numbers.keys() == stored.keys()
+    for group, values in numbers.items():
+        expected = np.array(stored[group])
+        np.testing.assert_allclose(values, expected, rtol=0, atol=1e-10 * np.abs(expected).max(), err_msg=group)
+
+
 def test_every_demo_is_listed():
     assert {path.stem for path in DEMOS.glob("*.py")} == set(PICTURES)
 
 
 @pytest.mark.serial
+@needs_pyvista
 @pytest.mark.parametrize("name", PICTURES)
 def test_demo(name, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
@@ -39,13 +58,14 @@ def test_demo(name, tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize("name", PICTURES)
 def test_demo_on_any_number_of_processes(name, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", [name, "--no-pictures"])
-    runpy.run_path(str(DEMOS / f"{name}.py"))
+    compare(name, runpy.run_path(str(DEMOS / f"{name}.py"))["numbers"])
     printed = capsys.readouterr().out
     first = os.environ.get("OMPI_COMM_WORLD_RANK", os.environ.get("PMI_RANK", "0")) == "0"
     assert ("Check passed" in printed) == first
 
 
 @pytest.mark.serial
+@needs_pyvista
 def test_readme_script(tmp_path, monkeypatch, capsys):
     """The script in the README runs as printed there."""
     monkeypatch.chdir(tmp_path)
@@ -53,3 +73,9 @@ def test_readme_script(tmp_path, monkeypatch, capsys):
     exec(compile(script, "README.md", "exec"), {"__name__": "__main__"})
     assert "largest cable force" in capsys.readouterr().out
     assert Path("snow.png").exists()
+
+
+if __name__ == "__main__":
+    sys.argv.append("--no-pictures")
+    found = {name: runpy.run_path(str(DEMOS / f"{name}.py"))["numbers"] for name in PICTURES}
+    STORED.write_text(json.dumps(found, indent=1) + "\n")

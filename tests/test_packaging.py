@@ -1,0 +1,74 @@
+"""What users install: a wheel and an sdist with the forms in them, which run from anywhere."""
+
+import importlib.util
+import os
+import subprocess
+import sys
+import sysconfig
+import tarfile
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+
+pytestmark = [
+    pytest.mark.serial,
+    pytest.mark.skipif(not importlib.util.find_spec("pip"), reason="needs pip to build and install"),
+]
+ROOT = Path(__file__).parent.parent
+FORMS = {path.name for path in (ROOT / "forms").glob("*.py")}
+
+
+def run(*command, **options):
+    done = subprocess.run(command, capture_output=True, text=True, check=False, **options)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def sources(tmp_path_factory):
+    """A copy, so that nothing is left behind in the working tree."""
+    copy = tmp_path_factory.mktemp("sources")
+    names = ["pyproject.toml", "README.md", "LICENSE", "forms", "fx_membrane"]
+    run("tar", "cf", str(copy / "all.tar"), "--exclude=__pycache__", "-C", str(ROOT), *names)
+    run("tar", "xf", "all.tar", cwd=copy)
+    return copy
+
+
+@pytest.fixture(scope="module")
+def wheel(sources):
+    run(sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", "dist", ".", cwd=sources)
+    return next((sources / "dist").glob("*.whl"))
+
+
+def test_wheel_has_the_forms_as_files(wheel):
+    with zipfile.ZipFile(wheel) as archive:
+        inside = {Path(name).name for name in archive.namelist() if name.startswith("fx_membrane/forms/")}
+        assert inside == FORMS
+        assert b"def green_lagrange" in archive.read("fx_membrane/forms/kinematics.py")
+
+
+def test_sdist_has_the_forms_as_files(sources):
+    script = "import setuptools.build_meta as b, sys; sys.stdout = sys.stderr; b.build_sdist('dist')"
+    run(sys.executable, "-c", script, cwd=sources)
+    with tarfile.open(next((sources / "dist").glob("*.tar.gz"))) as archive:
+        members = [member for member in archive.getmembers() if "/fx_membrane/forms/" in member.name]
+        assert {Path(member.name).name for member in members} == FORMS
+        assert all(member.isfile() for member in members)
+
+
+def test_installed_wheel_runs_the_demo_from_another_folder(wheel, tmp_path):
+    venv.create(tmp_path / "env", system_site_packages=True)
+    python = str(tmp_path / "env/bin/python")
+    run(sys.executable, "-m", "pip", "-q", "--python", python, "install", "--no-deps", "--no-index", str(wheel))
+    site = Path(run(python, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))").strip())
+    (site / "dependencies.pth").write_text(sysconfig.get_path("purelib"))  # what the tests themselves run with
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    where = run(python, "-c", "import fx_membrane; print(fx_membrane.__file__)", cwd=elsewhere, env=environment)
+    assert Path(where.strip()).is_relative_to(site)
+    demo = str(ROOT / "demos/square_membrane.py")
+    assert "Check passed" in run(python, demo, "--no-pictures", cwd=elsewhere, env=environment)
+    assert "dolfinx" in run(str(tmp_path / "env/bin/fx-membrane"), "info", cwd=elsewhere, env=environment)
