@@ -136,5 +136,5 @@ def _prescribed(stage: Stage, structure: Structure) -> tuple[NDArray[np.bool_], 
     for entry in stage.displacements:
         for component in validation.components("PrescribedDisplacement components", entry.components):
             held[entry.nodes, component] = True
-            displacement[entry.nodes, component] = np.asarray(entry.displacement)[component]
+            displacement[entry.nodes, component] = np.asarray(entry.displacement)[..., component]
     return held, displacement

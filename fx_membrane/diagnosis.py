@@ -25,8 +25,13 @@ def linear_failure(problem: Problem, A: PETSc.Mat) -> str:
     )
 
 
-def stalled(problem: Problem, x: PETSc.Vec) -> str:
-    """Why the iteration did not come to an end."""
+def stalled(problem: Problem, x: PETSc.Vec, at_rounding: bool) -> str:
+    """Why the iteration did not come to an end; at_rounding: its residual is small, but above the tolerance."""
+    if at_rounding:
+        return (
+            "the unbalanced forces are small but do not fall below the tolerance, which may ask for more digits than "
+            "rounding leaves; allow a larger one (Newton(rtol=...)) or more iterations (Newton(max_iterations=...))."
+        )
     size = np.ptp(problem.discretization.structure.points, axis=0).max()
     largest = x.norm(PETSc.NormType.NORM_INFINITY)
     advice = (

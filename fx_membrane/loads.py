@@ -59,12 +59,12 @@ class PrescribedDisplacement:
 
     Args:
         nodes: A node number or several, shape (k,).
-        displacement: Displacement of each node from its reference position, shape (3,) [m].
+        displacement: Displacement from the reference position, of all nodes alike, shape (3,), or of each, (k, 3) [m].
         components: The components that are prescribed, some of "xyz"; the others stay free.
 
     Raises:
-        ValueError: Nodes are not whole numbers; the displacement is not three finite numbers; components are not
-            letters of "xyz".
+        ValueError: Nodes are not whole numbers; the displacement has a wrong shape or values that are not finite;
+            components are not letters of "xyz".
     """
 
     nodes: ArrayLike
@@ -72,8 +72,15 @@ class PrescribedDisplacement:
     components: str = "xyz"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "nodes", validation.rows("PrescribedDisplacement nodes", self.nodes))
-        object.__setattr__(self, "displacement", validation.vector("PrescribedDisplacement", self.displacement))
+        nodes = validation.rows("PrescribedDisplacement nodes", self.nodes)
+        displacement = validation.finite("PrescribedDisplacement displacement", self.displacement)
+        if displacement.shape not in ((3,), (len(nodes), 3)):
+            raise ValueError(
+                f"PrescribedDisplacement displacement has shape {displacement.shape}; give three components (x, y, z), "
+                f"or three for each of the {len(nodes)} nodes."
+            )
+        object.__setattr__(self, "nodes", nodes)
+        object.__setattr__(self, "displacement", displacement)
         validation.components("PrescribedDisplacement components", self.components)
 
 

@@ -43,6 +43,8 @@ class Solution:
     iterations: tuple[Iteration, ...]
 
 
+ROUNDING = 1e-14
+
 Solve = Callable[[PETSc.Vec], Solution]
 
 
@@ -52,7 +54,7 @@ class Newton:
 
     Args:
         rtol: Converged when the 2-norm of the unbalanced forces is below rtol times that of all nodal forces,
-            reactions and loads included.
+            reactions and loads included; after one step at least.
         max_iterations: Most iterations for one load increment.
     """
 
@@ -92,18 +94,20 @@ class _NewtonRaphson:
                 converged = self.iterate(x)
         except _Stop as stop:
             return Solution(False, str(stop), tuple(self.history))
-        reason = "converged" if converged else stalled(self.problem, x)
+        at_rounding = len(self.history) > 2 and self.history[-1].residual < 1e3 * self.tolerance
+        reason = "converged" if converged else stalled(self.problem, x, at_rounding)
         return Solution(converged, reason, tuple(self.history))
 
     def residual(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
         """Residual with held components; notes the iterate and the tolerance for its 2-norm."""
         self.problem.residual(x, b)
-        self.tolerance = max(self.settings.rtol * b.norm(), 1e-300)
+        # The start passes only at rounding: loads far below the prestress take their step too.
+        self.tolerance = max((self.settings.rtol if self.history else ROUNDING) * b.norm(), 1e-300)
         self.problem.hold(x, b)
         largest = b.norm(PETSc.NormType.NORM_INFINITY)
         self.history.append(Iteration(self.problem.energy(x), largest, self.next_step))
         if not math.isfinite(largest):
-            raise _Stop(stalled(self.problem, x))
+            raise _Stop(stalled(self.problem, x, at_rounding=False))
 
     def tangent(self, x: PETSc.Vec, A: PETSc.Mat) -> None:
         """Tangent and right-hand side with held components."""
