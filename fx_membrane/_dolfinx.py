@@ -34,7 +34,9 @@ def _element(family: str, cell: str, degree: int, size: int) -> Any:
     """Element of vectors with `size` components."""
     if hasattr(basix, "ufl"):  # 0.9, 0.11
         return basix.ufl.element(family, cell, degree, shape=(size,))
-    return ufl.VectorElement(family, ufl.Cell(cell, geometric_dimension=3), degree, dim=size)  # 0.5
+    # 0.5; FFCx would add this variant to the element of the mesh while it compiles, and so change the next form's name.
+    variant = {"variant": "equispaced"} if family == "Lagrange" else {}
+    return ufl.VectorElement(family, ufl.Cell(cell, geometric_dimension=3), degree, dim=size, **variant)
 
 
 def create_mesh(points: NDArray[np.float64], cells: NDArray[np.int64]) -> Any:
@@ -48,7 +50,8 @@ def create_mesh(points: NDArray[np.float64], cells: NDArray[np.int64]) -> Any:
 def functionspace(msh: Any, family: str, degree: int, size: int) -> Any:
     """Space of vectors with `size` components."""
     create = getattr(fem, "functionspace", None) or fem.FunctionSpace  # 0.9, 0.11: function; 0.5: class
-    return create(msh, _element(family, CELL[msh.topology.dim], degree, size))
+    with _quiet_compiler():
+        return create(msh, _element(family, CELL[msh.topology.dim], degree, size))
 
 
 def _table(dofmap: Any) -> NDArray[np.int32]:

@@ -63,7 +63,7 @@ class Analysis:
         results: dict[str, StageResult] = {}
         ends: dict[str | None, Actions] = {None: Actions(zero, self.structure.supported, zero)}
         for stage in stages:
-            start, displacement = ends[stage.after], results[stage.after].displacement if stage.after else zero
+            start, displacement = ends[stage.after], zero if stage.after is None else results[stage.after].displacement
             ends[stage.name] = self._target(stage, start)
             results[stage.name] = self._run(stage, start, ends[stage.name], displacement, results)
         return results

@@ -125,6 +125,8 @@ class Discretization:
         counts = tuple(np.repeat(count, 3).astype(PETSc.IntType) for count in (diagonal, other))
         A = PETSc.Mat().createAIJ((self._size, self._size), bsize=3, nnz=counts, comm=self.comm)
         A.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
+        # petsc4py sets it from the counts; a process without rows has none, and options must agree between processes.
+        A.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, True)
         return A
 
     def dofs(self, mask: NDArray[np.bool_]) -> NDArray[np.int32]:

@@ -25,8 +25,8 @@ def rectangle(
         rows: Number of grid cells along y.
         diagonals: How a grid cell is split: "right" from its lower left to its upper right corner, "left" the
             other way, "to centre" along the diagonal that points to the centre of the rectangle (the pattern of
-            Gil's Fig. 6, symmetric about both axes where columns and rows are even). The last gives the centre node more
-            than its share of a uniform load: its deflection converges a little slower there.
+            Gil's Fig. 6, symmetric about both axes where columns and rows are even; its centre node has eight triangles
+            and so more than its share of a uniform load).
 
     Returns:
         Points, shape ((columns + 1) (rows + 1), 3) [m], and triangles, shape (2 columns rows, 3).

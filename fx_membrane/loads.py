@@ -107,15 +107,11 @@ class Stage:
     after: str | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "loads", tuple(self.loads))
-        object.__setattr__(self, "displacements", tuple(self.displacements))
-        validation.whole(f"Stage {self.name!r}: steps", self.steps)
-        for load in self.loads:
-            if not isinstance(load, PointLoad | DeadLoad):
-                raise ValueError(f"Stage {self.name!r} has the load {load!r}; give a PointLoad or a DeadLoad.")
-        for entry in self.displacements:
-            if not isinstance(entry, PrescribedDisplacement):
-                raise ValueError(f"Stage {self.name!r}: {entry!r} is not a PrescribedDisplacement.")
+        name = f"Stage {self.name!r}:"
+        object.__setattr__(self, "loads", validation.instances(f"{name} loads", self.loads, PointLoad | DeadLoad))
+        moves = validation.instances(f"{name} displacements", self.displacements, PrescribedDisplacement)
+        object.__setattr__(self, "displacements", moves)
+        validation.whole(f"{name} steps", self.steps)
 
 
 def check(structure: Structure, stages: Sequence[Stage]) -> None:
@@ -125,6 +121,7 @@ def check(structure: Structure, stages: Sequence[Stage]) -> None:
         ValueError: Two stages have one name; a stage follows one that does not come before it; a load or a
             prescribed displacement names a node, part or cell that does not exist, or a node that no part uses.
     """
+    validation.instances("stages", stages, Stage)
     validation.unique("Stage", (stage.name for stage in stages))
     for position, stage in enumerate(stages):
         earlier = [other.name for other in stages[:position]]

@@ -75,12 +75,14 @@ class Problem:
     Attributes:
         discretization: The meshes and their common numbering.
         parts: Forms of the parts of which this process has cells.
-        stiffness: A typical stiffness [N/m]: the diagonal entry of held components, which turns their error into a force.
+        prestress_forces: 2-norm of the prestress forces of all cells, before they balance each other [N].
+        stiffness: A typical stiffness [N/m], the diagonal entry of held components: it makes their error a force.
     """
 
     def __init__(self, structure: Structure, comm: MPI.Intracomm = MPI.COMM_WORLD):
         self.discretization = Discretization(structure, comm)
         self.parts = {name: _part_forms(mesh, structure) for name, mesh in self.discretization.parts.items()}
+        self.prestress_forces = float(np.sqrt(sum(_prestress_forces(structure, name) for name in structure.parts)))
         self.stiffness = max(_typical_stiffness(structure, name) for name in structure.parts)
         self.apply(Actions(np.zeros(structure.points.shape), structure.supported, np.zeros(structure.points.shape)))
 
@@ -195,6 +197,13 @@ def _stress_increment(mesh: PartMesh, E: Any) -> Any:
         return elasticity.isotropic(E, constant(material.Et), constant(material.nu))
     constants = map(constant, (material.Et_warp, material.Et_weft, material.nu, material.Gt))
     return elasticity.orthotropic(E, *constants)
+
+
+def _prestress_forces(structure: Structure, name: str) -> float:
+    """Sum over the cells of a part of the squared prestress force across it [N2]."""
+    part = structure.parts[name]
+    width = measures(structure.points, part.cells) ** (1 - 1 / part.dimension)
+    return float(np.sum((np.linalg.norm(part.prestress_tensors(), axis=(1, 2)) * width) ** 2))
 
 
 def _typical_stiffness(structure: Structure, name: str) -> float:

@@ -4,11 +4,11 @@ import math
 import weakref
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple, cast
 
 from petsc4py import PETSc
 
-from . import _dolfinx
+from . import _dolfinx, validation
 from .diagnosis import linear_failure, stalled
 from .problem import Problem
 
@@ -52,6 +52,9 @@ Solve = Callable[[PETSc.Vec], Solution]
 class Newton:
     """Newton-Raphson, Gil (74), by dolfinx's `NewtonSolver` with a direct factorization (MUMPS).
 
+    Raises:
+        ValueError: rtol is not a positive number; max_iterations is not a whole number above zero.
+
     Args:
         rtol: Converged when the 2-norm of the unbalanced forces is below rtol times that of all nodal forces,
             reactions and loads included; after one step at least.
@@ -60,6 +63,10 @@ class Newton:
 
     rtol: float = 1e-10
     max_iterations: int = 30
+
+    def __post_init__(self) -> None:
+        validation.positive("Newton rtol", self.rtol)
+        validation.whole("Newton max_iterations", self.max_iterations)
 
     def prepare(self, problem: Problem) -> Solve:
         """A function that brings a vector to equilibrium; it keeps matrix and symbolic factorization between calls."""
@@ -81,10 +88,11 @@ class _NewtonRaphson:
         self.linear_error = self.b.duplicate()
         self.history: list[Iteration] = []
         self.tolerance = 0.0
+        self.newton: Any = None
         self.next_step = 0.0
         # The drivers hold their callbacks in C and C++, where Python's garbage collector does not look: a weak
         # reference keeps the problem from living as long as the program.
-        owner = weakref.proxy(self)
+        owner = cast(_NewtonRaphson, weakref.proxy(self))
         self.iterate = _by_dolfinx(owner) if _dolfinx.has_newton_solver() else _by_snes(owner)
 
     def __call__(self, x: PETSc.Vec) -> Solution:
@@ -102,7 +110,8 @@ class _NewtonRaphson:
         """Residual with held components; notes the iterate and the tolerance for its 2-norm."""
         self.problem.residual(x, b)
         # The start passes only at rounding: loads far below the prestress take their step too.
-        self.tolerance = max((self.settings.rtol if self.history else ROUNDING) * b.norm(), 1e-300)
+        relative = (self.settings.rtol if self.history else ROUNDING) * b.norm()
+        self.tolerance = max(relative, 0.1 * ROUNDING * self.problem.prestress_forces, 1e-300)
         self.problem.hold(x, b)
         largest = b.norm(PETSc.NormType.NORM_INFINITY)
         self.history.append(Iteration(self.problem.energy(x), largest, self.next_step))
@@ -127,14 +136,14 @@ class _NewtonRaphson:
 
 def _by_dolfinx(owner: _NewtonRaphson) -> Callable[[PETSc.Vec], bool]:
     """dolfinx's NewtonSolver drives the iteration."""
-    newton = _dolfinx.newton_solver(owner.problem.discretization.comm)
+    owner.newton = newton = _dolfinx.newton_solver(owner.problem.discretization.comm)
 
     def residual(x: PETSc.Vec, b: PETSc.Vec) -> None:
         owner.residual(x, b)
-        newton.atol = owner.tolerance
+        owner.newton.atol = owner.tolerance
 
     newton.setF(residual, owner.b)
-    newton.setJ(lambda x, A: owner.tangent(x, A), owner.A)
+    newton.setJ(lambda x, A: owner.tangent(x, A), owner.A)  # noqa: PLW0108  (a bound method would be a strong reference)
     newton.set_form(lambda x: None)
     newton.set_update(lambda _, dx, x: x.axpy(-owner.step(dx), dx))
     newton.convergence_criterion = "residual"

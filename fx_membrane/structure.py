@@ -168,8 +168,10 @@ class Structure:
         if points.ndim != 2 or points.shape[1] != 3:
             raise ValueError(f"points has shape {points.shape}; give (n, 3), one row x, y, z for each node.")
         object.__setattr__(self, "points", points)
+        if not isinstance(self.parts, Mapping):
+            raise ValueError(f'parts is a {type(self.parts).__name__}; give a dictionary, {{"name": Membrane(...)}}.')
         object.__setattr__(self, "parts", dict(self.parts))
-        object.__setattr__(self, "supports", tuple(self.supports))
+        object.__setattr__(self, "supports", validation.instances("supports", self.supports, Support))
         if not self.parts:
             raise ValueError("The structure has no parts; give at least one Membrane, Cable or Mast.")
         for name, part in self.parts.items():

@@ -1,7 +1,7 @@
 """Refusals at the door: each check returns the value as an array or a number, or raises one clear sentence."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -37,6 +37,8 @@ def whole(name: str, value: Any) -> int:
 def finite(name: str, value: ArrayLike) -> NDArray[np.float64]:
     """A read-only array of finite numbers."""
     try:
+        if np.iscomplexobj(value):
+            raise TypeError
         result = np.array(value, dtype=np.float64)
     except (TypeError, ValueError):
         raise ValueError(f"{name} must be an array of numbers with rows of equal length.") from None
@@ -96,6 +98,17 @@ def components(name: str, value: str) -> tuple[int, ...]:
     if not isinstance(value, str) or not value or set(value) - set("xyz") or len(set(value)) < len(value):
         raise ValueError(f'{name} is {value!r}; give one or more of the letters x, y and z, like "xyz" or "z".')
     return tuple("xyz".index(letter) for letter in value)
+
+
+def instances(name: str, values: Any, kind: Any) -> tuple[Any, ...]:
+    """A tuple of objects of a kind (a class, or several joined by |), from any sequence of them."""
+    expected = " or ".join(entry.__name__ for entry in getattr(kind, "__args__", (kind,)))
+    if not isinstance(values, Sequence):
+        raise ValueError(f"{name} must be a list of {expected}, not {type(values).__name__}; put it in brackets.")
+    for value in values:
+        if not isinstance(value, kind):
+            raise ValueError(f"{name} has {value!r}; give a list of {expected}.")
+    return tuple(values)
 
 
 def unique(name: str, values: Iterable[str]) -> None:

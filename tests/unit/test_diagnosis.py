@@ -1,0 +1,90 @@
+"""Failures in words: which node, which direction, what to try."""
+
+import numpy as np
+import pytest
+
+from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, Support, boundary, rectangle
+from fx_membrane.diagnosis import linear_failure, loose_nodes, stalled
+from fx_membrane.problem import Problem
+
+POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
+EDGE = np.unique(boundary(TRIANGLES))
+INSIDE = np.setdiff1d(np.arange(25), EDGE)
+
+
+def rotation(seed):
+    Q, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
+    return Q * np.sign(np.linalg.det(Q))
+
+
+def first_tangent(structure):
+    problem = Problem(structure)
+    A, b, x = (make() for make in [problem.discretization.create_matrix] + 2 * [problem.discretization.create_vector])
+    problem.tangent(x, A)
+    problem.hold_tangent(x, A, b)
+    return problem, A
+
+
+def sheet(prestress, points=POINTS):
+    membrane = Membrane(TRIANGLES, Fabric(Et=1e5, nu=0.3), prestress=prestress)
+    return Structure(points, {"fabric": membrane}, [Support(EDGE)])
+
+
+@pytest.mark.parametrize("R", [np.eye(3), rotation(1), rotation(2)], ids=["z=0", "turned 1", "turned 2"])
+def test_flat_sheet_without_prestress_is_loose_across(R):
+    loose = loose_nodes(*first_tangent(sheet(0.0, POINTS @ R.T)))
+    assert [node for node, _ in loose] == INSIDE.tolist()
+    for _, direction in loose:
+        assert abs(np.dot(direction, R[:, 2])) == pytest.approx(1, rel=1e-9)
+
+
+@pytest.mark.parametrize("R", [np.eye(3), rotation(1)], ids=["z=0", "turned"])
+@pytest.mark.parametrize("prestress", [1.0, 1e3])
+def test_sheet_with_prestress_is_not_loose(R, prestress):
+    assert loose_nodes(*first_tangent(sheet(prestress, POINTS @ R.T))) == []
+
+
+def test_linear_failure_names_node_direction_and_prestress():
+    message = linear_failure(*first_tangent(sheet(0.0)))
+    assert "singular" in message
+    assert rf"node {INSIDE[0]} (and {len(INSIDE) - 1} more nodes) in the direction (0, 0, 1)" in message
+    assert "give it a prestress" in message
+
+
+def test_linear_failure_of_one_node():
+    points = np.linspace([0.0, 0, 0], [2, 0, 0], 3)
+    structure = Structure(points, {"cable": Cable([[0, 1], [1, 2]], 1e6)}, [Support([0, 2]), Support(1, "y")])
+    assert "nothing holds node 1 in the direction (0, 0, 1)" in linear_failure(*first_tangent(structure))
+
+
+def test_linear_failure_of_a_mechanism_without_a_loose_node():
+    points = [[0.0, 0, 0], [0, 1, 0], [1, 1, 0], [1, 0, 0]]  # a frame of three hinged bars, held in its plane
+    structure = Structure(
+        points, {"frame": Mast([[0, 1], [1, 2], [2, 3]], 1e6)}, [Support([0, 3]), Support([1, 2], "z")]
+    )
+    problem, A = first_tangent(structure)
+    assert loose_nodes(problem, A) == []
+    assert "mechanism" in linear_failure(problem, A)
+
+
+@pytest.mark.parametrize(
+    ("displacement", "words"),
+    [
+        (0.1, "the unbalanced forces did not fall"),
+        (1e6, "diverged: displacements of 1e+06 in a structure of size 2"),
+        (np.nan, "diverged"),
+    ],
+)
+def test_stalled(displacement, words):
+    problem = Problem(sheet(1e3))
+    x = problem.discretization.distribute(np.full(POINTS.shape, displacement))
+    message = stalled(problem, x, at_rounding=False)
+    assert words in message
+    assert "steps=..." in message
+
+
+def test_stalled_at_rounding_advises_another_tolerance():
+    problem = Problem(sheet(1e3))
+    message = stalled(problem, problem.discretization.create_vector(), at_rounding=True)
+    assert "Newton(rtol=...)" in message
+    assert "steps" not in message

@@ -1,0 +1,116 @@
+"""Loads, prescribed displacements and stages: which input they refuse, alone and together with a structure."""
+
+import numpy as np
+import pytest
+
+from fx_membrane import Cable, DeadLoad, Fabric, Membrane, PointLoad, PrescribedDisplacement, Stage, Structure
+from fx_membrane.loads import check
+
+POINTS = [[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [5, 5, 5]]  # no part uses the last one
+STRUCTURE = Structure(
+    POINTS,
+    {"fabric": Membrane([[0, 1, 2], [0, 2, 3]], Fabric(Et=1e5, nu=0.3)), "ridge": Cable([[0, 2]], 1e6)},
+)
+NOWHERE = (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: PointLoad(0, (0, np.nan, 1)), r"^PointLoad force has .* not finite \(nan\) at index \(1,\)"),
+        (lambda: PointLoad(0, (0, 0, np.inf)), r"^PointLoad force has .* not finite \(inf\) at index \(2,\)"),
+        (lambda: PointLoad(0, 5.0), r"^PointLoad force must have three components .* \(\)"),
+        (lambda: PointLoad([0, 1], np.ones((2, 3))), r"^PointLoad force must have three components .* \(2, 3\)"),
+        (lambda: PointLoad([True, False], NOWHERE), "^PointLoad nodes .* not bool .*numpy.flatnonzero"),
+        (lambda: PointLoad(1.0, NOWHERE), "^PointLoad nodes must be a list of whole numbers, not float64"),
+        (lambda: DeadLoad((np.nan, 0, 0), "fabric"), r"^DeadLoad load has .* not finite \(nan\) at index \(0,\)"),
+        (lambda: DeadLoad((0, 0), "fabric"), r"^DeadLoad load must have three components .* \(2,\)"),
+        (lambda: DeadLoad(NOWHERE, "fabric", [True, False]), "^DeadLoad cells .* not bool .*numpy.flatnonzero"),
+        (lambda: DeadLoad(NOWHERE, "fabric", [[0]]), r"^DeadLoad cells must be .* shape \(1, 1\)"),
+        (lambda: PrescribedDisplacement(0, (0, 0, -np.inf)), r"^PrescribedDisplacement displacement has .*\(-inf\) at"),
+        (
+            lambda: PrescribedDisplacement(0, 0.1),
+            r"^PrescribedDisplacement displacement has shape \(\); .* of the 1 nodes",
+        ),
+        (
+            lambda: PrescribedDisplacement([0, 1], np.ones((3, 3))),
+            r"^PrescribedDisplacement displacement has .* \(3, 3\)",
+        ),
+        (lambda: PrescribedDisplacement([False], NOWHERE), "^PrescribedDisplacement nodes .* not bool"),
+        (lambda: PrescribedDisplacement(0, NOWHERE, "u"), "^PrescribedDisplacement components is 'u'"),
+    ],
+)
+def test_bad_values(make, message):
+    with pytest.raises(ValueError, match=message):
+        make()
+
+
+@pytest.mark.parametrize("steps", [0, -3, 2.0, np.nan, "2", None, True])
+def test_steps_must_be_a_whole_number_above_zero(steps):
+    with pytest.raises(ValueError, match=f"^Stage 'snow': steps is {steps!r}; give a whole number"):
+        Stage("snow", steps=steps)
+
+
+def test_steps_may_be_a_number_of_numpy():
+    assert Stage("snow", steps=np.int32(4)).steps == 4
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        ({"loads": [5.0]}, r"^Stage 'snow': loads has 5\.0; give a list of PointLoad"),
+        ({"loads": [PrescribedDisplacement(0, NOWHERE)]}, "^Stage 'snow': loads has PrescribedDisplacement"),
+        ({"displacements": [5.0]}, r"^Stage 'snow': displacements has 5\.0; give a list of PrescribedDisplacement"),
+        ({"displacements": [PointLoad(0, NOWHERE)]}, r"^Stage 'snow': displacements has PointLoad\("),
+    ],
+)
+def test_entries_of_another_kind(data, message):
+    with pytest.raises(ValueError, match=message):
+        Stage("snow", **data)
+
+
+@pytest.mark.parametrize(
+    ("entry", "message"),
+    [
+        (PointLoad(5, NOWHERE), "^Stage 'snow': a point load names node 5, which does not exist"),
+        (PointLoad([0, -1], NOWHERE), "^Stage 'snow': a point load names node -1, which does not exist"),
+        (PointLoad(4, NOWHERE), "^Stage 'snow': a point load is on node 4, which no part uses"),
+        (DeadLoad(NOWHERE, "roof"), r"^Stage 'snow' has a load on part 'roof'; the parts are \['fabric', 'ridge'\]"),
+        (DeadLoad(NOWHERE, "fabric", [0, 2]), "^Stage 'snow': a load on part 'fabric' names cell 2, .* 0 to 1"),
+        (DeadLoad(NOWHERE, "ridge", -1), "^Stage 'snow': a load on part 'ridge' names cell -1, .* 0 to 0"),
+    ],
+)
+def test_load_that_does_not_fit_the_structure(entry, message):
+    with pytest.raises(ValueError, match=message):
+        check(STRUCTURE, [Stage("rest"), Stage("snow", [entry])])
+
+
+@pytest.mark.parametrize(
+    ("node", "message"),
+    [(5, "names node 5, which does not exist"), (-1, "names node -1, which"), (4, "is on node 4, which no part uses")],
+)
+def test_prescribed_displacement_that_does_not_fit_the_structure(node, message):
+    stage = Stage("lift", displacements=[PrescribedDisplacement(node, NOWHERE)])
+    with pytest.raises(ValueError, match=f"^Stage 'lift': a prescribed displacement {message}"):
+        check(STRUCTURE, [stage])
+
+
+def test_two_stages_of_one_name():
+    with pytest.raises(ValueError, match=r"^Stage 'snow' is given twice"):
+        check(STRUCTURE, [Stage("snow"), Stage("wind"), Stage("snow", after="wind")])
+
+
+@pytest.mark.parametrize("after", ["prestres", "wind", "snow", ""])  # unknown, later, itself, no name
+def test_after_a_stage_that_is_not_before(after):
+    stages = [Stage("prestress"), Stage("snow", after=after), Stage("wind")]
+    with pytest.raises(ValueError, match=rf"^Stage 'snow' comes after '{after}'; .* are \['prestress'\]"):
+        check(STRUCTURE, stages)
+
+
+def test_stages_that_fit():
+    stages = [
+        Stage("prestress", displacements=[PrescribedDisplacement([0, 3], (0, 0, 1), "z")]),
+        Stage("snow", [DeadLoad((0, 0, -1), "fabric", [0, 1]), PointLoad([2, 2], (0, 0, 1))], after="prestress"),
+        Stage("wind", [DeadLoad((0, 0, -1), "ridge")], after="prestress"),
+    ]
+    check(STRUCTURE, stages)

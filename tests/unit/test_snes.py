@@ -1,0 +1,49 @@
+"""SNES in the place of dolfinx's NewtonSolver: the same iterates and the same words."""
+
+import numpy as np
+import pytest
+from dolfinx import cpp
+
+from fx_membrane import (
+    Analysis,
+    ConvergenceError,
+    Fabric,
+    Membrane,
+    Newton,
+    PointLoad,
+    Stage,
+    Structure,
+    Support,
+    boundary,
+    rectangle,
+)
+
+POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
+SUPPORTS = [Support(np.unique(boundary(TRIANGLES)))]
+STAGES = [Stage("load", [PointLoad(12, (0, 0, -3.0))], steps=2)]
+
+
+def structure(prestress):
+    return Structure(POINTS, {"fabric": Membrane(TRIANGLES, Fabric(1e3, 0.3), prestress=prestress)}, SUPPORTS)
+
+
+def test_same_iterates(monkeypatch):
+    expected = Analysis(structure(10.0)).run(STAGES)["load"]
+    monkeypatch.delattr(cpp.nls.petsc, "NewtonSolver", raising=False)
+    found = Analysis(structure(10.0)).run(STAGES)["load"]
+    assert len(found.history) == len(expected.history)
+    np.testing.assert_allclose(found.displacement, expected.displacement, rtol=0, atol=1e-14)
+    for (factor, entry), (expected_factor, expected_entry) in zip(found.history, expected.history, strict=True):
+        assert factor == expected_factor
+        np.testing.assert_allclose(entry, expected_entry, rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize(("prestress", "solver"), [(0.0, Newton()), (10.0, Newton(max_iterations=1))])
+def test_same_words(prestress, solver, monkeypatch):
+    words = []
+    for _ in range(2):
+        with pytest.raises(ConvergenceError) as failure:
+            Analysis(structure(prestress), solver).run(STAGES)
+        words.append((str(failure.value), len(failure.value.failed.iterations)))
+        monkeypatch.delattr(cpp.nls.petsc, "NewtonSolver", raising=False)
+    assert words[0] == words[1]

@@ -1,0 +1,159 @@
+"""Newton's method: how it ends, and what it records on the way."""
+
+import numpy as np
+import pytest
+
+from fx_membrane import Cable, Fabric, Mast, Membrane, Newton, Structure, Support, boundary, rectangle
+from fx_membrane.problem import Actions, Problem
+
+POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
+EDGE = np.unique(boundary(TRIANGLES))
+
+
+def rotation(seed):
+    Q, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
+    return Q * np.sign(np.linalg.det(Q))
+
+
+def sheet_under(force, prestress=1e3):
+    membrane = Membrane(TRIANGLES, Fabric(Et=1e5, nu=0.3), prestress=prestress)
+    problem = Problem(Structure(POINTS, {"fabric": membrane}, [Support(EDGE)]))
+    loads = np.zeros(POINTS.shape)
+    loads[12] = force
+    problem.apply(Actions(loads, problem.discretization.structure.supported, np.zeros(POINTS.shape)))
+    return problem
+
+
+def solve(problem, solver=Newton()):
+    x = problem.discretization.create_vector()
+    return solver.prepare(problem)(x), problem.discretization.gather(x)
+
+
+def test_newton_converges_quadratically():
+    solution, displacement = solve(sheet_under((0, 0, -300.0)))
+    assert solution.converged
+    assert displacement[12, 2] < -0.01
+    residuals = np.array([entry.residual for entry in solution.iterations])
+    assert residuals[0] == pytest.approx(300)
+    assert residuals[-1] <= 1e-8 * 300
+    last = residuals[residuals > 1e-6][-3:]
+    order = np.log(last[2] / last[1]) / np.log(last[1] / last[0])
+    assert order > 1.7
+
+
+def test_history_starts_with_the_start_and_ends_with_the_solution():
+    problem = sheet_under((0, 0, -300.0))
+    solution, displacement = solve(problem)
+    energies = [entry.energy for entry in solution.iterations]
+    assert energies[0] == 0
+    assert energies[-1] == problem.energy(problem.discretization.distribute(displacement))
+    assert energies[-1] == pytest.approx(min(energies), rel=1e-14)
+    assert [entry.step for entry in solution.iterations] == [0.0] + [1.0] * (len(energies) - 1)
+
+
+def test_start_in_equilibrium_takes_no_step():
+    # Without prestress a step would find the tangent singular.
+    solution, displacement = solve(sheet_under((0, 0, 0), prestress=0.0))
+    assert solution.converged
+    assert len(solution.iterations) == 1
+    assert not displacement.any()
+
+
+@pytest.mark.parametrize("force", [1e-4, 1e-9])
+def test_load_far_below_the_prestress_moves_the_sheet_in_proportion(force):
+    _, expected = solve(sheet_under((0, 0, -1e-2)))
+    solution, displacement = solve(sheet_under((0, 0, -force)))
+    assert solution.converged
+    assert displacement == pytest.approx(force / 1e-2 * expected, abs=1e-5 * force / 1e-2 * np.abs(expected).max())
+
+
+def test_solver_can_be_used_again():
+    problem = sheet_under((0, 0, -300.0))
+    again = Newton().prepare(problem)
+    x, y = problem.discretization.create_vector(), problem.discretization.create_vector()
+    first, second = again(x), again(y)
+    # Not to the last digit: processes add at shared nodes in any order.
+    energies = [entry.energy for entry in first.iterations]
+    assert [entry.energy for entry in second.iterations] == pytest.approx(energies, rel=1e-12)
+    assert second.iterations[0].step == 0
+    assert again(x).iterations[0].energy == pytest.approx(energies[-1], rel=1e-12)
+
+
+@pytest.mark.parametrize("most", [1, 2, 3])
+def test_number_of_iterations_is_limited(most):
+    solution, _ = solve(sheet_under((0, 0, -300.0)), Newton(max_iterations=most))
+    assert not solution.converged
+    assert len(solution.iterations) == most + 1
+    assert "steps=..." in solution.reason
+    assert "Newton(max_iterations=...)" in solution.reason
+
+
+def test_tolerance_is_relative_to_the_nodal_forces():
+    coarse, _ = solve(sheet_under((0, 0, -300.0)), Newton(rtol=1e-2))
+    fine, _ = solve(sheet_under((0, 0, -300.0)), Newton(rtol=1e-10))
+    assert coarse.converged
+    assert coarse.iterations[-1].residual > 1e-10 * 300
+    assert len(coarse.iterations) < len(fine.iterations)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e6])
+def test_units_do_not_matter(scale):
+    def iterations(unit):
+        membrane = Membrane(TRIANGLES, Fabric(Et=1e5 * unit, nu=0.3), prestress=1e3 * unit)
+        problem = Problem(Structure(POINTS, {"fabric": membrane}, [Support(EDGE)]))
+        loads = np.zeros(POINTS.shape)
+        loads[12, 2] = -300.0 * unit
+        problem.apply(Actions(loads, problem.discretization.structure.supported, np.zeros(POINTS.shape)))
+        solution, displacement = solve(problem)
+        assert solution.converged
+        return displacement
+
+    assert iterations(scale) == pytest.approx(iterations(1.0), abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("load", [0.0, 1e-3])
+def test_prestress_in_balance_with_itself_is_in_equilibrium(seed, load):
+    # All that is left of forces of 1 kN is rounding, and no support or load gives a scale for it.
+    R = rotation(seed)
+    points = np.array([[0, 0, 0], [0.7, 0, 0], [2, 0, 0]]) @ R.T
+    parts = {"cable": Cable([[0, 1], [1, 2]], 1e6, 1e3), "mast": Mast([[0, 2]], 1e8, -1e3)}
+    problem = Problem(Structure(points, parts, [Support([0, 2])]))
+    loads = np.outer([0, load, 0], R[:, 2])
+    problem.apply(Actions(loads, problem.discretization.structure.supported, np.zeros((3, 3))))
+    solution, displacement = solve(problem)
+    assert solution.converged, solution.reason
+    expected = load / (1e3 / 0.7 + 1e3 / 1.3)  # N0 / l on both sides
+    assert displacement[1] @ R[:, 2] == pytest.approx(expected, rel=1e-5, abs=1e-15)
+
+
+def test_singular_tangent_stops_with_a_reason():
+    solution, displacement = solve(sheet_under((0, 0, -300.0), prestress=0.0))
+    assert not solution.converged
+    assert len(solution.iterations) == 1
+    assert "singular" in solution.reason
+    assert "prestress" in solution.reason
+    assert not displacement.any()
+
+
+@pytest.mark.parametrize("force", [1e30, 1e200])
+def test_divergence_stops_with_a_reason(force):
+    solution, _ = solve(sheet_under((0, 0, force)))
+    assert not solution.converged
+    assert "diverged" in solution.reason
+    assert "units" in solution.reason
+
+
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        ({"rtol": 0.0}, r"rtol is 0\.0"),
+        ({"rtol": -1e-8}, "rtol is -1e-08"),
+        ({"rtol": float("nan")}, "rtol is nan"),
+        ({"max_iterations": 0}, "max_iterations is 0"),
+        ({"max_iterations": 2.5}, r"max_iterations is 2\.5"),
+    ],
+)
+def test_settings_out_of_range(data, message):
+    with pytest.raises(ValueError, match=message):
+        Newton(**data)

@@ -1,0 +1,150 @@
+"""Checks of user input: what passes, what is refused, and whether the refusal names the thing and its value."""
+
+import numpy as np
+import pytest
+
+from fx_membrane import validation
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        (np.nan, "^Et is nan; give a finite number"),
+        (-np.inf, "^Et is -inf; give a finite number"),
+        ("stiff", "^Et must be a number, not 'stiff'"),
+        (None, "^Et must be a number, not None"),
+        ([1.0, 2.0], r"^Et must be a number, not \[1.0, 2.0\]"),
+    ],
+)
+def test_number_refuses(value, message):
+    with pytest.raises(ValueError, match=message):
+        validation.number("Et", value)
+
+
+@pytest.mark.parametrize("value", [0, -1.5, -1e-300])
+def test_positive_refuses(value):
+    with pytest.raises(ValueError, match=f"^area is {value}; it must be positive"):
+        validation.positive("area", value)
+
+
+def test_positive_returns_a_float():
+    result = validation.positive("area", np.int64(3))
+    assert type(result) is float
+    assert result == 3
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        ([[0, 1], [2, np.nan]], r"^points has a value that is not finite \(nan\) at index \(1, 1\)"),
+        ([np.inf, 0], r"^points has a value that is not finite \(inf\) at index \(0,\)"),
+        (np.nan, r"^points has a value that is not finite \(nan\); give"),
+        ([[0, 1], [2]], "^points must be an array of numbers with rows of equal length"),
+        ("abc", "^points must be an array of numbers"),
+    ],
+)
+def test_finite_refuses(value, message):
+    with pytest.raises(ValueError, match=message):
+        validation.finite("points", value)
+
+
+def test_finite_copies_and_freezes():
+    given = np.zeros(3)
+    result = validation.finite("points", given)
+    given[0] = 1
+    assert result[0] == 0
+    with pytest.raises(ValueError, match="read-only"):
+        result[0] = 2
+
+
+@pytest.mark.parametrize("value", [1.0, [1, 2], [[1, 2, 3]], [1, 2, 3, 4]])
+def test_vector_refuses_other_shapes(value):
+    with pytest.raises(ValueError, match=r"^force must have three components .* shape is \("):
+        validation.vector("force", value)
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"),
+    [(4, [4]), ([4, 5], [4, 5]), (range(2), [0, 1]), (np.array([7], dtype=np.uint8), [7]), ([], [])],
+)
+def test_rows(value, expected):
+    result = validation.rows("nodes", value)
+    assert result.dtype == np.int64
+    assert result.tolist() == expected
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        ([True, False], r"^nodes must be a list of whole numbers, not bool of shape \(2,\); turn a mask .*flatnonzero"),
+        ([1.0, 2.0], r"^nodes must be a list of whole numbers, not float64 of shape \(2,\)"),
+        (np.nan, "^nodes must be a list of whole numbers, not float64"),
+        ([[1, 2]], r"^nodes must be a list of whole numbers, not int64 of shape \(1, 2\)"),
+        (None, "^nodes must be a list of whole numbers, not object"),
+    ],
+)
+def test_rows_refuse(value, message):
+    with pytest.raises(ValueError, match=message):
+        validation.rows("nodes", value)
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        ([[0, 1]], r"^cells must be .* shape \(n, 3\) .*, not int64 of shape \(1, 2\)"),
+        ([0, 1, 2], r"^cells must be .* not int64 of shape \(3,\)"),
+        (np.empty((0, 3), dtype=int), r"^cells must be .* with n >= 1, not int64 of shape \(0, 3\)"),
+        ([[0.0, 1.0, 2.0]], "^cells must be an array of whole numbers .* not float64"),
+        (np.ones((2, 3), dtype=bool), "^cells must be an array of whole numbers .* not bool"),
+        ([[0, 1, 2], [3, 4, 3]], r"^cells: cell 1 has a node twice, \[3, 4, 3\]"),
+    ],
+)
+def test_cells_refuse(value, message):
+    with pytest.raises(ValueError, match=message):
+        validation.cells("cells", value, 3)
+
+
+def test_cells_are_copied_and_frozen():
+    given = np.array([[0, 1, 2]])
+    result = validation.cells("cells", given, 3)
+    given[0, 0] = 9
+    assert result.tolist() == [[0, 1, 2]]
+    assert not result.flags.writeable
+
+
+@pytest.mark.parametrize("bad", [-1, 3, 100])
+def test_in_range_refuses(bad):
+    with pytest.raises(ValueError, match=f"^A support names node {bad}, which does not exist; .* 0 to 2"):
+        validation.in_range("A support", np.array([0, bad]), 3, "node")
+
+
+def test_in_range_accepts_first_and_last():
+    validation.in_range("A support", np.array([0, 2]), 3, "node")
+
+
+@pytest.mark.parametrize(("value", "expected"), [("xyz", (0, 1, 2)), ("z", (2,)), ("zx", (2, 0))])
+def test_components(value, expected):
+    assert validation.components("components", value) == expected
+
+
+@pytest.mark.parametrize("value", ["", "xx", "w", "XY", "x y", 2, None, ["x"]])
+def test_components_refuse(value):
+    with pytest.raises(ValueError, match=r"^components is ") as error:
+        validation.components("components", value)
+    assert repr(value) in str(error.value)
+
+
+def test_unique_refuses_a_name_given_twice():
+    validation.unique("Stage", ["a", "b"])
+    with pytest.raises(ValueError, match=r"^Stage 'a' is given twice"):
+        validation.unique("Stage", ["a", "b", "a"])
+
+
+@pytest.mark.parametrize("value", [0, -1, 2.0, np.nan, "2", None, True])
+def test_whole_refuses(value):
+    with pytest.raises(ValueError, match=f"^steps is {value!r}; give a whole number above zero"):
+        validation.whole("steps", value)
+
+
+def test_whole_accepts_a_number_of_numpy():
+    assert validation.whole("steps", np.int32(4)) == 4
