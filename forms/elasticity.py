@@ -1,4 +1,4 @@
-"""Prestressed Saint Venant-Kirchhoff elasticity: membrane (isotropic, orthotropic) and bar, Gil (32), (40)."""
+"""Prestressed Saint Venant-Kirchhoff elasticity: membrane (isotropic, orthotropic) and bar, Gil (40)."""
 
 from ufl import Identity, as_matrix, inner, tr
 from ufl.core.expr import Expr
@@ -35,8 +35,21 @@ def orthotropic(E: Expr, Et_warp: Expr, Et_weft: Expr, nu: Expr, Gt: Expr) -> Ex
     D = 1 - nu * nu_weft
     S11 = Et_warp / D * (E[0, 0] + nu_weft * E[1, 1])
     S22 = Et_weft / D * (E[1, 1] + nu * E[0, 0])
-    S12 = 2 * Gt * E[0, 1]
+    S12 = Gt * (E[0, 1] + E[1, 0])
     return as_matrix([[S11, S12], [S12, S22]])
+
+
+def isotropic_compliance(S: Expr, Et: Expr, nu: Expr) -> Expr:
+    """Strain C^-1 : S of an isotropic membrane in plane stress, shape (2, 2) [-]; arguments as for `isotropic`."""
+    return ((1 + nu) * S - nu * tr(S) * Identity(2)) / Et
+
+
+def orthotropic_compliance(S: Expr, Et_warp: Expr, Et_weft: Expr, nu: Expr, Gt: Expr) -> Expr:
+    """Strain C^-1 : S of a woven fabric in plane stress, shape (2, 2) [-]; arguments as for `orthotropic`."""
+    E11 = (S[0, 0] - nu * S[1, 1]) / Et_warp
+    E22 = S[1, 1] / Et_weft - nu * S[0, 0] / Et_warp
+    E12 = S[0, 1] / (2 * Gt)
+    return as_matrix([[E11, E12], [E12, E22]])
 
 
 def axial(E: Expr, EA: Expr) -> Expr:
@@ -47,19 +60,6 @@ def axial(E: Expr, EA: Expr) -> Expr:
         EA: Young's modulus times cross-section [N].
     """
     return EA * E
-
-
-def second_piola_kirchhoff(sigma0: Expr, CE: Expr) -> Expr:
-    """Second Piola-Kirchhoff stress with respect to the prestressed configuration, shape (d, d) [N/m or N].
-
-    Args:
-        sigma0: Cauchy prestress in the tangent frame, shape (d, d) [N/m or N].
-        CE: Stress increment C : E, shape (d, d) [N/m or N].
-
-    Source:
-        Gil (32).
-    """
-    return sigma0 + CE  # Gil (32)
 
 
 def strain_energy(E: Expr, sigma0: Expr, CE: Expr) -> Expr:

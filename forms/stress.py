@@ -1,9 +1,22 @@
-"""Stress measures that a designer reads: Cauchy stress and its principal values, Gil (19)."""
+"""Stress measures: 2nd Piola-Kirchhoff, Cauchy and its principal values, Gil (19), (32)."""
 
-from ufl import Identity, as_vector, cross, inner, outer, sqrt, tr
+from ufl import Identity, as_vector, cross, diff, dot, inner, outer, sqrt, tr
 from ufl.core.expr import Expr
 
 from .kinematics import unit
+
+
+def second_piola_kirchhoff(w: Expr, E: Expr) -> Expr:
+    """Second Piola-Kirchhoff stress with respect to the prestressed configuration, shape (d, d) [N/m or N].
+
+    Args:
+        w: Strain energy per prestressed area or length, a scalar [J/m2 or J/m].
+        E: Green-Lagrange strain, a `ufl.variable` of shape (d, d) [-].
+
+    Source:
+        Gil (32): of the energy (40) it is sigma0 + C : E.
+    """
+    return diff(w, E)  # Gil (32)
 
 
 def cauchy(F: Expr, S: Expr, J: Expr) -> Expr:
@@ -33,3 +46,14 @@ def principal(sigma: Expr, F: Expr) -> Expr:
     deviator = sigma - mean * (Identity(3) - outer(n, n))  # its own norm: no digits lost where both values are equal
     radius = sqrt(inner(deviator, deviator) / 2)  # of Mohr's circle
     return as_vector([mean + radius, mean - radius])
+
+
+def along(sigma: Expr, F: Expr) -> Expr:
+    """Normal components of a membrane's Cauchy stress along its current warp and weft, shape (2,) [N/m].
+
+    Args:
+        sigma: Cauchy stress in global axes, shape (3, 3) [N/m].
+        F: Deformation gradient, shape (3, 2) [-].
+    """
+    threads = [unit(F[:, 0]), unit(F[:, 1])]
+    return as_vector([dot(thread, sigma * thread) for thread in threads])

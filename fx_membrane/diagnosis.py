@@ -16,8 +16,8 @@ def linear_failure(problem: Problem, A: PETSc.Mat) -> str:
         axis = ", ".join(f"{component + 0.0:.3g}" for component in direction)
         return (
             f"the tangent stiffness is singular: nothing holds node {node}{also} in the direction ({axis}). "
-            "A flat membrane or a straight cable without prestress has no stiffness across; give it a prestress, "
-            "apply one by displacements in a stage before the loads, start from a curved shape, or support the nodes."
+            "A flat membrane or a straight cable without prestress has no stiffness across; give it a small prestress "
+            "to begin with (prescribed displacements can bring the rest), a curved shape, or supports."
         )
     return (
         "the tangent stiffness is singular: parts of the structure can move without resistance (a mechanism, or the "
@@ -25,25 +25,34 @@ def linear_failure(problem: Problem, A: PETSc.Mat) -> str:
     )
 
 
-def stalled(problem: Problem, x: PETSc.Vec, at_rounding: bool) -> str:
-    """Why the iteration did not come to an end; at_rounding: its residual is small, but above the tolerance."""
+def stalled(problem: Problem, x: PETSc.Vec, iterations: int, residual: float, at_rounding: bool) -> str:
+    """Why the iteration did not come to an end.
+
+    Args:
+        problem: The problem.
+        x: The last iterate.
+        iterations: Their number.
+        residual: The largest unbalanced force [N].
+        at_rounding: Whether the residual is small, but above the tolerance.
+    """
     if at_rounding:
         return (
-            "the unbalanced forces are small but do not fall below the tolerance, which may ask for more digits than "
-            "rounding leaves; allow a larger one (Newton(rtol=...)) or more iterations (Newton(max_iterations=...))."
+            f"the unbalanced forces ({residual:.3g}) are small but do not fall below the tolerance, which may ask for "
+            "more digits than rounding leaves; allow a larger one (Newton(rtol=...)) or more iterations "
+            "(Newton(max_iterations=...))."
         )
     size = np.ptp(problem.discretization.structure.points, axis=0).max()
     largest = x.norm(PETSc.NormType.NORM_INFINITY)
     advice = (
-        "apply the loads in more steps (steps=...), give more prestress, "
-        "or allow more iterations (Newton(max_iterations=...))"
+        "apply the loads in more steps (steps=...), give more prestress, start from a shape in which the prestress "
+        "is nearer to balance, or allow more iterations (Newton(max_iterations=...))"
     )
     if not largest <= 10 * size:
         return (
             f"the iteration diverged: displacements of {largest:.3g} in a structure of size {size:.3g}. "
             f"Check that loads, stiffness and lengths are in the same system of units; then {advice}."
         )
-    return f"the unbalanced forces did not fall below the tolerance; {advice}."
+    return f"after {iterations} iterations the largest unbalanced force is still {residual:.3g}; {advice}."
 
 
 def loose_nodes(problem: Problem, A: PETSc.Mat) -> list[tuple[int, list[float]]]:

@@ -4,6 +4,8 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
 
 from . import validation
 
@@ -59,6 +61,31 @@ def boundary(cells: NDArray[np.int64]) -> NDArray[np.int64]:
     edges = np.concatenate([cells[:, [0, 1]], cells[:, [1, 2]], cells[:, [2, 0]]])
     _, first, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
     return np.asarray(edges[first[count == 1]])
+
+
+def orientation(triangles: NDArray[np.int64]) -> NDArray[np.float64] | None:
+    """Signs that give all triangles of a connected piece one sense, that of its first, shape (cells,); None if none do.
+
+    Pieces are connected through edges with two triangles; where more meet, each sheet has its own sense.
+    """
+    n = len(triangles)
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    owner = np.tile(np.arange(n), 3)
+    forward = edges[:, 0] < edges[:, 1]
+    _, edge, count = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
+    order = np.argsort(edge.ravel(), kind="stable")
+    order = order[count[edge.ravel()[order]] == 2].reshape(-1, 2)
+    (a, b), same = owner[order].T, forward[order[:, 0]] != forward[order[:, 1]]
+    # Two copies of each triangle, one for each sense: a piece is one-sided if both copies are connected.
+    rows = np.concatenate([a, a + n])
+    columns = np.concatenate([np.where(same, b, b + n), np.where(same, b + n, b)])
+    graph = sparse.coo_matrix((np.ones(len(rows), dtype=np.int8), (rows, columns)), shape=(2 * n, 2 * n))
+    label = connected_components(graph, directed=False)[1].reshape(2, n)
+    if (label[0] == label[1]).any():
+        return None
+    piece = np.minimum(label[0], label[1])
+    _, first, member = np.unique(piece, return_index=True, return_inverse=True)
+    return np.where(label[0] == label[0, first][member.ravel()], 1.0, -1.0)
 
 
 def measures(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.float64]:

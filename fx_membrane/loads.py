@@ -1,5 +1,7 @@
 """What acts on a structure, and in which order: loads, prescribed displacements and stages, as plain data."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -54,6 +56,55 @@ class DeadLoad:
 
 
 @dataclass(frozen=True, eq=False)
+class PlanLoad:
+    """A load of fixed direction per plan area of the reference shape, as snow is given: per area of the xy-plane.
+
+    Args:
+        load: Load per plan area [N/m2], shape (3,).
+        part: Name of the membrane.
+        cells: The loaded cells of the part, shape (k,); all of them if not given.
+
+    Raises:
+        ValueError: The load is not three finite numbers; cells are not whole numbers.
+    """
+
+    load: ArrayLike
+    part: str
+    cells: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "load", validation.vector("PlanLoad load", self.load))
+        if self.cells is not None:
+            object.__setattr__(self, "cells", validation.rows("PlanLoad cells", self.cells))
+
+
+@dataclass(frozen=True, eq=False)
+class Pressure:
+    """A pressure that follows the membrane: per current area, along its current normal.
+
+    Args:
+        pressure: Positive along `Structure.normals(part)` [Pa].
+        part: Name of the membrane.
+        cells: The loaded cells of the part, shape (k,); all of them if not given.
+
+    Raises:
+        ValueError: The pressure is not a finite number; cells are not whole numbers.
+    """
+
+    pressure: float
+    part: str
+    cells: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        validation.number("Pressure", self.pressure)
+        if self.cells is not None:
+            object.__setattr__(self, "cells", validation.rows("Pressure cells", self.cells))
+
+
+Load = PointLoad | DeadLoad | PlanLoad | Pressure
+
+
+@dataclass(frozen=True, eq=False)
 class PrescribedDisplacement:
     """Nodes moved by a given amount and held there.
 
@@ -92,7 +143,7 @@ class Stage:
         name: Name of the stage; its results are found under it.
         loads: Loads that this stage adds.
         displacements: Displacements that this stage prescribes.
-        steps: Number of equal load increments.
+        steps: Number of equal load increments to begin with; one that fails is halved, see `Analysis`.
         after: Name of the stage whose final state this one starts from, and whose loads and prescribed
             displacements it keeps; without it the stage starts from the reference shape.
 
@@ -101,14 +152,14 @@ class Stage:
     """
 
     name: str
-    loads: Sequence[PointLoad | DeadLoad] = ()
+    loads: Sequence[Load] = ()
     displacements: Sequence[PrescribedDisplacement] = ()
     steps: int = 1
     after: str | None = None
 
     def __post_init__(self) -> None:
-        name = f"Stage {self.name!r}:"
-        object.__setattr__(self, "loads", validation.instances(f"{name} loads", self.loads, PointLoad | DeadLoad))
+        name = f"Stage {validation.name('stage', self.name)!r}:"
+        object.__setattr__(self, "loads", validation.instances(f"{name} loads", self.loads, Load))
         moves = validation.instances(f"{name} displacements", self.displacements, PrescribedDisplacement)
         object.__setattr__(self, "displacements", moves)
         validation.whole(f"{name} steps", self.steps)
@@ -134,6 +185,8 @@ def check(structure: Structure, stages: Sequence[Stage]) -> None:
                 raise ValueError(
                     f"Stage {stage.name!r} has a load on part {load.part!r}; the parts are {list(structure.parts)}."
                 )
+            elif isinstance(load, PlanLoad | Pressure) and structure.parts[load.part].dimension != 2:
+                raise ValueError(f"Stage {stage.name!r} has a {type(load).__name__} on {load.part!r}, not a membrane.")
             elif load.cells is not None:
                 count = len(structure.parts[load.part].cells)
                 name = f"Stage {stage.name!r}: a load on part {load.part!r}"

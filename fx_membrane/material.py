@@ -21,14 +21,14 @@ class Fabric:
     nu: float
 
     def __post_init__(self) -> None:
-        positive("Et", self.Et)
-        if not -1 < number("nu", self.nu) <= 0.5:
-            raise ValueError(f"nu is {self.nu}; Poisson's ratio must be above -1 and at most 0.5.")
+        positive("Fabric Et", self.Et)
+        if not -1 < number("Fabric nu", self.nu) <= 0.5:
+            raise ValueError(f"Fabric nu is {self.nu}; Poisson's ratio must be above -1 and at most 0.5.")
 
     @classmethod
     def from_modulus(cls, E: float, nu: float, thickness: float) -> "Fabric":
         """Fabric of a Young's modulus E [Pa], Poisson's ratio nu [-] and a thickness [m]."""
-        return cls(positive("E", E) * positive("thickness", thickness), nu)
+        return cls(positive("Fabric E", E) * positive("Fabric thickness", thickness), nu)
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,9 @@ class OrthotropicFabric:
 
     def __post_init__(self) -> None:
         for name in ("Et_warp", "Et_weft", "Gt"):
-            positive(name, getattr(self, name))
+            positive(f"OrthotropicFabric {name}", getattr(self, name))
         limit = (self.Et_warp / self.Et_weft) ** 0.5
-        if not abs(number("nu", self.nu)) < limit:
-            raise ValueError(f"nu is {self.nu}; with these stiffnesses its magnitude must be below {limit:.6g}.")
+        if not abs(number("OrthotropicFabric nu", self.nu)) < limit:
+            raise ValueError(
+                f"OrthotropicFabric nu is {self.nu}; with these stiffnesses its magnitude must be below {limit:.6g}."
+            )

@@ -1,53 +1,27 @@
 """The equilibrium problem: total potential energy, residual and tangent of all parts together.
 
-    Pi(u) = sum of strain energies - f . u,    R = dPi/du,    K = dR/du            Gil (50), (51), (68)-(71)
+    Pi(u) = sum of strain energies - f . u,    R = dPi/du - f_p(u),    K = dR/du        Gil (50), (51), (68)-(71)
 
-The energy of each part is written in UFL; residual and tangent come from `ufl.derivative`, dolfinx assembles them.
-What changes from stage to stage (dead loads `f`, held components and their values) is data: nothing is compiled twice.
+with dead loads f and follower pressures f_p, which in general have no potential. What changes from stage to stage
+(loads, held components and their displacements) is data: nothing is compiled twice.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-import ufl
 from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
 from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from . import _dolfinx
-from .discretization import Discretization, PartMesh
-from .forms import elasticity, kinematics
-from .forms import loads as load_forms
+from .discretization import Discretization
 from .geometry import measures
 from .material import Fabric
+from .part_forms import PartForms, part_forms
 from .structure import Membrane, Structure
-
-
-@dataclass(frozen=True, eq=False)
-class PartForms:
-    """Symbols and compiled forms of one part on this process.
-
-    Attributes:
-        mesh: The cells.
-        T, F, E, S: Tangent frame, deformation gradient, Green-Lagrange strain, 2nd Piola-Kirchhoff stress, in UFL.
-        q: Dead load per area or length, piecewise constant [N/m2 or N/m].
-        energy, residual, tangent: Compiled strain energy and its two derivatives.
-        load: Compiled virtual work of q.
-    """
-
-    mesh: PartMesh
-    T: Any
-    F: Any
-    E: Any
-    S: Any
-    q: fem.Function
-    energy: Any
-    residual: Any
-    tangent: Any
-    load: Any
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,11 +32,13 @@ class Actions:
         loads: Dead loads on the nodes, shape (n, 3) [N].
         held: Components whose displacement is given, shape (n, 3).
         displacement: The given displacements, shape (n, 3) [m]; without meaning where not held.
+        pressures: For membranes by name, pressure along the normal of each cell, shape (cells,) [Pa].
     """
 
     loads: NDArray[np.float64]
     held: NDArray[np.bool_]
     displacement: NDArray[np.float64]
+    pressures: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
 
 
 class Problem:
@@ -71,61 +47,71 @@ class Problem:
     Args:
         structure: The structure.
         comm: The processes that share the work; each must give the same structure.
+        elastic: False leaves the prestress as the only stress, whatever the strain: for form finding.
 
     Attributes:
         discretization: The meshes and their common numbering.
         parts: Forms of the parts of which this process has cells.
+        symmetric: Whether the tangent is symmetric: without follower pressure.
         prestress_forces: 2-norm of the prestress forces of all cells, before they balance each other [N].
         stiffness: A typical stiffness [N/m], the diagonal entry of held components: it makes their error a force.
     """
 
-    def __init__(self, structure: Structure, comm: MPI.Intracomm = MPI.COMM_WORLD):
+    def __init__(self, structure: Structure, comm: MPI.Intracomm = MPI.COMM_WORLD, elastic: bool = True):
         self.discretization = Discretization(structure, comm)
-        self.parts = {name: _part_forms(mesh, structure) for name, mesh in self.discretization.parts.items()}
+        self.parts = {name: part_forms(mesh, structure, elastic) for name, mesh in self.discretization.parts.items()}
         self.prestress_forces = float(np.sqrt(sum(_prestress_forces(structure, name) for name in structure.parts)))
         self.stiffness = max(_typical_stiffness(structure, name) for name in structure.parts)
         self.apply(Actions(np.zeros(structure.points.shape), structure.supported, np.zeros(structure.points.shape)))
 
     def apply(self, actions: Actions) -> None:
         """Sets loads, held components and their displacements."""
+        self.symmetric = not any(p.any() for p in actions.pressures.values())
+        for name, part in self.parts.items():
+            part.p.x.array[:] = actions.pressures[name][part.mesh.cells] if name in actions.pressures else 0.0
         self._loads = self.discretization.distribute(actions.loads)
         self._prescribed = self.discretization.distribute(actions.displacement)
         self._held = self.discretization.dofs(actions.held)
         self._held_here = self._held - self._loads.getOwnershipRange()[0]
 
-    def nodal_loads(self, dead_loads: dict[str, NDArray[np.float64]]) -> NDArray[np.float64]:
+    def nodal_loads(self, dead_loads: Mapping[str, NDArray[np.float64]]) -> NDArray[np.float64]:
         """Nodal forces of dead loads on parts, shape (n, 3) [N].
 
         Args:
             dead_loads: For each loaded part, load per reference area or length of each cell, shape (cells, 3).
         """
-
-        def share(part: PartForms, q: NDArray[np.float64]) -> tuple[PartMesh, NDArray[np.float64]]:
-            part.q.x.array[:] = q[part.mesh.cells].ravel()
-            return part.mesh, _assemble_vector(part.load)
-
-        total = self.discretization.create_vector()
-        shares = (share(self.parts[name], q) for name, q in dead_loads.items() if name in self.parts)
-        self.discretization.add_from_meshes(shares, total)
+        for name, part in self.parts.items():
+            part.q.x.array[:] = dead_loads[name][part.mesh.cells].ravel() if name in dead_loads else 0.0
+        total = self._assemble(lambda part: part.load, self.discretization.create_vector())
         return self.discretization.gather(total)
 
+    def pressure_loads(self, x: PETSc.Vec) -> NDArray[np.float64]:
+        """Nodal forces of the applied pressures in the shape x, shape (n, 3) [N]."""
+        self._set(x)
+        return self.discretization.gather(self._assemble(lambda part: part.pressure, x.duplicate()))
+
+    def load_norm(self, x: PETSc.Vec) -> float:
+        """2-norm of the nodal loads in the shape x, dead loads and pressures [N]."""
+        dead = float(self._loads.norm())
+        if self.symmetric:
+            return dead
+        self._set(x)
+        return dead + float(self._assemble(lambda part: part.pressure, x.duplicate()).norm())
+
     def energy(self, x: PETSc.Vec) -> float:
-        """Total potential energy [J], Gil (70)."""
-        self.discretization.to_meshes(x)
+        """Strain energy less the work of the dead loads [J], Gil (70); pressures are not in it."""
+        self._set(x)
         stored = sum(float(fem.assemble_scalar(part.energy)) for part in self.parts.values())
         return float(self.discretization.comm.allreduce(stored)) - float(self._loads.dot(x))
 
     def residual(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
         """Internal minus external nodal forces [N], Gil (50); at held components, the reaction."""
-        self.discretization.to_meshes(x)
-        b.set(0.0)
-        shares = ((part.mesh, _assemble_vector(part.residual)) for part in self.parts.values())
-        self.discretization.add_from_meshes(shares, b)
-        b.axpy(-1.0, self._loads)
+        self._set(x)
+        self._assemble(lambda part: part.residual, b).axpy(-1.0, self._loads)
 
     def tangent(self, x: PETSc.Vec, A: PETSc.Mat) -> None:
-        """Derivative of the residual [N/m], Gil (51)-(53)."""
-        self.discretization.to_meshes(x)
+        """Derivative of the residual [N/m], Gil (51)-(53), (57)."""
+        self._set(x)
         A.zeroEntries()
         for name in self.discretization.structure.parts:
             if name in self.parts:
@@ -147,56 +133,24 @@ class Problem:
         gap.axpy(-1.0, self._prescribed)
         A.zeroRowsColumns(self._held, diag=self.stiffness, x=gap, b=b)
 
+    def _set(self, x: PETSc.Vec) -> None:
+        self.discretization.to_meshes(x)
+        for part in self.parts.values():
+            part.follow()
 
-def _part_forms(mesh: PartMesh, structure: Structure) -> PartForms:
-    part, u = mesh.part, mesh.u
-    J = ufl.Jacobian(mesh.mesh)
-    if isinstance(part, Membrane):
-        T = kinematics.membrane_frame(J, mesh.cell_field(structure.warp(mesh.name)))
-    else:
-        T = kinematics.bar_frame(J)
-    G = kinematics.displacement_gradient(u, T)
-    F = kinematics.deformation_gradient(G, T)
-    E = kinematics.green_lagrange(G, T)
-    d = part.dimension
-    prestress = mesh.cell_field(part.prestress_tensors())
-    sigma0 = ufl.as_matrix([[prestress[d * i + j] for j in range(d)] for i in range(d)])
-    CE = _stress_increment(mesh, E)
-    q = mesh.cell_field(np.zeros((len(part.cells), 3)))
-
-    dx = ufl.Measure("dx", domain=mesh.mesh, metadata={"quadrature_degree": 1})  # exact: strains are constant per cell
-    v = ufl.TestFunction(u.function_space)
-    energy = elasticity.strain_energy(E, sigma0, CE) * dx
-    residual = ufl.derivative(energy, u, v)
-    tangent = ufl.derivative(residual, u, ufl.TrialFunction(u.function_space))
-    return PartForms(
-        mesh=mesh,
-        T=T,
-        F=F,
-        E=E,
-        S=elasticity.second_piola_kirchhoff(sigma0, CE),
-        q=q,
-        energy=_dolfinx.form(energy),
-        residual=_dolfinx.form(residual),
-        tangent=_dolfinx.form(tangent),
-        load=_dolfinx.form(load_forms.dead_load(q, v) * dx),
-    )
+    def _assemble(self, form: Callable[[PartForms], Any], b: PETSc.Vec) -> PETSc.Vec:
+        """Sum of a linear form over the parts that have it, in b."""
+        b.set(0.0)
+        having = (part for part in self.parts.values() if form(part) is not None)
+        shares = ((part.mesh, _assemble_vector(part, form(part))) for part in having)
+        self.discretization.add_from_meshes(shares, b)
+        return b
 
 
-def _stress_increment(mesh: PartMesh, E: Any) -> Any:
-    """C : E of the part's material, its constants as data so that all parts of a kind share one compiled form."""
-
-    def constant(value: float) -> fem.Constant:
-        return fem.Constant(mesh.mesh, np.float64(value))
-
-    part = mesh.part
-    if not isinstance(part, Membrane):
-        return elasticity.axial(E, constant(part.axial_stiffness))
-    material = part.material
-    if isinstance(material, Fabric):
-        return elasticity.isotropic(E, constant(material.Et), constant(material.nu))
-    constants = map(constant, (material.Et_warp, material.Et_weft, material.nu, material.Gt))
-    return elasticity.orthotropic(E, *constants)
+def _assemble_vector(part: PartForms, form: Any) -> NDArray[np.float64]:
+    values = np.zeros(len(part.mesh.u.x.array))
+    fem.assemble_vector(values, form)
+    return values
 
 
 def _prestress_forces(structure: Structure, name: str) -> float:
@@ -212,10 +166,3 @@ def _typical_stiffness(structure: Structure, name: str) -> float:
         return float(part.axial_stiffness / measures(structure.points, part.cells).mean())
     material = part.material
     return material.Et if isinstance(material, Fabric) else max(material.Et_warp, material.Et_weft)
-
-
-def _assemble_vector(form: Any) -> NDArray[np.float64]:
-    space = form.function_spaces[0]
-    values = np.zeros(3 * space.dofmap.index_map.size_local)
-    fem.assemble_vector(values, form)
-    return values

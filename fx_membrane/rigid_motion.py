@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
 from .partition import node_graph
-from .structure import Structure
+from .structure import Mast, Structure
 
 MOTIONS = ("move along x", "move along y", "move along z", "turn about x", "turn about y", "turn about z")
 
@@ -21,8 +21,9 @@ def check_supports(structure: Structure, held: NDArray[np.bool_]) -> None:
         held: Which components of which nodes are held, shape (n, 3).
 
     Raises:
-        ValueError: Names the piece, and a motion that nothing prevents.
+        ValueError: Names the piece, and a motion that nothing prevents; or the end of a mast that nothing holds.
     """
+    _check_masts(structure, held)
     graph = node_graph((part.cells for part in structure.parts.values()), len(structure.points))
     used = np.flatnonzero(structure.used)
     count, piece = connected_components(graph[used][:, used], directed=False)
@@ -31,11 +32,28 @@ def check_supports(structure: Structure, held: NDArray[np.bool_]) -> None:
         motions = free_motions(structure.points[nodes], held[nodes])
         translates = np.linalg.norm(motions[:, 3:], axis=1) < 1e-6
         if len(motions) > 1 or translates.any():
-            freest = MOTIONS[int(np.argmax(np.sum(motions**2, axis=0)))]
+            named = motions[translates] if translates.any() else motions * ([0, 0, 0, 1, 1, 1])
+            freest = MOTIONS[int(np.argmax(np.sum(named**2, axis=0)))]
             raise ValueError(
                 f"The structure is not supported enough: the piece with node {nodes[0]} ({len(nodes)} nodes) can "
                 f"{freest} as a rigid body. Add supports or prescribed displacements there."
             )
+
+
+def _check_masts(structure: Structure, held: NDArray[np.bool_]) -> None:
+    meeting = np.zeros(len(structure.points), dtype=np.int64)
+    for part in structure.parts.values():
+        np.add.at(meeting, part.cells.ravel(), 1)
+    for name, part in structure.parts.items():
+        if isinstance(part, Mast):
+            loose = (meeting[part.cells] == 1) & ~held[part.cells].any(axis=2)
+            if loose.any():
+                cell = int(np.argmax(loose.any(axis=1)))
+                node = part.cells[cell][loose[cell]][0]
+                raise ValueError(
+                    f"Mast {cell} of {name!r} ends nowhere: no other part and no support is at node {node}. "
+                    "Support the node, or join it to a part."
+                )
 
 
 def free_motions(points: NDArray[np.float64], held: NDArray[np.bool_]) -> NDArray[np.float64]:

@@ -4,7 +4,7 @@ import math
 import weakref
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple, cast
+from typing import NamedTuple, Protocol, cast
 
 from petsc4py import PETSc
 
@@ -36,16 +36,30 @@ class Solution:
         converged: Whether the residual met the tolerance.
         reason: In words, why it stopped, and what to try where it failed.
         iterations: The iterates, the start first.
+        retry: Whether a smaller load increment may succeed where this one failed.
     """
 
     converged: bool
     reason: str
     iterations: tuple[Iteration, ...]
+    retry: bool = False
 
 
 ROUNDING = 1e-14
 
-Solve = Callable[[PETSc.Vec], Solution]
+Monitor = Callable[[int, Iteration], None]
+
+
+class Solve(Protocol):
+    """Brings a vector to equilibrium; tells the monitor the number of each iterate and the iterate."""
+
+    def __call__(self, x: PETSc.Vec, monitor: Monitor = ...) -> Solution:
+        """How it ended; the state is in x."""
+        ...
+
+
+def _silent(number: int, iterate: Iteration) -> None:
+    pass
 
 
 @dataclass(frozen=True)
@@ -77,49 +91,64 @@ class _Stop(Exception):  # noqa: N818  (not an error but a message from callback
     """Ends the iteration from inside a callback, with the reason in words."""
 
 
+Driver = tuple[Callable[[PETSc.Vec], bool], PETSc.KSP]  # runs the iteration; its linear solver
+
+
 class _NewtonRaphson:
     """The iteration: callbacks for residual, tangent and step, and what drives them."""
 
     def __init__(self, settings: Newton, problem: Problem):
         self.settings, self.problem = settings, problem
         self.A = problem.discretization.create_matrix()
-        self.A.setOption(PETSc.Mat.Option.SYMMETRIC, True)
         self.b = problem.discretization.create_vector()
         self.linear_error = self.b.duplicate()
         self.history: list[Iteration] = []
+        self.monitor: Monitor = _silent
         self.tolerance = 0.0
-        self.newton: Any = None
+        self.newton = _dolfinx.newton_solver(problem.discretization.comm)
         self.next_step = 0.0
         # The drivers hold their callbacks in C and C++, where Python's garbage collector does not look: a weak
         # reference keeps the problem from living as long as the program.
         owner = cast(_NewtonRaphson, weakref.proxy(self))
-        self.iterate = _by_dolfinx(owner) if _dolfinx.has_newton_solver() else _by_snes(owner)
+        self.iterate, self.ksp = _by_snes(owner) if self.newton is None else _by_dolfinx(owner)
+        self.ksp.setType("preonly")
 
-    def __call__(self, x: PETSc.Vec) -> Solution:
-        self.history, self.next_step = [], 0.0
+    def __call__(self, x: PETSc.Vec, monitor: Monitor = _silent) -> Solution:
+        self.history, self.next_step, self.monitor = [], 0.0, monitor
+        self.ksp.getPC().setType("cholesky" if self.problem.symmetric else "lu")
+        self.ksp.getPC().setFactorSolverType("mumps")
         try:
             with _dolfinx.quiet_log():
                 converged = self.iterate(x)
         except _Stop as stop:
-            return Solution(False, str(stop), tuple(self.history))
-        at_rounding = len(self.history) > 2 and self.history[-1].residual < 1e3 * self.tolerance
-        reason = "converged" if converged else stalled(self.problem, x, at_rounding)
-        return Solution(converged, reason, tuple(self.history))
+            # A tangent that is singular at the start of the increment is so for any length of it.
+            return Solution(False, str(stop), tuple(self.history), retry=len(self.history) > 1)
+        reason = "converged" if converged else self.stalled(x)
+        return Solution(converged, reason, tuple(self.history), retry=True)
+
+    def stalled(self, x: PETSc.Vec) -> str:
+        """Why there is no solution after the last iterate."""
+        last = self.history[-1].residual
+        at_rounding = len(self.history) > 2 and last < 1e3 * self.tolerance
+        return stalled(self.problem, x, len(self.history) - 1, last, at_rounding)
 
     def residual(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
         """Residual with held components; notes the iterate and the tolerance for its 2-norm."""
         self.problem.residual(x, b)
         # The start passes only at rounding: loads far below the prestress take their step too.
-        relative = (self.settings.rtol if self.history else ROUNDING) * b.norm()
+        forces = b.norm() + self.problem.load_norm(x)
+        relative = (self.settings.rtol if self.history else ROUNDING) * forces
         self.tolerance = max(relative, 0.1 * ROUNDING * self.problem.prestress_forces, 1e-300)
         self.problem.hold(x, b)
         largest = b.norm(PETSc.NormType.NORM_INFINITY)
         self.history.append(Iteration(self.problem.energy(x), largest, self.next_step))
+        self.monitor(len(self.history) - 1, self.history[-1])
         if not math.isfinite(largest):
-            raise _Stop(stalled(self.problem, x, at_rounding=False))
+            raise _Stop(self.stalled(x))
 
     def tangent(self, x: PETSc.Vec, A: PETSc.Mat) -> None:
         """Tangent and right-hand side with held components."""
+        A.setOption(PETSc.Mat.Option.SYMMETRIC, self.problem.symmetric)
         self.problem.tangent(x, A)
         self.problem.hold_tangent(x, A, self.b)
 
@@ -134,9 +163,9 @@ class _NewtonRaphson:
         return self.next_step
 
 
-def _by_dolfinx(owner: _NewtonRaphson) -> Callable[[PETSc.Vec], bool]:
+def _by_dolfinx(owner: _NewtonRaphson) -> Driver:
     """dolfinx's NewtonSolver drives the iteration."""
-    owner.newton = newton = _dolfinx.newton_solver(owner.problem.discretization.comm)
+    newton = owner.newton
 
     def residual(x: PETSc.Vec, b: PETSc.Vec) -> None:
         owner.residual(x, b)
@@ -150,11 +179,10 @@ def _by_dolfinx(owner: _NewtonRaphson) -> Callable[[PETSc.Vec], bool]:
     newton.error_on_nonconvergence = False
     newton.rtol = 0.0  # `atol` follows the forces at hand
     newton.max_it = owner.settings.max_iterations
-    _direct(newton.krylov_solver)
-    return lambda x: bool(newton.solve(x)[1])
+    return lambda x: bool(newton.solve(x)[1]), newton.krylov_solver
 
 
-def _by_snes(owner: _NewtonRaphson) -> Callable[[PETSc.Vec], bool]:
+def _by_snes(owner: _NewtonRaphson) -> Driver:
     """PETSc's SNES drives the same iteration, where dolfinx has no NewtonSolver."""
     reasons = PETSc.SNES.ConvergedReason
 
@@ -176,7 +204,6 @@ def _by_snes(owner: _NewtonRaphson) -> Callable[[PETSc.Vec], bool]:
     snes.setJacobian(lambda _, x, A, P: owner.tangent(x, A), owner.A)
     snes.setLineSearchPreCheck(shorten)
     snes.setConvergenceTest(test)
-    _direct(snes.getKSP())
 
     def solve(x: PETSc.Vec) -> bool:
         snes.solve(None, x)
@@ -184,10 +211,4 @@ def _by_snes(owner: _NewtonRaphson) -> Callable[[PETSc.Vec], bool]:
             raise _Stop(linear_failure(owner.problem, owner.A))
         return bool(snes.getConvergedReason() > 0)
 
-    return solve
-
-
-def _direct(ksp: PETSc.KSP) -> None:
-    ksp.setType("preonly")
-    ksp.getPC().setType("cholesky")
-    ksp.getPC().setFactorSolverType("mumps")
+    return solve, snes.getKSP()

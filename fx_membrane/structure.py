@@ -1,5 +1,7 @@
 """A tension structure as plain data: points, parts (membranes, cables, masts) and supports, checked when created."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
@@ -8,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import validation
-from .geometry import measures, normals
+from .geometry import measures, normals, orientation
 from .material import Fabric, OrthotropicFabric
 
 
@@ -25,6 +27,8 @@ class Membrane:
         warp: A vector (3,), or one per cell (n, 3), that projected on the cell gives the warp direction. The weft
             is a right angle further, counter-clockwise about the normal of the cell. Without a warp the global x
             axis is taken, or y where a cell is nearly normal to x, for results only.
+        compression_stiffness: Share of the stiffness that is kept where the membrane wrinkles or is slack, in (0, 1]
+            [-]. It keeps slack nodes in place; above 1e-3 it is seen in results. 1 switches wrinkling off.
 
     Raises:
         ValueError: Cells, prestress or warp have a wrong shape or values that are not finite; the material or the
@@ -36,12 +40,13 @@ class Membrane:
     material: Fabric | OrthotropicFabric
     prestress: ArrayLike = 0.0
     warp: ArrayLike | None = None
+    compression_stiffness: float = 1e-4
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "cells", validation.cells("Membrane cells", self.cells, 3))
-        if not isinstance(self.material, Fabric | OrthotropicFabric):
-            raise ValueError(f"Membrane material is {self.material!r}; give a Fabric or an OrthotropicFabric.")
+        validation.instance("Membrane material", self.material, Fabric | OrthotropicFabric)
         object.__setattr__(self, "prestress", validation.finite("Membrane prestress", self.prestress))
+        validation.share("Membrane compression_stiffness", self.compression_stiffness)
         tensors = self.prestress_tensors()
         directed = not np.array_equal(tensors, tensors[:, :1, :1] * np.eye(2))
         if self.warp is not None:
@@ -91,7 +96,8 @@ class _Bar:
     @classmethod
     def from_modulus(cls, cells: NDArray[np.int64], E: float, area: float, prestress: ArrayLike = 0.0) -> Self:
         """Bars of a Young's modulus E [Pa] and a cross-section area [m2]."""
-        return cls(cells, validation.positive("E", E) * validation.positive("area", area), prestress)
+        E, area = validation.positive(f"{cls.__name__} E", E), validation.positive(f"{cls.__name__} area", area)
+        return cls(cells, E * area, prestress)
 
     def prestress_tensors(self) -> NDArray[np.float64]:
         """Prestress of every cell, shape (n, 1, 1) [N]."""
@@ -102,23 +108,31 @@ class _Bar:
         return np.broadcast_to(value.reshape(-1, 1, 1), (n, 1, 1))
 
 
+@dataclass(frozen=True, eq=False)
 class Cable(_Bar):
-    """Cables as two-node straight elements; they do not go slack yet, so look at the sign of their force.
+    """Cables as two-node straight elements that go slack instead of carrying compression.
 
     Args:
         cells: Segments as rows of node numbers, shape (n, 2).
         axial_stiffness: Young's modulus times cross-section [N].
         prestress: Axial force in the reference shape [N], a number or one per cell, shape (n,).
+        compression_stiffness: Share of the stiffness that is kept where the cable is slack, in (0, 1] [-].
 
     Raises:
-        ValueError: Cells or prestress have a wrong shape or values that are not finite; the stiffness is not positive.
+        ValueError: Cells or prestress have a wrong shape or values that are not finite; a stiffness is not positive.
     """
+
+    compression_stiffness: float = 1e-4
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        validation.share("Cable compression_stiffness", self.compression_stiffness)
 
 
 class Mast(_Bar):
     """Pinned masts and struts as two-node straight elements, in tension and compression.
 
-    Args and Raises as for `Cable`.
+    Args and Raises as for `Cable`, without `compression_stiffness`.
     """
 
 
@@ -145,7 +159,7 @@ class Support:
         validation.components("Support components", self.components)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Structure:
     """Everything that does not change from stage to stage.
 
@@ -175,14 +189,20 @@ class Structure:
         if not self.parts:
             raise ValueError("The structure has no parts; give at least one Membrane, Cable or Mast.")
         for name, part in self.parts.items():
-            if not isinstance(part, Part):
-                raise ValueError(f"Part {name!r} is {part!r}; give a Membrane, Cable or Mast.")
-            validation.in_range(f"Part {name!r}", part.cells.ravel(), len(points), "node")
+            validation.name("part", name)
+            validation.instance(f"Part {name!r}", part, Part)
+            outside = np.flatnonzero(((part.cells < 0) | (part.cells >= len(points))).any(axis=1))
+            for cell in outside[:1]:
+                validation.in_range(f"Part {name!r}, cell {cell},", part.cells[cell], len(points), "node")
             self._check_measures(name, part)
             if part.dimension == 2:
                 self.warp(name)
-        for support in self.supports:
-            self.check_nodes("A support", np.asarray(support.nodes))
+        for number, support in enumerate(self.supports):
+            self.check_nodes(f"Support {number}", np.asarray(support.nodes))
+
+    def __repr__(self) -> str:
+        kinds = ", ".join(f"{name!r}: {len(part.cells)} x {type(part).__name__}" for name, part in self.parts.items())
+        return f"Structure({len(self.points)} points, {{{kinds}}}, {len(self.supports)} supports)"
 
     @property
     def used(self) -> NDArray[np.bool_]:
@@ -220,6 +240,23 @@ class Structure:
                 "give a vector that lies roughly in the cell."
             )
         return np.asarray(tangent / length[:, None])
+
+    def normals(self, name: str) -> NDArray[np.float64]:
+        """Unit normals of a membrane, all on one side of it, shape (cells, 3) [-]; a positive pressure acts along them.
+
+        In each connected piece they follow the right-hand rule of its first cell.
+
+        Raises:
+            ValueError: The membrane is one-sided, like a Moebius strip.
+        """
+        cells = self.parts[name].cells
+        sides = orientation(cells)
+        if sides is None:
+            raise ValueError(
+                f"Part {name!r} has only one side, like a Moebius strip, so that a normal and a pressure have no "
+                "direction on it; cut it into parts along a line of edges."
+            )
+        return sides[:, None] * normals(self.points, cells)
 
     def check_nodes(self, what: str, nodes: NDArray[np.int64]) -> None:
         """Refuses nodes that do not exist or that no part uses.

@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 def number(name: str, value: Any) -> float:
     """A finite number."""
+    if isinstance(value, str):
+        raise ValueError(f"{name} is the text {value!r}; give a number.")
     try:
         result = float(value)
     except (TypeError, ValueError):
@@ -34,10 +36,17 @@ def whole(name: str, value: Any) -> int:
     return int(value)
 
 
+def share(name: str, value: Any) -> float:
+    """A number above zero and at most one."""
+    if positive(name, value) > 1:
+        raise ValueError(f"{name} is {value}; it must be at most 1.")
+    return float(value)
+
+
 def finite(name: str, value: ArrayLike) -> NDArray[np.float64]:
     """A read-only array of finite numbers."""
     try:
-        if np.iscomplexobj(value):
+        if np.iscomplexobj(value) or np.asarray(value).dtype.kind in "US":
             raise TypeError
         result = np.array(value, dtype=np.float64)
     except (TypeError, ValueError):
@@ -66,22 +75,30 @@ def rows(name: str, value: ArrayLike) -> NDArray[np.int64]:
     if result.ndim != 1 or not (result.dtype.kind in "iu" or result.size == 0):
         hint = "; turn a mask into numbers with numpy.flatnonzero" if result.dtype.kind == "b" else ""
         raise ValueError(f"{name} must be a list of whole numbers, not {result.dtype} of shape {result.shape}{hint}.")
+    if not result.size:
+        raise ValueError(f"{name} is empty; name at least one, or leave it out.")
     return _frozen_integers(result)
 
 
-def cells(name: str, value: ArrayLike, nodes: int) -> NDArray[np.int64]:
-    """A read-only array of cells with that many nodes each; no cell may have a node twice."""
+def cells(name: str, value: ArrayLike, nodes: int, distinct: bool = True) -> NDArray[np.int64]:
+    """A read-only array of cells with that many nodes each; no cell may have a node twice, nor be there twice."""
     result = np.asarray(value)
     if result.ndim != 2 or result.shape[1] != nodes or not len(result) or result.dtype.kind not in "iu":
-        raise ValueError(
-            f"{name} must be an array of whole numbers of shape (n, {nodes}) with n >= 1, "
-            f"not {result.dtype} of shape {result.shape}."
-        )
+        what = f"{result.dtype} of shape {result.shape}" if result.dtype.kind != "O" else type(value).__name__
+        raise ValueError(f"{name} must be an array of whole numbers of shape (n, {nodes}) with n >= 1, not {what}.")
     ordered = np.sort(result, axis=1)
     twice = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
     if len(twice):
         raise ValueError(
             f"{name}: cell {twice[0]} has a node twice, {result[twice[0]].tolist()}; remove or mend the cell."
+        )
+    _, first, count = np.unique(ordered, axis=0, return_index=True, return_counts=True)
+    if distinct and (count > 1).any():
+        cell = first[count > 1].min()
+        other = np.flatnonzero((ordered == ordered[cell]).all(axis=1))[1]
+        raise ValueError(
+            f"{name}: cells {cell} and {other} have the same nodes, {result[cell].tolist()}; remove one, "
+            "or make the second a part of its own."
         )
     return _frozen_integers(result)
 
@@ -98,6 +115,21 @@ def components(name: str, value: str) -> tuple[int, ...]:
     if not isinstance(value, str) or not value or set(value) - set("xyz") or len(set(value)) < len(value):
         raise ValueError(f'{name} is {value!r}; give one or more of the letters x, y and z, like "xyz" or "z".')
     return tuple("xyz".index(letter) for letter in value)
+
+
+def name(what: str, value: Any) -> str:
+    """A text that is not empty."""
+    if not isinstance(value, str) or not value:
+        raise ValueError(f"The name of a {what} is {value!r}; give a text.")
+    return value
+
+
+def instance(what: str, value: Any, kind: Any) -> None:
+    """Refuses an object of another kind (a class, or several joined by |)."""
+    if not isinstance(value, kind):
+        expected = " or ".join(entry.__name__ for entry in getattr(kind, "__args__", (kind,)))
+        hint = ", with brackets behind its name" if isinstance(value, type) else ""
+        raise ValueError(f"{what} is of type {type(value).__name__}; give a {expected}{hint}.")
 
 
 def instances(name: str, values: Any, kind: Any) -> tuple[Any, ...]:

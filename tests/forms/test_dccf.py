@@ -53,11 +53,12 @@ def case(name, rng):
         isotropic, woven = (5000.0, 0.3), (8000.0, 3000.0, 0.4, 700.0)
         material = Fabric(*isotropic) if name == "isotropic" else OrthotropicFabric(*woven)
         C = dccf.isotropic(*isotropic) if name == "isotropic" else dccf.orthotropic(*woven)
-        part = Membrane(cells, material, tensors, warp)
+        part = Membrane(cells, material, tensors, warp, compression_stiffness=1.0)
     else:
         s0 = rng.normal(size=(COUNT, 1)) * 300.0
         C = dccf.axial(7000.0)
-        part = {"cable": Cable, "mast": Mast}[name](cells, 7000.0, s0[:, 0])
+        cable = Cable(cells, 7000.0, s0[:, 0], compression_stiffness=1.0)
+        part = cable if name == "cable" else Mast(cells, 7000.0, s0[:, 0])
     return Structure(X.reshape(-1, 3), {"part": part}), X, size, s0, C, warp
 
 
@@ -144,7 +145,10 @@ def test_whole_mesh():
     points, triangles = rectangle(10, 8, 80, 80)
     points[:, 2] = 0.05 * (points[:, 0] ** 2 - points[:, 1] ** 2)
     line = np.stack([np.arange(80), np.arange(1, 81)], axis=1) + 40 * 81
-    fabric, cable = Membrane(triangles, Fabric(500.0, 0.3), prestress=5.0), Cable(line, 1e4, prestress=30.0)
+    fabric, cable = (
+        Membrane(triangles, Fabric(500.0, 0.3), prestress=5.0, compression_stiffness=1.0),
+        Cable(line, 1e4, prestress=30.0, compression_stiffness=1.0),
+    )
     u = 0.01 * rng.normal(size=points.shape)
 
     problem = Problem(Structure(points, {"fabric": fabric, "cable": cable}))
