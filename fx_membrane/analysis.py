@@ -1,18 +1,28 @@
 """Stages: load increments, load cases that branch from a common state, and results that are never lost."""
 
-from collections.abc import Sequence
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import Self
 
 import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
+from tqdm import tqdm
 
-from . import loads, validation
-from .loads import DeadLoad, PointLoad, Stage
+from . import checkpoint, load_case, loads, validation
+from .checkpoint import Progress
+from .loads import Stage
 from .problem import Actions, Problem
-from .results import Increment, Recorder, StageResult
+from .recorder import Recorder
+from .results import Increment, StageResult
 from .rigid_motion import check_supports
-from .solver import Newton
+from .solver import Iteration, Newton
 from .structure import Structure
+
+HALVINGS = 8
 
 
 class ConvergenceError(RuntimeError):
@@ -33,6 +43,9 @@ class ConvergenceError(RuntimeError):
 class Analysis:
     """Nonlinear statics of a structure; meshes are made and forms compiled once, for all its stages.
 
+    An increment that does not converge is halved, up to eight times; after one that does, the next is twice as long,
+    up to what the stage asks for.
+
     Args:
         structure: The structure.
         solver: What finds equilibrium in each load increment.
@@ -40,101 +53,113 @@ class Analysis:
     """
 
     def __init__(self, structure: Structure, solver: Newton = Newton(), comm: MPI.Intracomm = MPI.COMM_WORLD):
+        validation.instance("Analysis structure", structure, Structure)
+        validation.instance("Analysis solver", solver, Newton)
         self.structure = structure
+        self._comm = comm
         self._problem = Problem(structure, comm)
         self._solve = solver.prepare(self._problem)
         self._record = Recorder(self._problem)
 
-    def run(self, stages: Sequence[Stage]) -> dict[str, StageResult]:
+    def run(self, stages: Sequence[Stage], checkpoint_file: str | Path | None = None) -> dict[str, StageResult]:
         """Final state of each stage, by name.
+
+        Args:
+            stages: The stages, each after the one it follows.
+            checkpoint_file: Where to save the state after each converged increment. If the file is there, what is in
+                it is not computed again, and the run goes on from it.
 
         Raises:
             ValueError: A stage does not fit the structure or the other stages, or leaves the structure free to move
-                as a rigid body.
+                as a rigid body; the checkpoint belongs to another structure or to other stages.
             ConvergenceError: A load increment found no equilibrium; what was computed before is on the exception.
         """
+        self._check(stages)
+        path = None if checkpoint_file is None else Path(checkpoint_file)
+        progress = {} if path is None else checkpoint.load(path, self.structure, stages)
+
+        def save(name: str, state: Progress) -> None:
+            progress[name] = state
+            if path is not None and self._comm.rank == 0:
+                checkpoint.save(path, self.structure, stages, progress)
+
+        results: dict[str, StageResult] = {}
+        ends: dict[str | None, Actions] = {None: load_case.unloaded(self.structure)}
+        for stage in stages:
+            ends[stage.name] = end = load_case.target(self._problem, stage, ends[stage.after])
+            shape = results[stage.after].displacement if stage.after else np.zeros(self.structure.points.shape)
+            start = load_case.taking_hold(ends[stage.after], end, shape)
+            state = progress.get(stage.name) or Progress(shape, Fraction(0), Fraction(1, stage.steps), ())
+            results[stage.name] = self._run(stage, start, end, state, results, save)
+        return results
+
+    def _check(self, stages: Sequence[Stage]) -> None:
         loads.check(self.structure, stages)
         held: dict[str | None, NDArray[np.bool_]] = {None: self.structure.supported}
         for stage in stages:
-            held[stage.name] = held[stage.after] | _prescribed(stage, self.structure)[0]
+            held[stage.name] = held[stage.after] | load_case.prescribed(stage, self.structure)[0]
             check_supports(self.structure, held[stage.name])
-
-        zero = np.zeros(self.structure.points.shape)
-        results: dict[str, StageResult] = {}
-        ends: dict[str | None, Actions] = {None: Actions(zero, self.structure.supported, zero)}
-        for stage in stages:
-            start, displacement = ends[stage.after], zero if stage.after is None else results[stage.after].displacement
-            ends[stage.name] = self._target(stage, start)
-            results[stage.name] = self._run(stage, start, ends[stage.name], displacement, results)
-        return results
-
-    def _target(self, stage: Stage, start: Actions) -> Actions:
-        """Actions at the end of a stage: those at its start, and its own."""
-        point_loads = np.zeros(self.structure.points.shape)
-        dead_loads = {
-            name: np.zeros((len(part.cells), 3))
-            for name, part in self.structure.parts.items()
-            if any(isinstance(load, DeadLoad) and load.part == name for load in stage.loads)
-        }
-        for load in stage.loads:
-            if isinstance(load, PointLoad):
-                np.add.at(point_loads, np.asarray(load.nodes), load.force)
-            else:
-                cells = np.arange(len(dead_loads[load.part])) if load.cells is None else np.asarray(load.cells)
-                np.add.at(dead_loads[load.part], cells, load.load)
-        held, displacement = _prescribed(stage, self.structure)
-        return Actions(
-            loads=start.loads + point_loads + self._problem.nodal_loads(dead_loads),
-            held=start.held | held,
-            displacement=np.where(held, displacement, start.displacement),
-        )
 
     def _run(
         self,
         stage: Stage,
         start: Actions,
         end: Actions,
-        displacement: NDArray[np.float64],
+        state: Progress,
         results: dict[str, StageResult],
+        save: Callable[[str, Progress], None],
     ) -> StageResult:
-        """Load increments of a stage, from a converged displacement at the start actions."""
-        free = ~start.held  # what this stage takes hold of starts from where it is
-        start = Actions(start.loads, end.held, np.where(free, displacement, start.displacement))
-        actions = start
-        x = self._problem.discretization.distribute(displacement)
-        converged = x.copy()
-        increments: list[Increment] = []
-        for step in range(1, stage.steps + 1):
-            factor = step / stage.steps
-            target = _between(start, end, factor)
-            self._problem.apply(target)
-            solution = self._solve(x)
-            if not solution.converged:
-                self._problem.apply(actions)
-                last = self._record(stage.name, converged, actions, tuple(increments))
-                failed = Increment(factor, solution.iterations)
-                message = f"Stage {stage.name!r} found no equilibrium at load factor {factor:.6g}: {solution.reason}"
-                raise ConvergenceError(message, results, last, failed)
-            actions = target
-            x.copy(converged)
-            increments.append(Increment(factor, solution.iterations))
-        return self._record(stage.name, x, actions, tuple(increments))
+        """Load increments of a stage from a converged state, between the actions at its start and its end."""
+        full = Fraction(1, stage.steps)
+        x = self._problem.discretization.distribute(state.displacement)
+        with _ProgressBar(stage.name, state.factor, shown=self._comm.rank == 0) as bar:
+            while state.factor < 1:
+                factor = min(state.factor + state.size, Fraction(1))
+                self._problem.apply(load_case.between(start, end, float(factor)))
+                solution = self._solve(x, bar.iteration)
+                increment = Increment(float(factor), solution.iterations)
+                if solution.converged:
+                    shape = self._problem.discretization.gather(x)
+                    state = Progress(shape, factor, min(2 * state.size, full), (*state.increments, increment))
+                    save(stage.name, state)
+                    bar.increment(factor)
+                elif solution.retry and state.size > full / 2**HALVINGS:
+                    state = replace(state, size=(factor - state.factor) / 2)
+                    self._problem.discretization.distribute(state.displacement).copy(x)
+                else:
+                    last = self._result(stage, start, end, state)
+                    message = (
+                        f"Stage {stage.name!r} found no equilibrium at load factor {float(factor):.6g} "
+                        f"(the last found is at {float(state.factor):.6g}): {solution.reason}"
+                    )
+                    raise ConvergenceError(message, results, last, increment)
+        return self._result(stage, start, end, state)
+
+    def _result(self, stage: Stage, start: Actions, end: Actions, state: Progress) -> StageResult:
+        actions = load_case.between(start, end, float(state.factor))
+        self._problem.apply(actions)
+        x = self._problem.discretization.distribute(state.displacement)
+        return self._record(stage.name, x, actions, state.increments)
 
 
-def _between(start: Actions, end: Actions, factor: float) -> Actions:
-    return Actions(
-        loads=start.loads + factor * (end.loads - start.loads),
-        held=end.held,
-        displacement=start.displacement + factor * (end.displacement - start.displacement),
-    )
+class _ProgressBar:
+    """One line on a terminal: stage, load factor, iterations of the increment and its residual."""
 
+    def __init__(self, name: str, factor: Fraction, shown: bool):
+        layout = "{desc}: {bar:24} load factor {n:.4f}{postfix}"
+        start = float(factor)
+        self._bar = tqdm(
+            desc=name, total=1.0, initial=start, bar_format=layout, disable=None if shown else True, file=sys.stderr
+        )
 
-def _prescribed(stage: Stage, structure: Structure) -> tuple[NDArray[np.bool_], NDArray[np.float64]]:
-    """Components that a stage prescribes, shape (n, 3), and their displacements, shape (n, 3) [m]."""
-    held = np.zeros(structure.points.shape, dtype=bool)
-    displacement = np.zeros(structure.points.shape)
-    for entry in stage.displacements:
-        for component in validation.components("PrescribedDisplacement components", entry.components):
-            held[entry.nodes, component] = True
-            displacement[entry.nodes, component] = np.asarray(entry.displacement)[..., component]
-    return held, displacement
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._bar.close()
+
+    def iteration(self, number: int, entry: Iteration) -> None:
+        self._bar.set_postfix_str(f"iteration {number}, residual {entry.residual:.1e}")
+
+    def increment(self, factor: Fraction) -> None:
+        self._bar.update(float(factor) - self._bar.n)

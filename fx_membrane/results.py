@@ -7,13 +7,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import ufl
 from numpy.typing import NDArray
-from petsc4py import PETSc
 
-from . import _dolfinx
-from .forms import kinematics, stress
-from .problem import Actions, PartForms, Problem
 from .solver import Iteration
 from .structure import Cable, Mast, Membrane, Structure
 
@@ -41,6 +36,8 @@ class MembraneResult:
         second_piola_kirchhoff: Stress per reference length in the warp/weft frame, shape (cells, 2, 2) [N/m], Gil (32).
         cauchy: Stress per current length in global axes, shape (cells, 3, 3) [N/m].
         principal: Principal values of `cauchy`, the larger first, shape (cells, 2) [N/m].
+        thread_forces: Normal components of `cauchy` along the current warp and weft, shape (cells, 2) [N/m].
+        state: "taut", "wrinkled" or "slack", shape (cells,).
         cauchy_projected: Cauchy stress with the determinant of I + grad u as J, in global axes, shape (cells, 3, 3)
             [N/m]: what Gil (19) gives, the paper's Table 2. It is larger than `cauchy` where cells have turned.
     """
@@ -50,6 +47,8 @@ class MembraneResult:
     cauchy: Array
     principal: Array
     cauchy_projected: Array
+    thread_forces: Array
+    state: NDArray[np.str_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,10 +58,12 @@ class BarResult:
     Attributes:
         strain: Green-Lagrange strain, shape (cells,) [-].
         force: Axial force in the current shape, tension positive, shape (cells,) [N].
+        slack: Which cells are slack, shape (cells,); masts never are.
     """
 
     strain: Array
     force: Array
+    slack: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +85,7 @@ class Equilibrium:
     residual: float
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class StageResult:
     """The final state of a stage.
 
@@ -92,7 +93,7 @@ class StageResult:
         name: Name of the stage.
         structure: The structure.
         displacement: From the reference position, shape (n, 3) [m].
-        loads: Dead loads on the nodes, shape (n, 3) [N].
+        loads: Loads on the nodes, those of pressures in the current shape, shape (n, 3) [N].
         reactions: Forces that hold the supports and the prescribed displacements, shape (n, 3) [N]; zero where free.
         energy: Total potential energy [J].
         equilibrium: Balance of loads and reactions.
@@ -109,6 +110,10 @@ class StageResult:
     equilibrium: Equilibrium
     increments: tuple[Increment, ...]
     parts: dict[str, MembraneResult | BarResult]
+
+    def __repr__(self) -> str:
+        largest = np.abs(self.displacement).max()
+        return f"StageResult({self.name!r}, {len(self.increments)} increments, largest displacement {largest:.4g})"
 
     @property
     def position(self) -> Array:
@@ -156,76 +161,3 @@ class StageResult:
         if name not in names:
             raise ValueError(f"No {kind.__name__} is named {name!r}; those of the structure are {names}.")
         return name
-
-
-class Recorder:
-    """Makes results of states; keeps the compiled stress expressions between stages."""
-
-    def __init__(self, problem: Problem):
-        self.problem = problem
-        self.expressions = {name: _part_expression(part) for name, part in problem.parts.items()}
-
-    def __call__(self, name: str, x: PETSc.Vec, actions: Actions, increments: tuple[Increment, ...]) -> StageResult:
-        """Result of a state x under actions that the problem holds."""
-        problem, discretization = self.problem, self.problem.discretization
-        b = discretization.create_vector()
-        problem.residual(x, b)
-        residual, displacement = discretization.gather(b), discretization.gather(x)
-        reactions = np.where(actions.held, residual, 0.0)
-        free = np.where(actions.held, 0.0, residual)
-        position = discretization.structure.points + displacement
-        return StageResult(
-            name=name,
-            structure=discretization.structure,
-            displacement=displacement,
-            loads=actions.loads,
-            reactions=reactions,
-            energy=problem.energy(x),
-            equilibrium=Equilibrium(
-                loads=actions.loads.sum(axis=0),
-                reactions=reactions.sum(axis=0),
-                load_moment=np.cross(position, actions.loads).sum(axis=0),
-                reaction_moment=np.cross(position, reactions).sum(axis=0),
-                residual=float(np.abs(free).max()),
-            ),
-            increments=increments,
-            parts={name: self._part_result(name) for name in discretization.structure.parts},
-        )
-
-    def _part_result(self, name: str) -> MembraneResult | BarResult:
-        discretization = self.problem.discretization
-        membrane = isinstance(discretization.structure.parts[name], Membrane)
-        values = self.expressions[name]() if name in self.expressions else None
-        columns = discretization.gather_cells(name, values, 28 if membrane else 2).T
-        if not membrane:
-            return BarResult(strain=columns[0], force=columns[1])
-        return MembraneResult(
-            strain=_tensors(columns[0:4]),
-            second_piola_kirchhoff=_tensors(columns[4:8]),
-            cauchy=_tensors(columns[8:17]),
-            cauchy_projected=_tensors(columns[17:26]),
-            principal=columns[26:28].T,
-        )
-
-
-def _part_expression(part: PartForms) -> _dolfinx.CellExpression:
-    """All that is recorded of a part, as one vector-valued expression; `Recorder._part_result` takes it apart."""
-    F, S = part.F, part.S
-    cauchy = stress.cauchy(F, S, kinematics.stretch_ratio(F))
-    if isinstance(part.mesh.part, Membrane):
-        projected = stress.cauchy(F, S, kinematics.projected_ratio(F, part.T))
-        entries = [*_entries(part.E), *_entries(S), *_entries(cauchy), *_entries(projected)]
-        values = ufl.as_vector([*entries, *(stress.principal(cauchy, F)[i] for i in range(2))])
-    else:
-        values = ufl.as_vector([part.E[0, 0], ufl.tr(cauchy)])
-    return _dolfinx.CellExpression(values, part.mesh.mesh)
-
-
-def _entries(tensor: ufl.core.expr.Expr) -> list[ufl.core.expr.Expr]:
-    rows, columns = tensor.ufl_shape
-    return [tensor[i, j] for i in range(rows) for j in range(columns)]
-
-
-def _tensors(columns: Array) -> Array:
-    size = int(np.sqrt(len(columns)))
-    return np.ascontiguousarray(columns.T).reshape(-1, size, size)
