@@ -1,7 +1,6 @@
 """Everything that differs between dolfinx 0.5, 0.9 and 0.11, and nothing else.
 
-Each difference is asked for by name, in one place; the comment says who has which. Meshes and forms live on one
-process each (`MPI.COMM_SELF`); the parallel system is built from them in `discretization`.
+Each is asked for by name, in one place; a comment says who has which. Meshes are of one process (`MPI.COMM_SELF`).
 """
 
 import importlib.util
@@ -25,8 +24,7 @@ if importlib.util.find_spec("basix.ufl"):
 
 CELL = {1: "interval", 2: "triangle"}
 
-# -O2: insertion into the matrix dominates, and -O3 takes seconds to compile on some gcc; 300 s is how long a process
-# waits for another one that compiles the same form.
+# -O3 takes seconds to compile on some gcc and gains little; 300 s is how long a process waits for one that compiles.
 JIT = {"cffi_extra_compile_args": ["-O2", "-g0"], "timeout": 300}
 
 
@@ -58,6 +56,12 @@ def _table(dofmap: Any) -> NDArray[np.int32]:
     return np.asarray(getattr(dofmap, "array", dofmap)).ravel()  # 0.5: adjacency list; 0.9, 0.11: array
 
 
+def geometry_table(geometry: Any) -> NDArray[np.int32]:
+    """Rows of the coordinates, `geometry.x`, that the cells of a mesh have, one cell after the other."""
+    several = hasattr(geometry, "dofmaps") and not callable(geometry.dofmaps)  # 0.11: one for each cell type
+    return _table(geometry.dofmaps[0] if several else geometry.dofmap)
+
+
 def cell_order(msh: Any) -> NDArray[np.int64]:
     """Row in the `cells` given to `create_mesh` of each cell of the mesh."""
     return np.asarray(msh.topology.original_cell_index, dtype=np.int64)
@@ -65,12 +69,14 @@ def cell_order(msh: Any) -> NDArray[np.int64]:
 
 def node_order(V: Any) -> NDArray[np.int64]:
     """Row in the `points` given to `create_mesh` of each node of a linear Lagrange space."""
-    geometry = V.mesh.geometry
-    several = hasattr(geometry, "dofmaps") and not callable(geometry.dofmaps)  # 0.11: one for each cell type
-    cells = _table(geometry.dofmaps[0] if several else geometry.dofmap)
-    node = np.empty(V.dofmap.index_map.size_local, dtype=np.int64)
-    node[_table(V.dofmap.list)] = np.asarray(geometry.input_global_indices)[cells]
-    return node
+    return np.asarray(V.mesh.geometry.input_global_indices)[geometry_order(V)]
+
+
+def geometry_order(V: Any) -> NDArray[np.int64]:
+    """Row in the coordinates of the mesh, `geometry.x`, of each node of a linear Lagrange space."""
+    row = np.empty(V.dofmap.index_map.size_local, dtype=np.int64)
+    row[_table(V.dofmap.list)] = geometry_table(V.mesh.geometry)
+    return row
 
 
 @contextmanager
@@ -113,15 +119,10 @@ class CellExpression:
         return np.asarray(self._expression.eval(*self._arguments)).reshape(len(self._cells), -1)
 
 
-def has_newton_solver() -> bool:
-    """Whether dolfinx has its NewtonSolver: 0.5, 0.9 and 0.11; upstream removes it after that."""
-    return hasattr(cpp.nls.petsc, "NewtonSolver")
-
-
 def newton_solver(comm: MPI.Intracomm) -> Any:
-    """The NewtonSolver of C++, which takes callbacks for residual, tangent and update."""
+    """The NewtonSolver of C++, which takes callbacks; None after 0.11, where upstream removes it."""
     with _quiet_stderr():
-        return cpp.nls.petsc.NewtonSolver(comm)
+        return cpp.nls.petsc.NewtonSolver(comm) if hasattr(cpp.nls.petsc, "NewtonSolver") else None
 
 
 @contextmanager

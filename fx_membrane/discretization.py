@@ -43,6 +43,10 @@ class PartMesh:
     u: fem.Function
     numbering: PETSc.LGMap
 
+    def move(self, points: NDArray[np.float64]) -> None:
+        """Makes positions of the nodes of this mesh, shape (nodes, 3) [m], the reference shape."""
+        self.mesh.geometry.x[_dolfinx.geometry_order(self.u.function_space)] = points
+
     def cell_field(self, values: NDArray[np.float64]) -> fem.Function:
         """Piecewise constant function of values for all cells of the part, shape (cells, ...), flattened per cell."""
         flat = np.reshape(values, (len(self.part.cells), -1))
@@ -160,6 +164,11 @@ class Discretization:
         values = self._local_values.array_r.reshape(-1, 3)
         for mesh in self.parts.values():
             mesh.u.x.array[:] = values[mesh.nodes].ravel()
+
+    def move(self, points: NDArray[np.float64]) -> None:
+        """Makes other positions of the user's nodes, shape (n, 3) [m], the reference shape of all meshes."""
+        for mesh in self.parts.values():
+            mesh.move(points[self.local[mesh.nodes]])
 
     def add_from_meshes(self, shares: Iterator[tuple[PartMesh, NDArray[np.float64]]], vector: PETSc.Vec) -> None:
         """Adds nodal vectors that belong to meshes, in the order of their dofs, to a PETSc vector."""

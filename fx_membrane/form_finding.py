@@ -1,0 +1,129 @@
+"""Shapes in equilibrium under prestress alone: the force density method."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import splu
+
+from . import validation
+from .structure import Support
+
+
+@dataclass(frozen=True, eq=False)
+class Net:
+    """A found shape.
+
+    Attributes:
+        points: Positions of the nodes, shape (n, 3) [m].
+        forces: Force in each branch, force density times length, shape (branches,) [N].
+        reactions: What holds the fixed components, shape (n, 3) [N]; zero where free.
+    """
+
+    points: NDArray[np.float64]
+    forces: NDArray[np.float64]
+    reactions: NDArray[np.float64]
+
+
+def force_density(
+    points: ArrayLike,
+    branches: ArrayLike,
+    q: ArrayLike,
+    fixed: Sequence[Support],
+    loads: ArrayLike | None = None,
+) -> Net:
+    """Shape of a net whose branches have given ratios of force to length.
+
+    The nodes are where the branches' forces, q times their vectors, balance the loads: a linear system for each
+    component, D x = p, with D the graph's weighted Laplacian.
+
+    Args:
+        points: Positions, shape (n, 3) [m]; only those of the fixed components matter.
+        branches: Pairs of node numbers, shape (b, 2).
+        q: Force densities, a number or one per branch, shape (b,) [N/m].
+        fixed: Nodes that do not move, by component: one held in "x" alone slides in the plane normal to x.
+        loads: Dead loads on the nodes, shape (n, 3) [N]; none if not given.
+
+    Returns:
+        The shape, the branch forces and the reactions.
+
+    Raises:
+        ValueError: Numbers are not finite or do not fit; in some component a part of the net is tied to no fixed
+            node; force densities at or below zero leave the free nodes without a unique equilibrium.
+
+    Source:
+        H.-J. Schek, The force density method for form finding and computation of general networks, Computer Methods
+        in Applied Mechanics and Engineering 3 (1974) 115-134.
+    """
+    points = validation.finite("points", points)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise ValueError(f"points has shape {points.shape}; give (n, 3), one row x, y, z for each node.")
+    n = len(points)
+    branches = validation.cells("branches", branches, 2, distinct=False)
+    validation.in_range("branches", branches.ravel(), n, "node")
+    densities = validation.finite("q", q)
+    if densities.shape not in ((), (len(branches),)):
+        raise ValueError(
+            f"q has shape {densities.shape}; give a number or one for each of the {len(branches)} branches."
+        )
+    densities = np.broadcast_to(densities, len(branches))
+    force = np.zeros_like(points) if loads is None else validation.finite("loads", loads)
+    if force.shape != points.shape:
+        raise ValueError(f"loads has shape {force.shape}; give three components for each of the {n} nodes.")
+
+    a, b = branches.T
+    weights = sparse.coo_matrix((np.tile(densities, 2), (np.r_[a, b], np.r_[b, a])), shape=(n, n)).tocsr()
+    laplacian = (sparse.diags(np.asarray(weights.sum(axis=1)).ravel()) - weights).tocsr()
+    links = sparse.coo_matrix((np.ones(len(branches)), (a, b)), shape=(n, n))
+    piece = connected_components(links, directed=False)[1]
+    used = np.zeros(n, dtype=bool)
+    used[branches] = True
+    held = ~used[:, None] | _held(fixed, n)
+
+    shape = points.copy()
+    shape.setflags(write=True)
+    for component in range(3):
+        shape[:, component] = _solve(laplacian, held[:, component], points[:, component], force[:, component], piece)
+        if not np.isfinite(shape[:, component]).all():
+            raise ValueError("These force densities leave free nodes without a unique equilibrium; give positive ones.")
+    lengths = np.linalg.norm(shape[a] - shape[b], axis=1)
+    return Net(shape, densities * lengths, np.where(held & used[:, None], laplacian @ shape - force, 0.0))
+
+
+def _held(fixed: Sequence[Support], n: int) -> NDArray[np.bool_]:
+    held = np.zeros((n, 3), dtype=bool)
+    for support in validation.instances("fixed", fixed, Support):
+        nodes = np.asarray(support.nodes)
+        validation.in_range("fixed", nodes, n, "node")
+        for component in validation.components("Support components", support.components):
+            held[nodes, component] = True
+    return held
+
+
+def _solve(
+    laplacian: sparse.csr_matrix,
+    held: NDArray[np.bool_],
+    value: NDArray[np.float64],
+    force: NDArray[np.float64],
+    piece: NDArray[np.int32],
+) -> NDArray[np.float64]:
+    """One component of the shape."""
+    loose = np.setdiff1d(piece, piece[held])
+    if len(loose):
+        node = int(np.flatnonzero(piece == loose[0])[0])
+        raise ValueError(f"The part of the net with node {node} is tied to no fixed node; fix a node of it.")
+    free = ~held
+    result = value.copy()
+    if free.any():
+        matrix = laplacian[free][:, free].tocsc()
+        right = force[free] - laplacian[free][:, held] @ value[held]
+        try:
+            factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+            singular = np.abs(factors.U.diagonal()).min() <= 1e-13 * np.abs(laplacian).max()  # but for rounding
+            result[free] = np.nan if singular else factors.solve(right)
+        except RuntimeError:  # SuperLU: exactly singular
+            result[free] = np.nan
+    return result

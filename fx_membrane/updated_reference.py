@@ -1,0 +1,174 @@
+"""Form finding with prescribed stress: soap films, and membranes and edge cables of given prestress.
+
+Each step solves for equilibrium with the prestress as 2nd Piola-Kirchhoff stress with respect to the present shape, and
+makes the result the next reference shape. The energy is quadratic, so a step is one linear solve, and the nodes have a
+definite place within the surface. With an isotropic stress it is the algorithm of Pinkall and Polthier for minimal
+surfaces. The shape settles in a few steps, while the nodes go on to slide within it for long; the steps end when what
+is left is sliding. Equilibrium is exact after each step, with the stress found, which differs from the prescribed one
+by what sliding is left and, in the end, not at all.
+
+Source: K.-U. Bletzinger, E. Ramm, A general finite element approach to the form finding of tensile structures by the
+updated reference strategy, Int. J. Space Structures 14 (1999) 131-145; U. Pinkall, K. Polthier, Computing discrete
+minimal surfaces and their conjugates, Experimental Mathematics 2 (1993) 15-36.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from . import load_case, loads, validation
+from .geometry import boundary, measures, normals
+from .loads import DeadLoad, PointLoad, Pressure, Stage
+from .problem import Problem
+from .recorder import Recorder
+from .results import BarResult, MembraneResult
+from .rigid_motion import check_supports
+from .solver import Newton
+from .structure import Membrane, Part, Structure
+
+
+class Step(NamedTuple):
+    """One step of form finding.
+
+    Attributes:
+        area: Area of all membranes [m2].
+        change: Largest displacement of the step across the surface or the lines [m].
+        stress_error: Largest difference of the stress in the shape from the prescribed one, relative to the latter.
+    """
+
+    area: float
+    change: float
+    stress_error: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Form:
+    """A found shape.
+
+    Attributes:
+        structure: The structure in this shape, in equilibrium; its prestress is the stress found in each cell, which
+            is the prescribed one as far as the steps have converged.
+        steps: The steps.
+        converged: Whether the change of shape fell below the tolerance.
+    """
+
+    structure: Structure
+    steps: tuple[Step, ...]
+    converged: bool
+
+    def __repr__(self) -> str:
+        return f"Form({self.structure}, {len(self.steps)} steps, converged={self.converged})"
+
+
+def updated_reference(
+    structure: Structure,
+    loads_in_form: Sequence[PointLoad | DeadLoad | Pressure] = (),
+    tolerance: float = 1e-3,
+    max_steps: int = 100,
+    comm: MPI.Intracomm = MPI.COMM_WORLD,
+) -> Form:
+    """Shape in which the prestress of membranes, cables and masts is in equilibrium, their elasticity set aside.
+
+    Args:
+        structure: A first shape with the wanted prestress and the supports of the form.
+        loads_in_form: Loads that the form is to balance, as an inner pressure.
+        tolerance: Accepted change of shape in a step, as a share of the mean length of the edges [-].
+        max_steps: Most steps.
+        comm: The processes that share the work.
+
+    Returns:
+        The form, in equilibrium also where the steps were too few.
+
+    Raises:
+        ValueError: The structure has no prestress anywhere, is not supported, or the loads do not fit it.
+        RuntimeError: A step found no equilibrium, or the shape collapses, as a catenoid between rings too far apart.
+    """
+    validation.instance("updated_reference structure", structure, Structure)
+    validation.positive("tolerance", tolerance)
+    validation.whole("max_steps", max_steps)
+    stage = Stage("form", validation.instances("loads_in_form", loads_in_form, PointLoad | DeadLoad | Pressure))
+    loads.check(structure, [stage])
+    check_supports(structure, structure.supported)
+    if not any(part.prestress_tensors().any() for part in structure.parts.values()):
+        raise ValueError("No part has a prestress; form finding needs the stress that the form is to have.")
+    problem = Problem(structure, comm, elastic=False)
+    solve, record = Newton().prepare(problem), Recorder(problem)
+    points = structure.points
+    steps: list[Step] = []
+    parts: dict[str, Part] = dict(structure.parts)
+    converged = False
+    while len(steps) < max_steps and not converged:
+        problem.discretization.move(points)
+        actions = load_case.target(problem, stage, load_case.unloaded(structure))  # dead loads are per area of the form
+        problem.apply(actions)
+        x = problem.discretization.create_vector()
+        solution = solve(x)
+        if not solution.converged:
+            raise RuntimeError(f"Form finding stopped at step {len(steps) + 1}: {solution.reason}")
+        state = record(stage.name, x, actions, ())
+        change, edge = _change_of_shape(structure, points, state.displacement)
+        points = points + state.displacement
+        parts, error = {}, 0.0
+        for name in structure.parts:
+            parts[name], deviation = _stressed(structure, name, points, state.parts[name])
+            error = max(error, deviation)
+        area = sum(measures(points, part.cells).sum() for part in parts.values() if part.dimension == 2)
+        if not np.isfinite(points).all():
+            raise RuntimeError(f"Form finding stopped at step {len(steps) + 1}: the shape collapses.")
+        steps.append(Step(float(area), change, error))
+        converged = change <= tolerance * edge
+    return Form(replace(structure, points=points, parts=parts), tuple(steps), converged)
+
+
+def _change_of_shape(
+    structure: Structure, points: NDArray[np.float64], displacement: NDArray[np.float64]
+) -> tuple[float, float]:
+    """Largest displacement across the surface, on lines across the line; and the mean length of the edges [m]."""
+    normal, along = np.zeros_like(points), np.zeros_like(points)
+    on_line = np.zeros(len(points), dtype=bool)
+    lengths = []
+    for part in structure.parts.values():
+        lines = part.cells
+        if part.dimension == 2:
+            lines = boundary(part.cells)
+            for corner in part.cells.T:
+                np.add.at(normal, corner, normals(points, part.cells))
+            lengths.append(np.sqrt(2 * measures(points, part.cells)))
+        else:
+            lengths.append(measures(points, part.cells))
+        on_line[lines] = True
+        for end in lines.T:
+            np.add.at(along, end, points[lines[:, 1]] - points[lines[:, 0]])
+
+    def part_along(direction: NDArray[np.float64]) -> NDArray[np.float64]:
+        length = np.maximum(np.linalg.norm(direction, axis=1, keepdims=True), np.finfo(float).tiny)
+        unit = direction / length
+        return np.sum(displacement * unit, axis=1, keepdims=True) * unit
+
+    across = np.where(on_line[:, None], displacement - part_along(along), part_along(normal))
+    return float(np.linalg.norm(across, axis=1).max()), float(np.concatenate(lengths).mean())
+
+
+def _stressed(
+    structure: Structure, name: str, points: NDArray[np.float64], state: MembraneResult | BarResult
+) -> tuple[Part, float]:
+    """The part with the stress of a state as its prestress, in a new shape; the relative error of that stress."""
+    part = structure.parts[name]
+    wanted = part.prestress_tensors()
+    if isinstance(state, MembraneResult):
+        assert isinstance(part, Membrane)
+        warp = structure.warp(name)
+        moved = Structure(points, {name: replace(part, warp=warp)})
+        first = moved.warp(name)
+        frame = np.stack([first, np.cross(normals(points, part.cells), first)], axis=2)
+        found = np.einsum("nia,nij,njb->nab", frame, state.cauchy, frame)
+        found = (found + found.swapaxes(1, 2)) / 2
+        stressed: Part = replace(part, prestress=found, warp=warp)
+    else:
+        found = state.force[:, None, None]
+        stressed = replace(part, prestress=state.force)
+    return stressed, float(np.abs(found - wanted).max() / max(np.abs(wanted).max(), np.finfo(float).tiny))
