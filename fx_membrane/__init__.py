@@ -8,27 +8,46 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 from mpi4py import MPI as _MPI  # noqa: F401  (before dolfinx: its wheel from PyPI needs the MPI library loaded)
 
 from .analysis import Analysis, ConvergenceError
+from .edges import edges_on
+from .form_finding import Net, force_density
 from .geometry import boundary, rectangle
-from .loads import DeadLoad, PointLoad, PrescribedDisplacement, Stage
+from .gmsh import structure_from_gmsh
+from .loads import DeadLoad, PlanLoad, PointLoad, PrescribedDisplacement, Pressure, Stage
 from .material import Fabric, OrthotropicFabric
-from .solver import Newton
+from .results import BarResult, Equilibrium, Increment, MembraneResult, StageResult
+from .solver import Iteration, Newton
 from .structure import Cable, Mast, Membrane, Structure, Support
+from .updated_reference import Form, updated_reference
 
 __all__ = [
     "Analysis",
+    "BarResult",
     "Cable",
     "ConvergenceError",
     "DeadLoad",
+    "Equilibrium",
     "Fabric",
+    "Form",
+    "Increment",
+    "Iteration",
     "Mast",
     "Membrane",
+    "MembraneResult",
+    "Net",
     "Newton",
     "OrthotropicFabric",
+    "PlanLoad",
     "PointLoad",
     "PrescribedDisplacement",
+    "Pressure",
     "Stage",
+    "StageResult",
     "Structure",
     "Support",
     "boundary",
+    "edges_on",
+    "force_density",
     "rectangle",
+    "structure_from_gmsh",
+    "updated_reference",
 ]

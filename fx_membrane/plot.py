@@ -1,25 +1,26 @@
-"""Pictures: convergence curves (matplotlib) and contours on the deformed structure (pyvista).
+"""Pictures: curves and wire frames (matplotlib), contours on the deformed structure (pyvista inside matplotlib).
 
-Each function writes one PNG. Under MPI call it on all processes; the first one draws.
+Each function writes one PNG and makes its folder. Under MPI call it on all processes; the first one draws.
 """
 
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
+from . import validation
 from .results import StageResult
+from .scene import INK, Colours, picture
 
-# Without a screen VTK draws in memory; to be set before pyvista loads it.
-if not os.environ.get("DISPLAY"):
-    os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkOSOpenGLRenderWindow")
-
-INK = "#30343b"
 LINES = "#1f6f8b"
 BANDS = 16
+STATES = {"taut": "#8fc1b5", "wrinkled": "#f2b950", "slack": "#d1495b"}
+PAPER = {"dpi": 160, "bbox_inches": "tight"}
+
+Field = Mapping[str, ArrayLike] | ArrayLike
 
 
 def convergence(result: StageResult, path: str | Path, force_unit: str = "N", energy_unit: str = "J") -> None:
@@ -27,17 +28,15 @@ def convergence(result: StageResult, path: str | Path, force_unit: str = "N", en
 
     Args:
         result: A stage; all its increments are drawn one after the other.
-        path: The PNG to write; its folder is made.
+        path: The PNG to write.
         force_unit: What the axis of the forces says.
         energy_unit: What the axis of the energy says.
     """
     if MPI.COMM_WORLD.rank:
         return
-    import matplotlib.figure  # noqa: PLC0415  (numbers alone should not wait for it)
-
     iterations = [entry for _, entry in result.history]
     count = np.arange(len(iterations))
-    figure = matplotlib.figure.Figure(figsize=(9, 3.6), layout="constrained")
+    figure = _figure(9, 3.6)
     energy, residual = figure.subplots(1, 2)
     energy.plot(count, [entry.energy for entry in iterations], "o-", color=LINES)
     energy.set_ylabel(f"Total potential energy [{energy_unit}]")
@@ -49,121 +48,184 @@ def convergence(result: StageResult, path: str | Path, force_unit: str = "N", en
         axes.grid(color="#e3e5e8", linewidth=0.8)
         axes.spines[["top", "right"]].set_visible(False)
     figure.suptitle(f"Convergence of stage “{result.name}”", color=INK, fontsize=12)
-    Path(path).parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=160, bbox_inches="tight")
+    _save(figure, path)
+
+
+def wireframe(
+    points: ArrayLike,
+    parts: Mapping[str, NDArray[np.int64]],
+    path: str | Path,
+    *,
+    view: Sequence[float] | None = None,
+    labels: Sequence[int] = (),
+    first: int = 0,
+) -> None:
+    """Edges of nets, membranes, cables and masts, with a legend and node numbers, as in Gil's Figs. 12 to 14.
+
+    Args:
+        points: Positions of the nodes, shape (n, 3) [m].
+        parts: Cells by name, shape (cells, 2) or (cells, 3).
+        path: The PNG to write.
+        view: Direction from the structure to the eye; without it the plan (x, y).
+        labels: Nodes whose number is written.
+        first: The number written at node 0.
+    """
+    if MPI.COMM_WORLD.rank:
+        return
+    import matplotlib.collections  # noqa: PLC0415
+
+    positions = np.asarray(points, dtype=np.float64)
+    seen = positions[:, :2] if view is None else positions @ _screen_axes(view).T
+    figure = _figure(7, 7)
+    axes = figure.subplots()
+    for number, (name, cells) in enumerate(parts.items()):
+        edges = np.concatenate([cells[:, [i, (i + 1) % cells.shape[1]]] for i in range(cells.shape[1])])
+        thin = number == 0
+        lines = matplotlib.collections.LineCollection(
+            seen[np.unique(np.sort(edges, axis=1), axis=0)],
+            colors="#9fb3bd" if thin else f"C{number}",
+            linewidths=0.7 if thin else 2.0,
+            label=name,
+        )
+        axes.add_collection(lines)
+    for node in labels:
+        axes.annotate(str(node + first), seen[node], fontsize=6, color=INK, xytext=(1, 1), textcoords="offset points")
+    axes.autoscale()
+    axes.set_aspect("equal")
+    axes.legend(loc="upper left", frameon=False)
+    if view is None:
+        axes.set_xlabel("x")
+        axes.set_ylabel("y")
+    else:
+        axes.axis("off")
+    _save(figure, path)
 
 
 def contours(
     result: StageResult,
-    fields: Mapping[str, Mapping[str, ArrayLike] | ArrayLike],
+    fields: Mapping[str, Field],
     path: str | Path,
     *,
     scale: float = 1.0,
     view: Sequence[float] = (1.0, -1.6, 1.1),
+    mirror: str | None = None,
+    odd: Sequence[str] = (),
 ) -> None:
     """Fields on the deformed structure, one picture beside the other; cables and masts are drawn as tubes.
 
     Args:
         result: A stage.
-        fields: For each title, either nodal values, shape (n,), or for each membrane by name cell values (cells,).
-        path: The PNG to write; its folder is made.
+        fields: For each title, either nodal values, shape (n,), or cell values (cells,) of some parts by name, as the
+            forces of cables; cell values may be the states "taut", "wrinkled" and "slack".
+        path: The PNG to write.
         scale: Displacements are drawn that many times larger.
         view: Direction from the structure to the eye.
+        mirror: "x", "y" or "z" draws the mirror image about that coordinate's zero too, for half models.
+        odd: Titles of the fields that have the other sign in the mirror image, as the displacement across it.
 
     Raises:
-        ValueError: A field has a wrong number of values, or names no membrane.
+        ValueError: A field has a wrong number of values, values that are not finite, or names no part; mirror is none
+            of the three.
+        RuntimeError: There is no screen, and this version of VTK needs one.
     """
+    validation.instance("The first argument of contours", result, StageResult)
+    validation.instance("fields", fields, Mapping)
+    if not fields:
+        raise ValueError('fields is empty; give at least one, {"title": values}.')
     checked = {title: _checked(result, title, field) for title, field in fields.items()}
+    if mirror not in (None, "x", "y", "z"):
+        raise ValueError(f'mirror is {mirror!r}; give "x", "y", "z" or None.')
     if MPI.COMM_WORLD.rank:
         return
-    import matplotlib.cm  # noqa: PLC0415
-    import matplotlib.colors  # noqa: PLC0415
-    import matplotlib.figure  # noqa: PLC0415
-
-    figure = matplotlib.figure.Figure(figsize=(6.4 * len(checked), 5.2), layout="constrained")
+    figure = _figure(6.4 * len(checked), 5.6)
     panels = figure.subplots(1, len(checked), squeeze=False)[0]
     for axes, (title, field) in zip(panels, checked.items(), strict=True):
-        colours, limits = _colours(field)
-        axes.imshow(_picture(result, field, colours, limits, scale, view))
+        colours, numbers = _colours(field, symmetric=title in odd)
+        axes.imshow(picture(result, numbers, colours, scale=scale, view=view, mirror=mirror, odd=title in odd))
         axes.axis("off")
         axes.set_title(title, color=INK, fontsize=15)
-        norm = matplotlib.colors.BoundaryNorm(np.linspace(*limits, BANDS + 1), 256)
-        mappable = matplotlib.cm.ScalarMappable(norm, colours)
-        ticks = np.linspace(*limits, 5)
-        bar = figure.colorbar(mappable, ax=axes, location="bottom", fraction=0.05, pad=0.02, shrink=0.8, ticks=ticks)
-        bar.ax.set_xticklabels([f"{tick:.4g}" for tick in ticks], color=INK)
-        bar.outline.set_visible(False)
-    Path(path).parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=160, bbox_inches="tight")
+        _colour_bar(figure, axes, colours)
+    _save(figure, path)
 
 
-def _picture(
-    result: StageResult,
-    field: dict[str, NDArray[np.float64]] | NDArray[np.float64],
-    colours: str,
-    limits: tuple[float, float],
-    scale: float,
-    view: Sequence[float],
-) -> NDArray[np.uint8]:
-    """The deformed structure, coloured; shape (height, width, 3)."""
-    import pyvista  # noqa: PLC0415
-
-    if not os.environ.get("DISPLAY") and pyvista.vtk_version_info < (9, 4):  # it would abort the whole process
-        raise RuntimeError("Without a screen this version of VTK cannot draw; run the script with xvfb-run.")
-    points = result.structure.points + scale * result.displacement
-    size = np.linalg.norm(np.ptp(points, axis=0))
-    plotter = pyvista.Plotter(off_screen=True, window_size=(1200, 840))
-    plotter.set_background("white")
-    plotter.enable_anti_aliasing("ssaa")
-    for name, part in result.structure.parts.items():
-        if part.dimension == 1:
-            lines = pyvista.PolyData(points, lines=_vtk_cells(part.cells))
-            plotter.add_mesh(lines.tube(radius=0.004 * size), color=INK)
-            continue
-        plotter.add_mesh(
-            pyvista.PolyData(points, faces=_vtk_cells(part.cells)),
-            scalars=field[name] if isinstance(field, dict) else field, clim=limits, cmap=colours, n_colors=BANDS,
-            show_edges=len(part.cells) <= 5000, line_width=1.5, edge_color=INK, edge_opacity=0.25,
-            ambient=0.5, diffuse=0.6, show_scalar_bar=False,
-        )  # fmt: skip
-    plotter.view_vector(tuple(view), viewup=(0, 0, 1))
-    plotter.camera.zoom(1.3)
-    image = plotter.screenshot(return_img=True)
-    plotter.close()
-    inked = np.argwhere((np.asarray(image) < 255).any(axis=2))  # crop to what was drawn
-    (top, left), (bottom, right) = inked.min(axis=0), inked.max(axis=0)
-    return np.asarray(image[max(top - 10, 0) : bottom + 10, max(left - 10, 0) : right + 10], dtype=np.uint8)
-
-
-def _checked(
-    result: StageResult, title: str, field: Mapping[str, ArrayLike] | ArrayLike
-) -> dict[str, NDArray[np.float64]] | NDArray[np.float64]:
-    membranes = {name: len(part.cells) for name, part in result.structure.parts.items() if part.dimension == 2}
+def _checked(result: StageResult, title: str, field: Field) -> dict[str, NDArray[Any]] | NDArray[Any]:
     if not isinstance(field, Mapping):
-        values = np.asarray(field, dtype=np.float64)
+        values = np.asarray(field)
         if values.shape != (len(result.structure.points),):
             raise ValueError(f"Field {title!r} has shape {values.shape}; give one value for each node.")
-        return values
-    if set(field) != set(membranes):
-        raise ValueError(f"Field {title!r} is for {list(field)}; give cell values for each of {list(membranes)}.")
-    cells = {name: np.asarray(values, dtype=np.float64) for name, values in field.items()}
-    for name, values in cells.items():
-        if values.shape != (membranes[name],):
+        if values.dtype.kind == "U":
+            raise ValueError(f"Field {title!r} has states at nodes; states belong to cells, {{part: states}}.")
+        return _finite(title, values)
+    cells = {name: len(part.cells) for name, part in result.structure.parts.items()}
+    if not field or not set(field) <= set(cells):
+        raise ValueError(f"Field {title!r} is for the parts {list(field)}; give cell values for some of {list(cells)}.")
+    checked = {name: _finite(title, np.asarray(values)) for name, values in field.items()}
+    for name, values in checked.items():
+        if values.shape != (cells[name],):
             raise ValueError(f"Field {title!r} on {name!r} has shape {values.shape}; give one value for each cell.")
-    return cells
+    return checked
 
 
-def _colours(field: dict[str, NDArray[np.float64]] | NDArray[np.float64]) -> tuple[str, tuple[float, float]]:
-    """Colour map and range: two-sided and symmetric where values of both signs matter."""
+def _finite(title: str, values: NDArray[Any]) -> NDArray[Any]:
+    if values.dtype.kind == "U":
+        unknown = sorted(set(values.tolist()) - set(STATES))
+        if unknown:
+            raise ValueError(f"Field {title!r} has the state {unknown[0]!r}; the states are {list(STATES)}.")
+    elif not np.isfinite(values).all():
+        raise ValueError(f"Field {title!r} has values that are not finite.")
+    return values
+
+
+def _colours(
+    field: dict[str, NDArray[Any]] | NDArray[Any], symmetric: bool
+) -> tuple[Colours, dict[str, NDArray[np.float64]] | NDArray[np.float64]]:
+    """Colours of a field, and its values as numbers; two-sided and symmetric where both signs matter."""
     values = np.concatenate(list(field.values())) if isinstance(field, dict) else field
+    if values.dtype.kind == "U":
+        assert isinstance(field, dict)
+        order = list(STATES)
+        numbers = {name: np.array([order.index(state) for state in states]) for name, states in field.items()}
+        return Colours(list(STATES.values()), -0.5, 2.5, len(order)), numbers
     low, high = float(values.min()), float(values.max())
     largest = max(-low, high)
-    if min(-low, high) > 0.02 * largest:
-        return "coolwarm", (-largest, largest)
-    if high - low <= 1e-9 * abs(largest):  # uniform: the last digits are no pattern to look at
-        return "viridis", (low - 0.5 * abs(low), high + 0.5 * abs(high))
-    return "viridis", (low, high)
+    if symmetric or min(-low, high) > 0.02 * largest:
+        return Colours("coolwarm", -largest, largest, BANDS), field
+    size = max(abs(low), abs(high))
+    if high - low <= 1e-9 * size:  # uniform: the last digits are no pattern to look at
+        low, high = low - 0.05 * (size or 1.0), high + 0.05 * (size or 1.0)
+    return Colours("viridis", low, high, BANDS), field
 
 
-def _vtk_cells(cells: NDArray[np.int64]) -> NDArray[np.int64]:
-    return np.column_stack([np.full(len(cells), cells.shape[1]), cells]).ravel()
+def _colour_bar(figure: Any, axes: Any, colours: Colours) -> None:
+    import matplotlib.cm  # noqa: PLC0415
+    import matplotlib.colors  # noqa: PLC0415
+
+    named = not isinstance(colours.map, str)
+    ticks = np.arange(len(STATES)) if named else np.linspace(colours.low, colours.high, 5)
+    bounds = np.linspace(colours.low, colours.high, colours.bands + 1)
+    shades: Any = matplotlib.colors.ListedColormap(list(colours.map)) if named else colours.map
+    norm = matplotlib.colors.BoundaryNorm(bounds, colours.bands if named else 256)
+    mappable = matplotlib.cm.ScalarMappable(norm, shades)
+    bar = figure.colorbar(mappable, ax=axes, location="bottom", fraction=0.05, pad=0.02, shrink=0.8, ticks=ticks)
+    bar.ax.set_xticklabels(list(STATES) if named else [f"{tick:.3g}" for tick in ticks], color=INK)
+    bar.ax.tick_params(which="both", length=0)
+    bar.outline.set_visible(False)
+
+
+def _screen_axes(view: Sequence[float]) -> NDArray[np.float64]:
+    """Right and up of a picture seen from a direction, z pointing up, shape (2, 3)."""
+    eye = np.asarray(view, dtype=np.float64) / np.linalg.norm(view)
+    right = np.cross([0.0, 0.0, 1.0], eye) if np.hypot(eye[0], eye[1]) > 1e-9 else np.array([1.0, 0.0, 0.0])
+    right = right / np.linalg.norm(right)
+    return np.stack([right, np.cross(eye, right)])
+
+
+def _figure(width: float, height: float) -> Any:
+    import matplotlib.figure  # noqa: PLC0415  (numbers alone should not wait for it)
+
+    return matplotlib.figure.Figure(figsize=(width, height), layout="constrained")
+
+
+def _save(figure: Any, path: str | Path) -> None:
+    Path(path).parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, **PAPER)

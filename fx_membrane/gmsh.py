@@ -1,0 +1,105 @@
+"""Structures from gmsh: a model in memory or a .msh file, in which physical names say what is what."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .structure import Part, Structure, Support
+
+NODES = {1: 2, 2: 3}  # gmsh's element types of lines and triangles, and their numbers of nodes
+
+
+def structure_from_gmsh(
+    source: str | Path | None,
+    parts: Mapping[str, Callable[[NDArray[np.int64]], Part]],
+    supports: Mapping[str, str] | None = None,
+) -> Structure:
+    """Structure of the physical groups of a gmsh mesh.
+
+    Lines of a physical curve on the edge of a physical surface share its nodes: a cable made of them is tied to the
+    membrane. Nodes of `points` are those that the parts use, in the order of gmsh's numbers.
+
+    Args:
+        source: A file that gmsh can read, or None for the meshed model that is open in this process.
+        parts: For each physical name, what makes a part of its cells (lines or triangles, of first order):
+            `{"fabric": lambda cells: Membrane(cells, Fabric(Et=500e3, nu=0.3), prestress=1e3)}`.
+        supports: For each physical name, the components that its nodes are held in: `{"corners": "xyz"}`.
+
+    Raises:
+        ValueError: The file is not a mesh; a physical name does not exist, or its cells are not lines or triangles of
+            first order; a support is on no part.
+    """
+    import gmsh  # noqa: PLC0415  (not needed by structures made of arrays)
+
+    if source is None:
+        return _structure(gmsh.model, parts, supports or {})
+    if not Path(source).is_file():
+        raise ValueError(f"There is no file {source}; give the name of a gmsh mesh.")
+    before = _current_model(gmsh)
+    if before is None:
+        gmsh.initialize()
+    gmsh.option.setNumber("General.Terminal", 0)
+    try:
+        gmsh.model.add("fx_membrane")
+        try:
+            gmsh.merge(str(source))
+        except Exception as error:  # gmsh raises nothing more precise
+            raise ValueError(f"{source} is not a file that gmsh can read ({error}).") from None
+        return _structure(gmsh.model, parts, supports or {})
+    finally:
+        gmsh.model.remove()
+        if before is None:
+            gmsh.finalize()
+        else:
+            gmsh.model.setCurrent(before)
+
+
+def _current_model(gmsh: Any) -> str | None:
+    """Name of the model that is open; None where gmsh has not been started (gmsh 4.8 cannot be asked that)."""
+    try:
+        return str(gmsh.model.getCurrent())
+    except Exception:
+        return None
+
+
+def _structure(
+    model: Any, parts: Mapping[str, Callable[[NDArray[np.int64]], Part]], supports: Mapping[str, str]
+) -> Structure:
+    tags, coordinates, _ = model.mesh.getNodes()
+    if not len(tags):
+        raise ValueError("There is no mesh in the gmsh file or model; call gmsh.model.mesh.generate(2) before.")
+    groups = {model.getPhysicalName(*group): group for group in model.getPhysicalGroups()}
+    for name in [*parts, *supports]:
+        if name not in groups:
+            raise ValueError(f"The mesh has no physical group {name!r}; it has {sorted(groups)}.")
+    cells = {name: _cells(model, name, groups[name]) for name in parts}
+    used = np.unique(np.concatenate([part.ravel() for part in cells.values()]))
+    row = np.full(int(tags.max()) + 1, -1, dtype=np.int64)
+    row[used] = np.arange(len(used))
+    position = np.empty((int(tags.max()) + 1, 3))
+    position[tags.astype(np.int64)] = coordinates.reshape(-1, 3)
+    held = []
+    for name, components in supports.items():
+        nodes = row[model.mesh.getNodesForPhysicalGroup(*groups[name])[0].astype(np.int64)]
+        if not len(nodes) or (nodes < 0).any():
+            raise ValueError(f"The support {name!r} has nodes that no part uses; put it on a part.")
+        held.append(Support(np.unique(nodes), components))
+    return Structure(position[used], {name: make(row[cells[name]]) for name, make in parts.items()}, held)
+
+
+def _cells(model: Any, name: str, group: tuple[int, int]) -> NDArray[np.int64]:
+    """Node tags of the cells of a physical group, shape (cells, 2 or 3)."""
+    dimension, _ = group
+    found = []
+    for entity in model.getEntitiesForPhysicalGroup(*group):
+        for kind, _, nodes in zip(*model.mesh.getElements(dimension, entity), strict=True):
+            if kind not in NODES:
+                what = model.mesh.getElementProperties(kind)[0]
+                raise ValueError(f"The physical group {name!r} has elements of type {what}; give lines or triangles.")
+            found.append(np.asarray(nodes, dtype=np.int64).reshape(-1, NODES[kind]))
+    if not found:
+        raise ValueError(f"The physical group {name!r} has no cells; mesh it before it is made a structure.")
+    return np.concatenate(found)
