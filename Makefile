@@ -1,11 +1,5 @@
 # `make demo` and `make test` do everything, from installing to running; a second time they start at once.
 
-export OMPI_ALLOW_RUN_AS_ROOT = 1
-export OMPI_ALLOW_RUN_AS_ROOT_CONFIRM = 1
-# More processes than cores are fine for tests: Open MPI 4, then 5.
-export OMPI_MCA_rmaps_base_oversubscribe = 1
-export PRTE_MCA_rmaps_default_mapping_policy = :oversubscribe
-
 BIN := .venv/bin
 SUITE ?= trixie
 
@@ -13,6 +7,7 @@ SUITE ?= trixie
 
 demo: .venv/ready
 	$(BIN)/python demos/square_membrane.py
+	$(BIN)/python demos/shade_pavilion.py
 
 test: lint
 	@.ci/suite $(BIN)/python mpirun

@@ -13,6 +13,15 @@ import pytest
 
 DEMOS = Path(__file__).parent.parent / "demos"
 PICTURES = {
+    "shade_pavilion": [
+        "fig12_plan.png",
+        "fig13_isometric.png",
+        "fig14_structure.png",
+        "fig15-17a_displacements.png",
+        "fig15-17b_displacements.png",
+        "fig18-19a_stresses.png",
+        "fig18-19b_stresses.png",
+    ],
     "square_membrane": ["fig7_convergence.png", "fig8_displacements.png", "fig9_principal_stresses.png"],
 }
 

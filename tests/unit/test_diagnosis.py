@@ -48,7 +48,7 @@ def test_linear_failure_names_node_direction_and_prestress():
     message = linear_failure(*first_tangent(sheet(0.0)))
     assert "singular" in message
     assert rf"node {INSIDE[0]} (and {len(INSIDE) - 1} more nodes) in the direction (0, 0, 1)" in message
-    assert "give it a prestress" in message
+    assert "small prestress" in message
 
 
 def test_linear_failure_of_one_node():
@@ -70,7 +70,7 @@ def test_linear_failure_of_a_mechanism_without_a_loose_node():
 @pytest.mark.parametrize(
     ("displacement", "words"),
     [
-        (0.1, "the unbalanced forces did not fall"),
+        (0.1, "the largest unbalanced force is still 2.5"),
         (1e6, "diverged: displacements of 1e+06 in a structure of size 2"),
         (np.nan, "diverged"),
     ],
@@ -78,13 +78,13 @@ def test_linear_failure_of_a_mechanism_without_a_loose_node():
 def test_stalled(displacement, words):
     problem = Problem(sheet(1e3))
     x = problem.discretization.distribute(np.full(POINTS.shape, displacement))
-    message = stalled(problem, x, at_rounding=False)
+    message = stalled(problem, x, iterations=30, residual=2.5, at_rounding=False)
     assert words in message
     assert "steps=..." in message
 
 
 def test_stalled_at_rounding_advises_another_tolerance():
     problem = Problem(sheet(1e3))
-    message = stalled(problem, problem.discretization.create_vector(), at_rounding=True)
+    message = stalled(problem, problem.discretization.create_vector(), iterations=30, residual=1e-9, at_rounding=True)
     assert "Newton(rtol=...)" in message
     assert "steps" not in message

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fx_membrane import boundary, rectangle
-from fx_membrane.geometry import measures, normals
+from fx_membrane.geometry import measures, normals, orientation
 
 DIAGONALS = ["right", "left", "to centre"]
 
@@ -87,3 +87,64 @@ def test_measures_and_normals_in_space():
     assert measures(points, np.array([[0, 1], [1, 2]])) == pytest.approx([2, np.sqrt(13)])
     assert measures(points, np.array([[0, 1, 2]])) == pytest.approx([3])
     assert normals(points, np.array([[0, 1, 2], [0, 2, 1]])) == pytest.approx(np.array([[1, 0, 0], [-1, 0, 0]]))
+
+
+# One sense for all triangles of a piece
+
+TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+OCTAHEDRON = np.array(
+    [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]]
+)  # nodes 0 to 5 on +x, -x, +y, -y, +z, -z; all triangles seen from outside
+
+
+def flipped(triangles, seed):
+    """The triangles, some in the other sense, and the sign of each."""
+    signs = np.random.default_rng(seed).choice([1.0, -1.0], size=len(triangles))
+    return np.where(signs[:, None] > 0, triangles, triangles[:, ::-1]), signs
+
+
+@pytest.mark.parametrize("surface", [TETRAHEDRON, OCTAHEDRON, rectangle(1.0, 1.0, 5, 3)[1]])
+@pytest.mark.parametrize("seed", range(5))
+def test_orientation_undoes_flips(surface, seed):
+    triangles, signs = flipped(surface, seed)
+    assert orientation(triangles).tolist() == (signs * signs[0]).tolist()
+
+
+def test_each_piece_follows_its_first_triangle():
+    pieces = np.concatenate([OCTAHEDRON + 10, TETRAHEDRON])
+    order = np.random.default_rng(1).permutation(len(pieces))
+    triangles, signs = flipped(pieces[order], 2)
+    found = orientation(triangles) * signs
+    for piece in (order < 8, order >= 8):
+        first = signs[piece][0]
+        assert found[piece].tolist() == [first] * np.count_nonzero(piece)
+
+
+def test_pieces_that_share_a_node_only_are_apart():
+    triangles = np.array([[0, 1, 2], [0, 4, 3]])
+    assert orientation(triangles).tolist() == [1, 1]
+
+
+def test_three_sheets_on_one_edge_have_each_their_own_sense():
+    # No sense of all three is consistent, and none is asked for.
+    triangles = np.array([[0, 1, 2], [2, 3, 1], [0, 1, 4], [0, 1, 5], [5, 1, 6]])
+    assert orientation(triangles).tolist() == [1, -1, 1, 1, 1]
+
+
+def strip(n, turned):
+    """A closed strip of n rectangles, with half a turn or without."""
+    low, high = np.arange(n), n + np.arange(n)
+    next_low, next_high = np.roll(low, -1), np.roll(high, -1)
+    if turned:
+        next_low[-1], next_high[-1] = high[0], low[0]
+    return np.concatenate([np.stack([low, next_low, next_high], axis=1), np.stack([low, next_high, high], axis=1)])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_moebius_strip_has_no_orientation(seed):
+    assert orientation(flipped(strip(6, turned=True), seed)[0]) is None
+    assert orientation(flipped(strip(6, turned=False), seed)[0]) is not None
+
+
+def test_one_sided_piece_beside_another_is_found():
+    assert orientation(np.concatenate([OCTAHEDRON + 50, strip(6, turned=True)])) is None

@@ -60,7 +60,7 @@ class Model:
             },
             [
                 Support(self.number[grid[:, 0]]),
-                Support(self.number[[grid[0, -1], grid[-1, -1], anchor, other, foot]]),
+                Support(self.number[[grid[0, -1], grid[-1, -1], anchor, other]]),
                 Support(self.number[grid[0, 1:-1]], "yz"),
             ],
         )
@@ -96,6 +96,9 @@ def assert_same(result, model, expected, expected_model):
     assert mine.keys() == theirs.keys()
     for name, array in theirs.items():
         assert array.size
+        if array.dtype.kind != "f":
+            assert np.array_equal(mine[name], array), name
+            continue
         largest = np.abs(array).max()
         assert largest > 0, name
         assert mine[name] == pytest.approx(array, abs=1e-9 * largest), name

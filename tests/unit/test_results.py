@@ -40,7 +40,7 @@ def result():
             "edge": Cable(boundary(triangles), EA, N0),
             "mast": Mast([[10, 5]], 1e7),
         },
-        [Support([1, 3, 7, 9]), Support(10)],
+        [Support([1, 3, 7, 9]), Support(10, "x")],
     )
     loads = [DeadLoad((10, 20, -200), "fabric"), DeadLoad((0, 5, 0), "edge", [1, 2]), PointLoad([2, 7], (0, 30, 40))]
     lift = PrescribedDisplacement(10, (0, 0.02, 0.05), "yz")
@@ -85,11 +85,17 @@ def points_of(result):
 
 
 def test_membrane_stress_follows_from_its_strain(result):
-    fabric = result.membrane("fabric")
-    E = fabric.strain
-    trace = np.trace(E, axis1=1, axis2=2)[:, None, None]
-    increment = FABRIC.Et / (1 - FABRIC.nu**2) * ((1 - FABRIC.nu) * E + FABRIC.nu * trace * np.eye(2))
-    expected = np.diag([900.0, 1100.0]) + increment
+    fabric, eta = result.membrane("fabric"), result.structure.parts["fabric"].compression_stiffness
+    Et, nu, sigma0 = FABRIC.Et, FABRIC.nu, np.diag([900.0, 1100.0])
+    e = fabric.strain + ((1 + nu) * sigma0 - nu * np.trace(sigma0) * np.eye(2)) / Et
+    full = Et / (1 - nu**2) * ((1 - nu) * e + nu * np.trace(e, axis1=1, axis2=2)[:, None, None] * np.eye(2))
+    values, vectors = np.linalg.eigh(e)
+    tension = Et * values[:, 1, None, None] * np.einsum("ci,cj->cij", vectors[:, :, 1], vectors[:, :, 1])
+    taut = values[:, 0] + nu * values[:, 1] >= 0
+    assert 0 < np.count_nonzero(taut) < len(taut)
+    assert values[:, 1].min() > 0
+    assert fabric.state.tolist() == np.where(taut, "taut", "wrinkled").tolist()
+    expected = np.where(taut[:, None, None], full, (1 - eta) * tension + eta * full)
     assert fabric.second_piola_kirchhoff == pytest.approx(expected, rel=1e-12, abs=1e-9)
 
 
@@ -199,3 +205,83 @@ def test_history_runs_through_all_increments(result):
 def test_wrong_name_is_refused_with_the_names_there_are(result, kind, name, message):
     with pytest.raises(ValueError, match=message):
         getattr(result, kind)(name)
+
+
+# Slack and wrinkled
+
+
+def patch(x, y, material=FABRIC, **data):
+    """A square whose rim is stretched or brought together by these strains along its sides."""
+    points, triangles = rectangle(1.0, 1.0, 2, 2)
+    fabric = Membrane(triangles, material, warp=(1, 0, 0), **data)
+    rim = np.unique(boundary(triangles))
+    move = PrescribedDisplacement(rim, points[rim] * [x, y, 0], "xy")
+    structure = Structure(points, {"fabric": fabric}, [Support(range(9), "z")])
+    return Analysis(structure).run([Stage("move", displacements=[move])])["move"].membrane("fabric")
+
+
+WOVEN = OrthotropicFabric(Et_warp=2e5, Et_weft=1e5, nu=0.2, Gt=1e4)
+
+
+@pytest.mark.parametrize("material", [FABRIC, WOVEN])
+@pytest.mark.parametrize(
+    ("x", "y", "state"),
+    [(0.01, 0.01, "taut"), (0.01, -0.02, "wrinkled"), (-0.02, 0.01, "wrinkled"), (-0.01, -0.02, "slack")],
+)
+def test_state_of_a_patch(x, y, state, material):
+    fabric = patch(x, y, material)
+    assert fabric.state.tolist() == [state] * 8
+    number = {"taut": 2, "wrinkled": 1, "slack": 0}[state]
+    assert (fabric.principal > 100).sum(axis=1).tolist() == [number] * 8
+    compression = 1e-4 * 2e5 * 0.02 * 2  # a share of the stiffness is kept
+    assert fabric.principal.min() > -compression
+
+
+def test_wrinkled_patch_has_tension_along_the_stretched_side():
+    fabric = patch(0.01, -0.02)
+    stretch, eta = 1.01, 1e-4
+    E, E_across = (stretch**2 - 1) / 2, (0.98**2 - 1) / 2
+    full = FABRIC.Et / (1 - FABRIC.nu**2) * (E + FABRIC.nu * E_across)
+    S = (1 - eta) * FABRIC.Et * E + eta * full
+    assert fabric.second_piola_kirchhoff[:, 0, 0] == pytest.approx(S, rel=1e-9)
+    assert fabric.cauchy[:, 0, 0] == pytest.approx(S * stretch / 0.98, rel=1e-9)
+    assert fabric.thread_forces == pytest.approx(fabric.cauchy[:, [0, 1], [0, 1]], rel=1e-9)
+
+
+def test_patch_with_all_its_stiffness_carries_compression():
+    fabric = patch(-0.01, -0.02, compression_stiffness=1)
+    E = (np.array([0.99, 0.98]) ** 2 - 1) / 2
+    S = FABRIC.Et / (1 - FABRIC.nu**2) * (E + FABRIC.nu * E[::-1])
+    assert fabric.second_piola_kirchhoff[:, [0, 1], [0, 1]] == pytest.approx(np.tile(S, (8, 1)), rel=1e-9)
+
+
+def test_thread_forces_are_those_along_warp_and_weft(result):
+    fabric, structure = result.membrane("fabric"), result.structure
+    cells = structure.parts["fabric"].cells
+    warp, normal = structure.warp("fabric"), normals(structure.points, cells)
+    for number, thread in enumerate([warp, np.cross(normal, warp)]):
+        # A vector in the cell as a combination of two of its sides moves with them.
+        sides, moved = (np.diff(x[cells], axis=1) for x in points_of(result))
+        weights = [np.linalg.lstsq(side.T, along, rcond=None)[0] for side, along in zip(sides, thread, strict=True)]
+        current = np.einsum("cs,csk->ck", weights, moved)
+        current /= np.linalg.norm(current, axis=1, keepdims=True)
+        force = np.einsum("ci,cij,cj->c", current, fabric.cauchy, current)
+        assert fabric.thread_forces[:, number] == pytest.approx(force, rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize(("move", "slack"), [(0.02, False), (-0.02, True)])
+def test_cable_is_slack_where_its_ends_come_together(move, slack):
+    cells = [[0, 1], [1, 2]]
+    structure = Structure(
+        [[0.0, 0, 0], [1, 0, 0], [2, 0, 0]],
+        {"cable": Cable(cells, 1e6), "mast": Mast(cells, 1e-3)},
+        [Support(0), Support([1, 2], "yz")],
+    )
+    ends = [PrescribedDisplacement(2, (move, 0, 0), "x")]
+    result = Analysis(structure).run([Stage("move", displacements=ends)])["move"]
+    assert result.cable("cable").slack.tolist() == [slack] * 2
+    assert result.cable("cable").slack.dtype == bool
+    stretch = 1 + move / 2
+    full = 1e6 * (stretch**2 - 1) / 2 * stretch
+    assert result.cable("cable").force == pytest.approx(full * (1e-4 if slack else 1), rel=1e-9)
+    assert result.mast("mast").slack.tolist() == [False] * 2

@@ -136,6 +136,35 @@ def test_singular_tangent_stops_with_a_reason():
     assert not displacement.any()
 
 
+def test_singular_tangent_at_the_start_is_so_for_any_increment():
+    assert not solve(sheet_under((0, 0, -300.0), prestress=0.0))[0].retry
+
+
+@pytest.mark.parametrize(("force", "solver"), [(300.0, Newton(max_iterations=1)), (1e30, Newton())])
+def test_smaller_increment_may_help_where_the_iteration_fails(force, solver):
+    solution, _ = solve(sheet_under((0, 0, -force)), solver)
+    assert not solution.converged
+    assert solution.retry
+
+
+def test_monitor_is_told_each_iterate():
+    problem, told = sheet_under((0, 0, -300.0)), []
+    solution = Newton().prepare(problem)(
+        problem.discretization.create_vector(), lambda number, iterate: told.append((number, iterate))
+    )
+    assert told == list(enumerate(solution.iterations))
+    assert len(told) > 2
+
+
+def test_monitor_of_one_solve_is_not_told_of_the_next():
+    problem, told = sheet_under((0, 0, -300.0)), []
+    again = Newton().prepare(problem)
+    again(problem.discretization.create_vector(), lambda number, iterate: told.append(number))
+    count = len(told)
+    again(problem.discretization.create_vector())
+    assert len(told) == count
+
+
 @pytest.mark.parametrize("force", [1e30, 1e200])
 def test_divergence_stops_with_a_reason(force):
     solution, _ = solve(sheet_under((0, 0, force)))

@@ -21,7 +21,7 @@ def sheet(supports=(), points=POINTS, cells=TRIANGLES, **data):
 @pytest.mark.parametrize(("bad", "exist"), [(-1, "0 to 4"), (5, "0 to 4"), (99, "0 to 4")])
 @pytest.mark.parametrize("part", [lambda n: Membrane([[0, 1, n]], FABRIC), lambda n: Cable([[0, n]], 1e6)])
 def test_cell_with_a_node_that_does_not_exist(part, bad, exist):
-    with pytest.raises(ValueError, match=f"^Part 'p' names node {bad}, which does not exist; .* {exist}"):
+    with pytest.raises(ValueError, match=f"^Part 'p', cell 0, names node {bad}, which does not exist; .* {exist}"):
         Structure(POINTS, {"p": part(bad)})
 
 
@@ -69,7 +69,7 @@ def test_axial_stiffness_must_be_positive(kind, value):
 @pytest.mark.parametrize("kind", [Cable, Mast])
 @pytest.mark.parametrize(
     ("E", "area", "message"),
-    [(2e11, 0, "^area is 0; "), (2e11, -1e-4, r"^area is -0\.0001; "), (-2e11, -1e-4, "^E is -2"), (0, 1, "^E is 0; ")],
+    [(2e11, 0, "area is 0; "), (2e11, -1e-4, r"area is -0\.0001; "), (-2e11, -1e-4, "E is -2"), (0, 1, "E is 0; ")],
 )
 def test_modulus_and_area_must_be_positive(kind, E, area, message):
     with pytest.raises(ValueError, match=message):
@@ -84,9 +84,9 @@ def test_bar_from_modulus():
 
 @pytest.mark.parametrize("material", [None, 1e5, {"Et": 1e5}])
 def test_material_must_be_a_fabric(material):
-    with pytest.raises(ValueError, match=r"^Membrane material is ") as error:
+    kind = type(material).__name__
+    with pytest.raises(ValueError, match=f"^Membrane material is of type {kind}; give a Fabric or OrthotropicFabric"):
         Membrane(TRIANGLES, material)
-    assert repr(material) in str(error.value)
 
 
 # Prestress and warp
@@ -184,15 +184,78 @@ def test_default_warp_is_x_or_else_y():
     assert structure.warp("fabric").tolist() == [[1, 0, 0], [0, 1, 0]]
 
 
+@pytest.mark.parametrize(
+    ("name", "make"),
+    [
+        ("Membrane", lambda value: Membrane(TRIANGLES, FABRIC, compression_stiffness=value)),
+        ("Cable", lambda value: Cable([[0, 1]], 1e6, compression_stiffness=value)),
+    ],
+)
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        (0, "is 0; it must be positive"),
+        (-1e-4, r"is -0\.0001; it must be positive"),
+        (1.5, r"is 1\.5; it must be at most 1"),
+        (np.nan, "is nan; give a finite number"),
+        ("soft", "is the text 'soft'; give a number"),
+    ],
+)
+def test_compression_stiffness_out_of_range(name, make, value, message):
+    with pytest.raises(ValueError, match=f"^{name} compression_stiffness {message}"):
+        make(value)
+
+
+@pytest.mark.parametrize("value", [1e-12, 1])
+def test_compression_stiffness_in_range(value):
+    assert Membrane(TRIANGLES, FABRIC, compression_stiffness=value).compression_stiffness == value
+    assert Cable([[0, 1]], 1e6, compression_stiffness=value).compression_stiffness == value
+
+
+def test_masts_have_no_compression_stiffness():
+    with pytest.raises(TypeError):
+        Mast([[0, 1]], 1e6, compression_stiffness=0.5)
+
+
+# Normals
+
+OCTAHEDRON = np.vstack([np.eye(3), -np.eye(3)])
+FACES = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_normals_of_a_closed_surface_are_all_on_the_side_of_the_first(seed):
+    flip = np.random.default_rng(seed).random(8) < 0.5
+    cells = np.where(flip[:, None], FACES[:, ::-1], FACES)
+    outwards = np.sign(OCTAHEDRON[FACES].mean(axis=1)) / np.sqrt(3)
+    sign = -1.0 if flip[0] else 1.0
+    assert sheet(points=OCTAHEDRON, cells=cells).normals("fabric") == pytest.approx(sign * outwards, abs=1e-14)
+
+
+def test_normals_of_a_branching_sheet():
+    points = [[0.0, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0], [-1, 0, 0], [0, 0, 1]]
+    cells = [[0, 2, 1], [2, 1, 3], [0, 1, 4], [0, 1, 5]]  # three sheets on the edge 0 1
+    expected = [[0, 0, 1], [0, 0, 1], [0, 0, 1], [1, 0, 0]]
+    assert sheet(points=points, cells=cells).normals("fabric") == pytest.approx(np.array(expected, dtype=float))
+
+
+def test_one_sided_membrane_has_no_normals():
+    points = np.random.default_rng(1).normal(size=(5, 3))
+    strip = [[0, 1, 2], [1, 2, 3], [2, 3, 4], [3, 4, 0], [4, 0, 1]]  # the shortest Moebius strip
+    structure = sheet(points=points, cells=strip)
+    with pytest.raises(ValueError, match=r"^Part 'fabric' has only one side, like a Moebius strip"):
+        structure.normals("fabric")
+
+
 # Supports and structures
 
 
 @pytest.mark.parametrize(
     ("nodes", "message"),
     [
-        (5, "^A support names node 5, which does not exist"),
-        ([0, -1], "^A support names node -1, which does not exist"),
-        ([0, 4], "^A support is on node 4, which no part uses"),
+        (5, "^Support 0 names node 5, which does not exist"),
+        ([0, -1], "^Support 0 names node -1, which does not exist"),
+        ([0, 4], "^Support 0 is on node 4, which no part uses"),
     ],
 )
 def test_support_on_a_bad_node(nodes, message):
@@ -240,7 +303,7 @@ def test_structure_without_parts():
 
 
 def test_part_that_is_none():
-    with pytest.raises(ValueError, match=r"^Part 'fabric' is 5; give a Membrane, Cable or Mast"):
+    with pytest.raises(ValueError, match=r"^Part 'fabric' is of type int; give a Membrane or Cable or Mast"):
         Structure(POINTS, {"fabric": 5})
 
 

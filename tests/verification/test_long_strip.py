@@ -145,10 +145,11 @@ def hang_cable(n, s0=1.002):
     """
     points, cells = chain(n, s0 * LENGTH)
     cable = Cable(cells, AXIAL * s0**3, prestress=AXIAL * s0 * (s0**2 - 1) / 2)
-    structure = Structure(points, {"cable": cable}, [Support([0, n])])
+    structure = Structure(points, {"cable": cable}, [Support(0)])
+    hold = PrescribedDisplacement(n, (0.0, 0.0, 0.0))
     let_in = PrescribedDisplacement(n, ((1 - s0) * LENGTH, 0.0, 0.0))
     stages = [
-        Stage("weight", loads=[DeadLoad((0.0, 0.0, -WEIGHT / s0), "cable")]),
+        Stage("weight", loads=[DeadLoad((0.0, 0.0, -WEIGHT / s0), "cable")], displacements=[hold]),
         Stage("span", displacements=[let_in], steps=4, after="weight"),
     ]
     state = Analysis(structure, Newton(rtol=1e-11)).run(stages)["span"]

@@ -27,7 +27,6 @@ from fx_membrane import (
     PrescribedDisplacement,
     Stage,
     Structure,
-    Support,
     boundary,
     rectangle,
 )
@@ -44,17 +43,20 @@ def moved(points, turn, share=1.0):
 
 
 def motion_stage(name, points, target, nodes, after=None):
-    """Moves nodes to their place in a target; one entry per node, as each has its own displacement."""
-    u = target - points
-    return Stage(name, displacements=[PrescribedDisplacement(node, u[node]) for node in nodes], after=after)
+    """Moves nodes to their place in a target."""
+    return Stage(name, displacements=[PrescribedDisplacement(nodes, (target - points)[nodes])], after=after)
 
 
 def motion(points, nodes, axis, first):
-    """Stages of 15 degrees up to 150 degrees: the way is short enough for Newton, none of them compresses much."""
+    """A stage that holds nodes where they are, then stages of 15 degrees up to 150 degrees.
+
+    The way is short enough for Newton, none of them compresses much.
+    """
     axis = np.array(axis) / np.linalg.norm(axis)
     turns = [Rotation.from_rotvec(np.radians(angle) * axis) for angle in range(15, 151, 15)]
     names = [first, *(f"turn {i}" for i in range(1, len(turns) + 1))]
-    stages = [
+    stages = [Stage(first, displacements=[PrescribedDisplacement(nodes, np.zeros(3))])]
+    stages += [
         motion_stage(names[i + 1], points, moved(points, turn, (i + 1) / len(turns)), nodes, names[i])
         for i, turn in enumerate(turns)
     ]
@@ -89,11 +91,12 @@ def sail_structure():
         "sail": Membrane(triangles, Fabric(ET, 0.3), PRESTRESS),
         "edges": Cable(edges, axial_stiffness=2e4, prestress=force),
     }
-    return Structure(points, parts, [Support(CORNERS)])
+    return Structure(points, parts)
 
 
 def test_scalloped_sail_is_in_equilibrium_as_drawn():
-    state = Analysis(sail_structure()).run([Stage("as drawn")])["as drawn"]
+    hold = PrescribedDisplacement(CORNERS, np.zeros(3))
+    state = Analysis(sail_structure()).run([Stage("as drawn", displacements=[hold])])["as drawn"]
     assert len(state.increments[0].iterations) == 1
     assert state.equilibrium.residual < 1e-13 * state.structure.parts["edges"].prestress
     assert state.energy == 0
@@ -103,7 +106,7 @@ def test_scalloped_sail_is_in_equilibrium_as_drawn():
 def test_scalloped_sail_follows_its_corners(axis):
     structure = sail_structure()
     stages, turn = motion(structure.points, CORNERS, axis, "as drawn")
-    results = Analysis(structure, Newton(rtol=1e-11)).run([Stage("as drawn"), *stages])
+    results = Analysis(structure, Newton(rtol=1e-11)).run(stages)
     state = results[stages[-1].name]
     sail, edges = state.membrane("sail"), state.cable("edges")
     force = structure.parts["edges"].prestress
@@ -155,13 +158,13 @@ def tent():
         "mast": Mast(np.array([[foot, top]]), 2e5, -60.0),
     }
     held = np.array([*CORNERS[:3], foot, *anchors])
-    return Structure(points, parts, [Support(held)]), held
+    return Structure(points, parts), held
 
 
 def test_tent_with_mast_and_ties():
     structure, held = tent()
     stages, turn = motion(structure.points, held, AXES[2], "at rest")
-    results = Analysis(structure, Newton(rtol=1e-11)).run([Stage("at rest"), *stages])
+    results = Analysis(structure, Newton(rtol=1e-11)).run(stages)
     rest, state = results["at rest"], results[stages[-1].name]
 
     assert np.abs(rest.displacement).max() > 0.01  # it was not in equilibrium as drawn

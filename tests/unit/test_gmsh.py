@@ -1,0 +1,130 @@
+"""Cables along the edges of a membrane: given as node lines, picked from its mesh, or a physical curve of gmsh."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fx_membrane import (
+    Analysis,
+    Cable,
+    DeadLoad,
+    Fabric,
+    Membrane,
+    Stage,
+    Structure,
+    Support,
+    edges_on,
+    rectangle,
+    structure_from_gmsh,
+)
+
+gmsh = pytest.importorskip("gmsh")
+PARTS = {
+    "fabric": lambda cells: Membrane(cells, Fabric(Et=500e3, nu=0.3), prestress=1e3),
+    "cable": lambda cells: Cable(cells, axial_stiffness=1e6, prestress=1e4),
+}
+SUPPORTS = {"fixed": "xyz", "corners": "xyz"}
+
+
+@pytest.fixture
+def model(tmp_path):
+    """A rectangle, held along one side and at the ends of the opposite one, where a cable is; and its file."""
+    gmsh.initialize()
+    gmsh.option.setNumber("General.Terminal", 0)
+    gmsh.model.add("sail")
+    surface = gmsh.model.occ.addRectangle(0, 0, 0, 2, 1)
+    gmsh.model.occ.synchronize()
+    sides = [tag for _, tag in gmsh.model.getBoundary([(2, surface)], oriented=False)]
+    ends = [tag for _, tag in gmsh.model.getBoundary([(1, sides[0])], oriented=False)]
+    for name, dimension, tags in [
+        ("fabric", 2, [surface]),
+        ("cable", 1, [sides[0]]),
+        ("fixed", 1, [sides[2]]),
+        ("corners", 0, ends),
+    ]:
+        gmsh.model.setPhysicalName(dimension, gmsh.model.addPhysicalGroup(dimension, tags), name)
+    gmsh.option.setNumber("Mesh.MeshSizeMax", 0.2)
+    gmsh.model.mesh.generate(2)
+    file = tmp_path / "sail.msh"
+    gmsh.write(str(file))
+    yield file
+    gmsh.finalize()
+
+
+def state(structure):
+    return Analysis(structure).run([Stage("load", [DeadLoad((0, 0, -100.0), "fabric")])])["load"]
+
+
+def test_model_in_memory_and_file_are_the_same(model):
+    memory, file = (structure_from_gmsh(source, PARTS, SUPPORTS) for source in (None, model))
+    np.testing.assert_allclose(file.points, memory.points, atol=1e-15)
+    for name in PARTS:
+        np.testing.assert_array_equal(file.parts[name].cells, memory.parts[name].cells)
+    assert gmsh.model.getCurrent() == "sail"  # what was open is open still
+
+
+def test_physical_curve_node_line_and_submesh_give_the_same(model):
+    by_gmsh = structure_from_gmsh(model, PARTS, SUPPORTS)
+    points, triangles = by_gmsh.points, by_gmsh.parts["fabric"].cells
+    picked = edges_on(points, triangles, lambda x: np.isclose(x[1], 0))
+    on_side = np.flatnonzero(np.isclose(points[:, 1], 0))
+    line = on_side[np.argsort(points[on_side, 0])]
+    expected = state(by_gmsh)
+    force = expected.cable("cable").force[np.argsort(points[by_gmsh.parts["cable"].cells].mean(axis=1)[:, 0])]
+    assert force.min() > 0
+    for cells in (picked, np.column_stack([line[:-1], line[1:]])):
+        cable = PARTS["cable"](cells)
+        found = state(Structure(points, {"fabric": by_gmsh.parts["fabric"], "cable": cable}, by_gmsh.supports))
+        np.testing.assert_allclose(found.displacement, expected.displacement, rtol=0, atol=1e-12)
+        ordered = found.cable("cable").force[np.argsort(points[cells].mean(axis=1)[:, 0])]
+        np.testing.assert_allclose(ordered, force, rtol=1e-10)
+
+
+def test_interior_edges_can_be_picked():
+    points, triangles = rectangle(2.0, 2.0, 4, 4)
+    cells = edges_on(points, triangles, lambda x: np.isclose(x[1], 0))
+    assert {tuple(sorted(map(int, cell))) for cell in cells} == {(10, 11), (11, 12), (12, 13), (13, 14)}
+
+
+def test_no_edge_to_pick():
+    points, triangles = rectangle(2.0, 2.0, 4, 4)
+    with pytest.raises(ValueError, match="No edge of the membrane"):
+        edges_on(points, triangles, lambda x: np.isclose(x[1], 0.1))
+
+
+def test_file_that_does_not_exist(tmp_path):
+    with pytest.raises(ValueError, match=r"There is no file .*roof\.msh"):
+        structure_from_gmsh(tmp_path / "roof.msh", PARTS)
+
+
+@pytest.mark.parametrize("content", ["", "not a mesh\n", "$MeshFormat\n9.9 0 8\n$EndMeshFormat\n"])
+def test_file_that_is_not_a_mesh(content, tmp_path):
+    file = tmp_path / "roof.msh"
+    file.write_text(content)
+    with pytest.raises(ValueError, match=r"mesh|gmsh"):
+        structure_from_gmsh(file, PARTS)
+
+
+def test_unknown_physical_name(model):
+    with pytest.raises(ValueError, match=r"no physical group 'roof'; it has \['cable', 'corners', 'fabric', 'fixed'\]"):
+        structure_from_gmsh(model, {"roof": PARTS["fabric"]})
+
+
+def test_support_on_no_part(model):
+    with pytest.raises(ValueError, match="support 'fixed' has nodes that no part uses"):
+        structure_from_gmsh(model, {"cable": PARTS["cable"]}, {"fixed": "xyz"})
+
+
+def test_points_as_cells(model):
+    with pytest.raises(ValueError, match="'corners' has elements of type Point"):
+        structure_from_gmsh(model, {"corners": PARTS["cable"]})
+
+
+def test_supports_are_those_of_the_groups(model):
+    structure = structure_from_gmsh(model, PARTS, SUPPORTS)
+    held = structure.supported.all(axis=1)
+    on_side = np.isclose(structure.points[:, 1], 1.0)
+    ends = np.isclose(structure.points[:, 1], 0.0) & (np.abs(structure.points[:, 0] - 1) > 0.999)
+    np.testing.assert_array_equal(held, on_side | ends)
+    assert isinstance(structure.supports[0], Support)
+    assert MPI.COMM_WORLD.allreduce(len(structure.points), MPI.MAX) == len(structure.points)

@@ -1,0 +1,224 @@
+"""Pictures: something is on them, they are of a sensible size, and wrong fields are refused."""
+
+import numpy as np
+import pytest
+
+from fx_membrane import (
+    Analysis,
+    Cable,
+    DeadLoad,
+    Fabric,
+    Mast,
+    Membrane,
+    PrescribedDisplacement,
+    Stage,
+    Structure,
+    Support,
+    boundary,
+    plot,
+    rectangle,
+)
+
+pytestmark = pytest.mark.serial
+image = pytest.importorskip("matplotlib.image")
+
+POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
+POINTS = np.vstack([POINTS, [[0, 0, -0.8]]])
+HALF = np.flatnonzero(POINTS[TRIANGLES].mean(axis=1)[:, 1] < 0)
+FOOT, CENTRE = 25, 12
+
+
+@pytest.fixture(scope="module")
+def result():
+    """A roof of two membranes, a cable on their common line and a mast; one is stretched, one has folds."""
+    rim = np.unique(boundary(TRIANGLES))
+    parts = {
+        "south": Membrane(TRIANGLES[HALF], Fabric(Et=1e5, nu=0.3), prestress=1e3),
+        "north": Membrane(np.delete(TRIANGLES, HALF, axis=0), Fabric(Et=1e5, nu=0.3), prestress=10.0),
+        "ridge": Cable(np.column_stack([range(10, 14), range(11, 15)]), 1e6, 2e3),
+        "mast": Mast([[FOOT, CENTRE]], 1e7),
+    }
+    structure = Structure(POINTS, parts, [Support(rim), Support(FOOT, "xy")])
+    snow = DeadLoad((0, 0, -100.0), "south")
+    lift = PrescribedDisplacement(FOOT, (0, 0, 0.2), "z")
+    return Analysis(structure).run([Stage("snow", [snow], [lift], steps=4)])["snow"]
+
+
+def picture(path):
+    """Colours of a PNG, in [0, 1], shape (height, width, 3)."""
+    assert path.read_bytes().startswith(b"\x89PNG")
+    return image.imread(path)[:, :, :3]
+
+
+def assert_drawn(path, colours=10):
+    """A picture on white, with something on a good part of it, in many colours; its width over its height."""
+    pixels = picture(path)
+    height, width, _ = pixels.shape
+    assert 300 < height < 3000
+    assert 300 < width < 6000
+    ink = (pixels < 0.95).any(axis=2)
+    assert ink.mean() > 0.01
+    rows, columns = np.flatnonzero(ink.any(axis=1)), np.flatnonzero(ink.any(axis=0))
+    assert rows[-1] - rows[0] > 0.6 * height
+    assert columns[-1] - columns[0] > 0.6 * width
+    found = np.unique((pixels.reshape(-1, 3) * 15).round().astype(int), axis=0)
+    assert len(found) > colours
+    return width / height
+
+
+def states(result):
+    return {name: result.membrane(name).state for name in ("south", "north")}
+
+
+def cell_values(result):
+    return {name: result.membrane(name).principal[:, 0] for name in ("south", "north")}
+
+
+def has_colour(path, colour):
+    wanted = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255
+    return (np.abs(picture(path) - wanted).max(axis=2) < 0.01).any()
+
+
+# Curves and lines
+
+
+def test_convergence(result, tmp_path):
+    path = tmp_path / "new" / "folder" / "convergence.png"
+    plot.convergence(result, path, force_unit="kN", energy_unit="kJ")
+    assert assert_drawn(path) > 1.5
+
+
+def test_convergence_of_a_state_that_is_exactly_in_equilibrium(result, tmp_path):
+    (rest,) = (
+        Analysis(Structure(result.structure.points, result.structure.parts, [Support(range(26))]))
+        .run([Stage("rest")])
+        .values()
+    )
+    plot.convergence(rest, tmp_path / "rest.png")
+    assert_drawn(tmp_path / "rest.png", colours=3)
+
+
+def test_wireframe_in_plan(result, tmp_path):
+    path = tmp_path / "plan.png"
+    parts = {name: part.cells for name, part in result.structure.parts.items()}
+    plot.wireframe(result.structure.points, parts, path, labels=[0, 12, 24], first=1)
+    assert assert_drawn(path) == pytest.approx(1, rel=0.1)
+
+
+def test_wireframe_from_a_side(result, tmp_path):
+    plan, side = tmp_path / "plan.png", str(tmp_path / "side.png")
+    parts = {name: part.cells for name, part in result.structure.parts.items()}
+    plot.wireframe(result.position, parts, plan)
+    plot.wireframe(result.position.tolist(), parts, side, view=(1, -2, 0.5))
+    assert_drawn(tmp_path / "side.png")
+    assert not np.array_equal(picture(plan), picture(tmp_path / "side.png"))
+
+
+def test_wireframe_from_above(result, tmp_path):
+    path = tmp_path / "above.png"
+    plot.wireframe(result.structure.points, {"south": result.structure.parts["south"].cells}, path, view=(0, 0, 1))
+    assert_drawn(path, colours=3)
+
+
+# Contours
+
+
+@pytest.fixture
+def drawing():
+    return pytest.importorskip("pyvista")
+
+
+def test_contours_of_nodal_and_cell_values_and_states(result, tmp_path, drawing):
+    fields = {"deflection": result.displacement[:, 2], "tension": cell_values(result), "state": states(result)}
+    path, one = tmp_path / "folder" / "three.png", tmp_path / "one.png"
+    plot.contours(result, fields, path)
+    wide = assert_drawn(path, colours=30)
+    plot.contours(result, {"deflection": result.displacement[:, 2].tolist()}, str(one))
+    narrow = assert_drawn(one, colours=20)
+    assert wide == pytest.approx(3 * narrow, rel=0.15)
+
+
+def test_states_have_their_colours(result, tmp_path, drawing):
+    path = tmp_path / "states.png"
+    plot.contours(result, {"state": states(result)}, path, view=(0, -0.2, 1))
+    for state in ("taut", "wrinkled", "slack"):  # all three are in the legend
+        assert has_colour(path, plot.STATES[state]), state
+
+
+@pytest.mark.parametrize(
+    "values",
+    [np.zeros(26), np.full(26, -5.0), np.arange(26) > 9],
+    ids=["zeros", "constant", "yes and no"],
+)
+def test_contours_of_any_numbers(result, tmp_path, values, drawing):
+    plot.contours(result, {"values": values}, tmp_path / "values.png")
+    assert_drawn(tmp_path / "values.png")
+
+
+def test_scale_enlarges_the_displacements(result, tmp_path, drawing):
+    for scale in (0.0, 3.0):
+        plot.contours(result, {"height": POINTS[:, 2]}, tmp_path / f"{scale}.png", scale=scale, view=(0, -1, 0.2))
+    assert not np.array_equal(picture(tmp_path / "0.0.png"), picture(tmp_path / "3.0.png"))
+
+
+def half(result):
+    """The part of the roof with y < 0 alone, as a model cut at its plane of symmetry."""
+    parts = {"south": result.structure.parts["south"]}
+    nodes = np.unique(parts["south"].cells)
+    structure = Structure(POINTS, parts, [Support(nodes)])
+    return Analysis(structure).run([Stage("half")])["half"]
+
+
+def coloured_width_and_height(path):
+    """Extent of what has a colour, neither grey nor black nor white, in the upper part without the scale."""
+    pixels = picture(path)
+    pixels = pixels[int(0.1 * len(pixels)) : int(0.8 * len(pixels))]
+    rows, columns = np.nonzero(np.ptp(pixels, axis=2) > 0.15)
+    return np.ptp(columns), np.ptp(rows)
+
+
+def test_mirror_draws_the_other_half(result, tmp_path, drawing):
+    # Seen from above the half is twice as wide as deep, the whole as wide as deep.
+    south = half(result)
+    ratios = []
+    for mirror in (None, "y"):
+        path = tmp_path / f"{mirror}.png"
+        plot.contours(south, {"x": POINTS[:, 0]}, path, mirror=mirror, view=(0, -0.2, 1))
+        width, height = coloured_width_and_height(path)
+        ratios.append(width / height)
+    assert ratios[0] > 1.5 * ratios[1]
+
+
+# Refusals
+
+
+@pytest.mark.parametrize(
+    ("field", "message"),
+    [
+        (np.zeros(25), r"^Field 'title' has shape \(25,\); give one value for each node"),
+        (np.zeros((26, 3)), r"^Field 'title' has shape \(26, 3\); give one value for each node"),
+        (5.0, r"^Field 'title' has shape \(\); give one value for each node"),
+        ({"south": np.zeros(16), "roof": np.zeros(16)}, r"^Field 'title' is for the parts \['south', 'roof'\]"),
+        ({}, r"^Field 'title' is for the parts \[\]"),
+        ({"south": np.zeros(16), "north": np.zeros(17)}, r"^Field 'title' on 'north' has shape \(17,\)"),
+        ({"south": np.zeros((16, 2)), "north": np.zeros(16)}, r"^Field 'title' on 'south' has shape \(16, 2\)"),
+        (np.full(26, np.nan), r"^Field 'title' .*not finite"),
+        ({"south": np.full(16, "taut"), "north": np.full(16, "torn")}, r"^Field 'title' .*torn"),
+        (np.full(26, "taut"), r"^Field 'title' "),
+    ],
+    ids=[
+        "too few", "vectors", "number", "unknown part", "no part", "too many cells", "pairs", "nan",
+        "unknown state", "states of nodes",
+    ],
+)  # fmt: skip
+def test_wrong_fields_are_refused(result, tmp_path, field, message):
+    path = tmp_path / "never.png"
+    with pytest.raises(ValueError, match=message):
+        plot.contours(result, {"right": np.zeros(26), "title": field}, path)
+    assert not path.exists()
+
+
+@pytest.mark.parametrize("mirror", ["xy", "", "w", 0])
+def test_wrong_mirror_is_refused(result, tmp_path, mirror):
+    with pytest.raises(ValueError, match=rf"^mirror is {mirror!r}; give"):
+        plot.contours(result, {"height": POINTS[:, 2]}, tmp_path / "never.png", mirror=mirror)

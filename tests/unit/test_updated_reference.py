@@ -1,0 +1,247 @@
+"""Form finding with prescribed stress: what is found is in equilibrium, and an analysis takes it over as it is."""
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fx_membrane import (
+    Analysis,
+    Cable,
+    DeadLoad,
+    Fabric,
+    Membrane,
+    OrthotropicFabric,
+    PointLoad,
+    Pressure,
+    Stage,
+    Structure,
+    Support,
+    boundary,
+    rectangle,
+    updated_reference,
+)
+from fx_membrane.geometry import measures
+
+FABRIC = Fabric(Et=5e5, nu=0.3)
+WOVEN = OrthotropicFabric(Et_warp=8e5, Et_weft=4e5, nu=0.2, Gt=3e4)
+N = 8
+PLAN, TRIANGLES = rectangle(2.0, 2.0, N, N)
+RIM = np.unique(boundary(TRIANGLES))
+CORNERS = [0, N, (N + 1) * N, (N + 1) ** 2 - 1]
+
+
+def saddle(height=0.4):
+    points = PLAN.copy()
+    points[:, 2] = height * points[:, 0] * points[:, 1]
+    points[:, :2] += 0.02 * np.sin(7 * points[:, ::-1][:, 1:])  # no symmetric grid
+    return points
+
+
+def film():
+    """A film of constant stress on a saddle-shaped rim."""
+    points = saddle()
+    points[np.setdiff1d(np.arange(len(points)), RIM), 2] = 0.1
+    return Structure(points, {"film": Membrane(TRIANGLES, FABRIC, prestress=2e3)}, [Support(RIM)]), ()
+
+
+def film_with_edge_cables():
+    parts = {
+        "film": Membrane(TRIANGLES, FABRIC, prestress=1e3),
+        "edge": Cable(boundary(TRIANGLES), 1e7, prestress=6e3),
+    }
+    return Structure(saddle(), parts, [Support(CORNERS)]), ()
+
+
+def woven():
+    """Twice the stress in the weft."""
+    parts = {"film": Membrane(TRIANGLES, WOVEN, prestress=(1e3, 2e3), warp=(1, 0.2, 0))}
+    return Structure(saddle(), parts, [Support(RIM)]), ()
+
+
+def inflated():
+    return (
+        Structure(PLAN, {"film": Membrane(TRIANGLES, FABRIC, prestress=2e3)}, [Support(RIM)]),
+        [Pressure(800.0, "film")],
+    )
+
+
+def loaded():
+    """A film with edge cables and one across it, with a force at a node and a pressure."""
+    structure, _ = film_with_edge_cables()
+    lines = np.column_stack([np.arange(N) + N // 2 * (N + 1), np.arange(1, N + 1) + N // 2 * (N + 1)])
+    structure = Structure(structure.points, {**structure.parts, "ridge": Cable(lines, 1e7, 2e3)}, structure.supports)
+    return structure, [PointLoad(40, (10.0, 0, -100)), Pressure(100.0, "film")]
+
+
+MODELS = [film, film_with_edge_cables, woven, inflated, loaded]
+
+
+@pytest.fixture(scope="module", params=MODELS, ids=lambda model: model.__name__)
+def found(request):
+    structure, loads = request.param()
+    return structure, loads, updated_reference(structure, loads)
+
+
+def test_found_form_is_in_equilibrium_as_it_is(found):
+    _, loads, form = found
+    assert form.converged
+    (result,) = Analysis(form.structure).run([Stage("form", loads)]).values()
+    size = np.ptp(form.structure.points, axis=0).max()
+    assert np.abs(result.displacement).max() < 1e-9 * size
+    assert result.equilibrium.residual <= 1e-8 * np.abs(result.reactions).max()
+
+
+def test_form_is_another_shape_on_the_same_supports(found):
+    structure, _, form = found
+    moved = np.abs(form.structure.points - structure.points).max(axis=1)
+    assert moved.max() > 0.01
+    assert not moved[structure.supported.all(axis=1)].any()
+    assert list(form.structure.parts) == list(structure.parts)
+    for name, part in structure.parts.items():
+        assert np.array_equal(form.structure.parts[name].cells, part.cells)
+        assert type(form.structure.parts[name]) is type(part)
+
+
+def test_prestress_is_nearly_the_prescribed_one(found):
+    structure, _, form = found
+    last = form.steps[-1]
+    for name, part in structure.parts.items():
+        wanted = part.prestress_tensors()
+        error = np.abs(form.structure.parts[name].prestress_tensors() - wanted).max() / np.abs(wanted).max()
+        assert error <= last.stress_error * (1 + 1e-12)
+    assert last.stress_error < 0.2
+
+
+def test_steps_tell_area_and_change(found):
+    structure, _, form = found
+    area = measures(form.structure.points, structure.parts["film"].cells).sum()
+    assert form.steps[-1].area == pytest.approx(area, rel=1e-12)
+    assert form.steps[-1].change < form.steps[0].change
+    assert form.steps[-1].change <= 1e-3 * 2.0 / N * 1.5  # of the mean length of the edges
+
+
+def test_result_of_an_analysis_has_the_found_stress(found):
+    _, loads, form = found
+    (result,) = Analysis(form.structure).run([Stage("form", loads)]).values()
+    stress = form.structure.parts["film"].prestress_tensors()
+    values = np.linalg.eigvalsh(stress)[:, ::-1]
+    assert result.membrane("film").principal == pytest.approx(values, rel=1e-6)
+    threads = stress[:, [0, 1], [0, 1]]
+    assert result.membrane("film").thread_forces == pytest.approx(threads, rel=1e-6)
+    for name, part in form.structure.parts.items():
+        if part.dimension == 1:
+            assert result.cable(name).force == pytest.approx(part.prestress_tensors().ravel(), rel=1e-6)
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_all_processes_together_find_what_one_finds(model):
+    structure, loads = model()
+    together = updated_reference(structure, loads, comm=MPI.COMM_WORLD)
+    alone = updated_reference(structure, loads, comm=MPI.COMM_SELF)
+    size = np.ptp(structure.points, axis=0).max()
+    assert len(together.steps) == len(alone.steps)
+    assert together.structure.points == pytest.approx(alone.structure.points, abs=1e-9 * size)
+    for name, part in alone.structure.parts.items():
+        stress = part.prestress_tensors()
+        mine = together.structure.parts[name].prestress_tensors()
+        assert mine == pytest.approx(stress, abs=1e-9 * np.abs(stress).max())
+
+
+def test_orthotropic_prestress_follows_the_threads():
+    form = updated_reference(*woven())
+    stress = form.structure.parts["film"].prestress_tensors()
+    assert (stress[:, 1, 1] / stress[:, 0, 0]).mean() == pytest.approx(2, rel=0.05)
+
+
+def test_dead_load_is_per_area_of_the_form():
+    # An analysis of the form spreads the load over the area of the form, which is larger than the flat start.
+    loads = [Pressure(2500.0, "film"), DeadLoad((0, 0, -100.0), "film")]
+    form = updated_reference(inflated()[0], loads)
+    assert form.converged
+    assert form.steps[-1].area > 1.1 * 4
+    (result,) = Analysis(form.structure).run([Stage("form", loads)]).values()
+    on_a_node = 100.0 * form.steps[-1].area / len(PLAN)
+    assert result.history[0][1].residual < 0.1 * on_a_node  # the load of the last step is that of the step before
+
+
+def test_structure_that_is_found_is_found_again():
+    structure, _ = film()
+    form = updated_reference(structure, tolerance=1e-6)
+    again = updated_reference(form.structure, tolerance=1e-6)
+    assert len(again.steps) == 1
+    assert again.structure.points == pytest.approx(form.structure.points, abs=1e-9)
+
+
+def test_too_few_steps_are_in_equilibrium_all_the_same():
+    structure, loads = film_with_edge_cables()
+    form = updated_reference(structure, loads, max_steps=1)
+    assert not form.converged
+    assert len(form.steps) == 1
+    (result,) = Analysis(form.structure).run([Stage("form")]).values()
+    assert np.abs(result.displacement).max() < 1e-9 * 2
+
+
+def test_elasticity_does_not_matter():
+    forms = []
+    for fabric in (FABRIC, Fabric(Et=1.0, nu=0.0)):
+        points = film()[0].points
+        structure = Structure(points, {"film": Membrane(TRIANGLES, fabric, prestress=2e3)}, [Support(RIM)])
+        forms.append(updated_reference(structure))
+    assert forms[1].structure.points == pytest.approx(forms[0].structure.points, abs=1e-9)
+
+
+def test_input_is_not_changed():
+    structure, loads = film()
+    points = structure.points.copy()
+    updated_reference(structure, loads)
+    assert np.array_equal(structure.points, points)
+    assert structure.parts["film"].prestress_tensors().tolist() == [[[2e3, 0], [0, 2e3]]] * len(TRIANGLES)
+
+
+# Refusals
+
+
+def test_structure_without_prestress_is_refused():
+    structure = Structure(saddle(), {"film": Membrane(TRIANGLES, FABRIC)}, [Support(RIM)])
+    with pytest.raises(ValueError, match=r"^No part has a prestress"):
+        updated_reference(structure)
+
+
+@pytest.mark.parametrize("supports", [[], [Support(0)], [Support(RIM, "xy")]])
+def test_structure_without_enough_supports_is_refused(supports):
+    structure = Structure(saddle(), {"film": Membrane(TRIANGLES, FABRIC, prestress=1e3)}, supports)
+    with pytest.raises(ValueError, match="not supported enough"):
+        updated_reference(structure)
+
+
+@pytest.mark.parametrize(
+    ("load", "message"),
+    [
+        (Pressure(1.0, "roof"), "has a load on part 'roof'"),
+        (PointLoad(999, (0, 0, 1)), "names node 999, which does not exist"),
+        (5.0, r"loads_in_form has 5\.0"),
+    ],
+)
+def test_loads_that_do_not_fit_are_refused(load, message):
+    with pytest.raises(ValueError, match=message):
+        updated_reference(film()[0], [load])
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"max_steps": 0}, "max_steps is 0; give a whole number above zero"),
+        ({"tolerance": 0.0}, r"tolerance is 0\.0; it must be positive"),
+        ({"tolerance": np.nan}, "tolerance is nan; give a finite number"),
+    ],
+)
+def test_settings_out_of_range(settings, message):
+    with pytest.raises(ValueError, match=message):
+        updated_reference(film()[0], **settings)
+
+
+def test_film_without_an_equilibrium_is_reported():
+    # Nothing but a film of tension on four points: it shrinks to lines between them.
+    structure = Structure(saddle(), {"film": Membrane(TRIANGLES, FABRIC, prestress=1e3)}, [Support(CORNERS)])
+    with pytest.raises(RuntimeError, match=r"^Form finding stopped at step \d+: "):
+        updated_reference(structure)
