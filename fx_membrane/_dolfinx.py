@@ -40,8 +40,7 @@ def _element(family: str, cell: str, degree: int, size: int) -> Any:
 def create_mesh(points: NDArray[np.float64], cells: NDArray[np.int64]) -> Any:
     """Mesh of intervals, cells (n, 2), or triangles, cells (n, 3), in space; points (m, 3) [m]."""
     domain = ufl.Mesh(_element("Lagrange", CELL[cells.shape[1] - 1], 1, 3))
-    arguments = inspect.signature(mesh.create_mesh).parameters
-    keyword = "e" if "e" in arguments else "domain"  # 0.9, 0.11: e; 0.5: domain
+    keyword = "e" if "e" in inspect.signature(mesh.create_mesh).parameters else "domain"  # 0.9, 0.11: e; 0.5: domain
     return mesh.create_mesh(MPI.COMM_SELF, cells=cells, x=points, **{keyword: domain})
 
 
