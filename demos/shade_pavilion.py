@@ -162,7 +162,7 @@ if pictures:
     plan = {"net": branches, "cables": np.concatenate([edge_cables, path(node(10, columns))])}
     iso = (1.5, -2.0, 1.3)
     plot.wireframe(shape, plan, folder / "fig12_plan.png", labels=range(247), first=1)
-    plot.wireframe(shape, plan, folder / "fig13_isometric.png", view=iso)
+    plot.wireframe(shape, plan, folder / "fig13_isometric.png", view=iso, labels=range(247), first=1)
     ends = [*feet, *anchors, south, low, north]
     everything = {name: part.cells for name, part in structure.parts.items()}
     plot.wireframe(points, everything, folder / "fig14_structure.png", view=iso, labels=ends, first=1)

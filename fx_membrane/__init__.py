@@ -7,6 +7,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 from mpi4py import MPI as _MPI  # noqa: F401  (before dolfinx: its wheel from PyPI needs the MPI library loaded)
 
+from . import plot
 from .analysis import Analysis, ConvergenceError
 from .edges import edges_on
 from .form_finding import Net, force_density
@@ -47,6 +48,7 @@ __all__ = [
     "boundary",
     "edges_on",
     "force_density",
+    "plot",
     "rectangle",
     "structure_from_gmsh",
     "updated_reference",

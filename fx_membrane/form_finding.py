@@ -86,7 +86,13 @@ def force_density(
     shape = points.copy()
     shape.setflags(write=True)
     for component in range(3):
-        shape[:, component] = _solve(laplacian, held[:, component], points[:, component], force[:, component], piece)
+        loose = np.setdiff1d(piece, piece[held[:, component]])
+        if len(loose):
+            node = int(np.flatnonzero(piece == loose[0])[0])
+            raise ValueError(
+                f"The part of the net with node {node} is tied to no fixed node in {'xyz'[component]}; fix one of it."
+            )
+        shape[:, component] = _solve(laplacian, held[:, component], points[:, component], force[:, component])
         if not np.isfinite(shape[:, component]).all():
             raise ValueError("These force densities leave free nodes without a unique equilibrium; give positive ones.")
     lengths = np.linalg.norm(shape[a] - shape[b], axis=1)
@@ -108,13 +114,8 @@ def _solve(
     held: NDArray[np.bool_],
     value: NDArray[np.float64],
     force: NDArray[np.float64],
-    piece: NDArray[np.int32],
 ) -> NDArray[np.float64]:
-    """One component of the shape."""
-    loose = np.setdiff1d(piece, piece[held])
-    if len(loose):
-        node = int(np.flatnonzero(piece == loose[0])[0])
-        raise ValueError(f"The part of the net with node {node} is tied to no fixed node; fix a node of it.")
+    """One component of the shape; not a number where there is no unique one."""
     free = ~held
     result = value.copy()
     if free.any():

@@ -88,6 +88,13 @@ def orientation(triangles: NDArray[np.int64]) -> NDArray[np.float64] | None:
     return np.where(label[0] == label[0, first][member.ravel()], 1.0, -1.0)
 
 
+def branching_edge(triangles: NDArray[np.int64]) -> NDArray[np.int64] | None:
+    """An edge with three triangles or more, shape (2,); None if there is none."""
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    distinct, count = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
+    return np.asarray(distinct[np.argmax(count)]) if count.max() > 2 else None
+
+
 def measures(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.float64]:
     """Areas of triangles [m2] or lengths of segments [m], shape (cells,)."""
     side = np.diff(points[cells], axis=1)

@@ -59,6 +59,8 @@ class DeadLoad:
 class PlanLoad:
     """A load of fixed direction per plan area of the reference shape, as snow is given: per area of the xy-plane.
 
+    Each cell takes its own plan area: of a closed cushion name the cells of the upper skin only.
+
     Args:
         load: Load per plan area [N/m2], shape (3,).
         part: Name of the membrane.
@@ -163,6 +165,8 @@ class Stage:
         moves = validation.instances(f"{name} displacements", self.displacements, PrescribedDisplacement)
         object.__setattr__(self, "displacements", moves)
         validation.whole(f"{name} steps", self.steps)
+        if self.after is not None:
+            validation.instance(f"{name} after", self.after, str)
 
 
 def check(structure: Structure, stages: Sequence[Stage]) -> None:

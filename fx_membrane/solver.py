@@ -71,7 +71,7 @@ class Newton:
 
     Args:
         rtol: Converged when the 2-norm of the unbalanced forces is below rtol times that of all nodal forces,
-            reactions and loads included; after one step at least.
+            reactions and loads included. A start passes only at rounding.
         max_iterations: Most iterations for one load increment.
     """
 

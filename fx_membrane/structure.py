@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import validation
-from .geometry import measures, normals, orientation
+from .geometry import branching_edge, measures, normals, orientation
 from .material import Fabric, OrthotropicFabric
 
 
@@ -247,9 +247,15 @@ class Structure:
         In each connected piece they follow the right-hand rule of its first cell.
 
         Raises:
-            ValueError: The membrane is one-sided, like a Moebius strip.
+            ValueError: The membrane is one-sided, like a Moebius strip, or branches.
         """
         cells = self.parts[name].cells
+        branch = branching_edge(cells)
+        if branch is not None:
+            raise ValueError(
+                f"Part {name!r} branches at the edge between nodes {branch[0]} and {branch[1]}, so that it has no two "
+                "sides; make each sheet a part of its own."
+            )
         sides = orientation(cells)
         if sides is None:
             raise ValueError(

@@ -28,7 +28,7 @@ from .recorder import Recorder
 from .results import BarResult, MembraneResult
 from .rigid_motion import check_supports
 from .solver import Newton
-from .structure import Membrane, Part, Structure
+from .structure import Mast, Membrane, Part, Structure
 
 
 class Step(NamedTuple):
@@ -36,7 +36,7 @@ class Step(NamedTuple):
 
     Attributes:
         area: Area of all membranes [m2].
-        change: Largest displacement of the step across the surface or the lines [m].
+        change: Largest displacement of the step across the surface or the lines, over the mean length of the edges [-].
         stress_error: Largest difference of the stress in the shape from the prescribed one, relative to the latter.
     """
 
@@ -76,7 +76,7 @@ def updated_reference(
     Args:
         structure: A first shape with the wanted prestress and the supports of the form.
         loads_in_form: Loads that the form is to balance, as an inner pressure.
-        tolerance: Accepted change of shape in a step, as a share of the mean length of the edges [-].
+        tolerance: Accepted change of shape in a step, `Step.change` [-].
         max_steps: Most steps.
         comm: The processes that share the work.
 
@@ -84,7 +84,8 @@ def updated_reference(
         The form, in equilibrium also where the steps were too few.
 
     Raises:
-        ValueError: The structure has no prestress anywhere, is not supported, or the loads do not fit it.
+        ValueError: The structure has no prestress anywhere or a compressive one in a membrane or a cable, is not
+            supported, or the loads do not fit it.
         RuntimeError: A step found no equilibrium, or the shape collapses, as a catenoid between rings too far apart.
     """
     validation.instance("updated_reference structure", structure, Structure)
@@ -93,8 +94,7 @@ def updated_reference(
     stage = Stage("form", validation.instances("loads_in_form", loads_in_form, PointLoad | DeadLoad | Pressure))
     loads.check(structure, [stage])
     check_supports(structure, structure.supported)
-    if not any(part.prestress_tensors().any() for part in structure.parts.values()):
-        raise ValueError("No part has a prestress; form finding needs the stress that the form is to have.")
+    _check_prestress(structure)
     problem = Problem(structure, comm, elastic=False)
     solve, record = Newton().prepare(problem), Recorder(problem)
     points = structure.points
@@ -108,20 +108,45 @@ def updated_reference(
         x = problem.discretization.create_vector()
         solution = solve(x)
         if not solution.converged:
-            raise RuntimeError(f"Form finding stopped at step {len(steps) + 1}: {solution.reason}")
+            raise RuntimeError(_collapse(len(steps) + 1))
         state = record(stage.name, x, actions, ())
         change, edge = _change_of_shape(structure, points, state.displacement)
         points = points + state.displacement
+        if not all((measures(points, part.cells) > 0).all() for part in structure.parts.values()):
+            raise RuntimeError(_collapse(len(steps) + 1))  # also where a position is not a number
         parts, error = {}, 0.0
-        for name in structure.parts:
-            parts[name], deviation = _stressed(structure, name, points, state.parts[name])
-            error = max(error, deviation)
+        try:
+            for name in structure.parts:
+                parts[name], deviation = _stressed(structure, name, points, state.parts[name])
+                error = max(error, deviation)
+        except ValueError:  # a cell is too thin to be one
+            raise RuntimeError(_collapse(len(steps) + 1)) from None
         area = sum(measures(points, part.cells).sum() for part in parts.values() if part.dimension == 2)
-        if not np.isfinite(points).all():
-            raise RuntimeError(f"Form finding stopped at step {len(steps) + 1}: the shape collapses.")
-        steps.append(Step(float(area), change, error))
-        converged = change <= tolerance * edge
+        steps.append(Step(float(area), change / edge, error))
+        converged = steps[-1].change <= tolerance
     return Form(replace(structure, points=points, parts=parts), tuple(steps), converged)
+
+
+def _check_prestress(structure: Structure) -> None:
+    stresses = {name: part.prestress_tensors() for name, part in structure.parts.items()}
+    if not any(stress.any() for stress in stresses.values()):
+        raise ValueError("No part has a prestress; form finding needs the stress that the form is to have.")
+    for name, part in structure.parts.items():
+        least = np.linalg.eigvalsh(stresses[name])[:, 0]
+        if not isinstance(part, Mast) and least.min() < 0:
+            cell = int(np.argmin(least))
+            raise ValueError(
+                f"Part {name!r}, cell {cell}: its prestress is compressive ({least[cell]:g}); no form of fabric or "
+                "cables holds that, give a tension."
+            )
+
+
+def _collapse(step: int) -> str:
+    return (
+        f"Form finding stopped at step {step}: the shape collapses. There is none where edge cables are too weak "
+        "(force over stress of the fabric below half their span), where rings are too far apart, or where an edge has "
+        "neither cable nor support; change the prestress or the supports."
+    )
 
 
 def _change_of_shape(
