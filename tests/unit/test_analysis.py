@@ -268,6 +268,11 @@ def test_result_does_not_depend_on_the_number_of_steps(analysis, steps):
     assert results["many"].energy == pytest.approx(results["one"].energy, rel=1e-12)
 
 
+def test_stage_without_a_name_is_refused():
+    with pytest.raises(ValueError, match="name of a stage is ''"):
+        Stage("")
+
+
 # Prescribed displacements
 
 
