@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol, cast
 
+from mpi4py import MPI
 from petsc4py import PETSc
 
 from . import _dolfinx, validation
@@ -91,6 +92,25 @@ class _Stop(Exception):  # noqa: N818  (not an error but a message from callback
     """Ends the iteration from inside a callback, with the reason in words."""
 
 
+_kept: list[tuple[MPI.Intracomm, "weakref.ref[_NewtonRaphson]", PETSc.KSP]] = []
+
+
+def _keep_until_all_are_done(owner: "_NewtonRaphson", comm: MPI.Intracomm) -> None:
+    """Frees factorizations of earlier solvers that no process uses any more, and keeps that of this one.
+
+    To free one is a collective act, but Python's garbage collector lets go of a solver at another moment on each
+    process, and the C++ NewtonSolver would free it there and then: a deadlock. A reference of our own prevents that.
+    """
+    if comm.size == 1:
+        return
+    for entry in list(_kept):
+        shared = MPI.Comm.Compare(entry[0], comm) in (MPI.IDENT, MPI.CONGRUENT)
+        if shared and comm.allreduce(entry[1]() is None, MPI.LAND):
+            _kept.remove(entry)
+            entry[2].destroy()
+    _kept.append((comm, weakref.ref(owner), owner.ksp))
+
+
 Driver = tuple[Callable[[PETSc.Vec], bool], PETSc.KSP]  # runs the iteration; its linear solver
 
 
@@ -112,6 +132,7 @@ class _NewtonRaphson:
         owner = cast(_NewtonRaphson, weakref.proxy(self))
         self.iterate, self.ksp = _by_snes(owner) if self.newton is None else _by_dolfinx(owner)
         self.ksp.setType("preonly")
+        _keep_until_all_are_done(self, problem.discretization.comm)
 
     def __call__(self, x: PETSc.Vec, monitor: Monitor = _silent) -> Solution:
         self.history, self.next_step, self.monitor = [], 0.0, monitor
