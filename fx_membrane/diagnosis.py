@@ -64,6 +64,8 @@ def loose_nodes(problem: Problem, A: PETSc.Mat) -> list[tuple[int, list[float]]]
     same_node = (columns - first) // 3 == rows // 3
     blocks = np.zeros((len(discretization.owned), 3, 3))
     blocks[rows[same_node] // 3, rows[same_node] % 3, (columns[same_node] - first) % 3] = values[same_node]
+    if not discretization.comm.allreduce(bool(np.isfinite(blocks).all()), MPI.LAND):
+        return []  # together: eigh would fail on some processes only
     stiffness, directions = np.linalg.eigh(blocks)
     limit = 1e-13 * discretization.comm.allreduce(np.abs(blocks).max(initial=0.0), MPI.MAX)
     weakest = np.argmin(np.abs(stiffness), axis=1)
