@@ -15,9 +15,10 @@ from .geometry import boundary, rectangle
 from .gmsh import structure_from_gmsh
 from .loads import DeadLoad, PlanLoad, PointLoad, PrescribedDisplacement, Pressure, Stage
 from .material import Fabric, OrthotropicFabric
+from .parts import Cable, Mast, Membrane
 from .results import BarResult, Equilibrium, Increment, MembraneResult, StageResult
 from .solver import Iteration, Newton
-from .structure import Cable, Mast, Membrane, Structure, Support
+from .structure import Structure, Support
 from .updated_reference import Form, updated_reference
 
 __all__ = [

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .structure import Part, Structure, Support
+from .parts import Part
+from .structure import Structure, Support
 
 NODES = {1: 2, 2: 3}  # gmsh's element types of lines and triangles, and their numbers of nodes
 

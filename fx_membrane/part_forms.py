@@ -12,7 +12,8 @@ from . import _dolfinx, tension_field
 from .discretization import PartMesh
 from .forms import elasticity, kinematics, loads, stress, wrinkling
 from .material import Fabric
-from .structure import Cable, Mast, Membrane, Structure
+from .parts import Cable, Mast, Membrane
+from .structure import Structure
 
 
 @dataclass(frozen=True, eq=False)

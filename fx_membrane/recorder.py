@@ -10,9 +10,9 @@ from petsc4py import PETSc
 from . import _dolfinx
 from .forms import kinematics, stress
 from .part_forms import PartForms
+from .parts import Membrane
 from .problem import Actions, Problem
 from .results import BarResult, Equilibrium, Increment, MembraneResult, StageResult
-from .structure import Membrane
 
 STATES = np.array(["taut", "wrinkled", "slack"])  # in the order of `forms.wrinkling`
 

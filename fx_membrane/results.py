@@ -9,8 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .parts import Cable, Mast, Membrane
 from .solver import Iteration
-from .structure import Cable, Mast, Membrane, Structure
+from .structure import Structure
 
 Array = NDArray[np.float64]
 

@@ -5,7 +5,8 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
 from .partition import node_graph
-from .structure import Mast, Structure
+from .parts import Mast
+from .structure import Structure
 
 MOTIONS = ("move along x", "move along y", "move along z", "turn about x", "turn about y", "turn about z")
 

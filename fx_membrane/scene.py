@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .parts import Mast
 from .results import StageResult
-from .structure import Mast
 
 # Without a screen VTK draws in memory; to be set before pyvista loads it.
 if not os.environ.get("DISPLAY"):
