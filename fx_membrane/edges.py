@@ -25,7 +25,11 @@ def edges_on(
     Raises:
         ValueError: The triangles name nodes that do not exist, or no edge is on it.
     """
-    positions = validation.finite("points", points)
+    if not callable(on):
+        raise ValueError(
+            f"on is {validation.shown(on)}; give a function of positions, lambda x: numpy.isclose(x[1], 0)."
+        )
+    positions = validation.positions("points", points)
     cells = validation.cells("triangles", triangles, 3)
     validation.in_range("triangles", cells.ravel(), len(positions), "node")
     nodes, local = np.unique(cells, return_inverse=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import ClassVar, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -53,9 +53,10 @@ class Membrane:
             if warp.shape not in ((3,), (len(self.cells), 3)):
                 raise ValueError(f"Membrane warp has shape {warp.shape}; give (3,) or ({len(self.cells)}, 3).")
         elif directed or isinstance(self.material, OrthotropicFabric):
-            raise ValueError(
-                "The material or the prestress has a warp and a weft; give the warp as a vector, warp=(x, y, z)."
-            )
+            what = f"material {validation.shown(self.material)}"
+            if not isinstance(self.material, OrthotropicFabric):
+                what = f"prestress {validation.shown(self.prestress)}"
+            raise ValueError(f"Membrane {what} has a warp and a weft; give the warp as a vector, warp=(x, y, z).")
 
     def prestress_tensors(self) -> NDArray[np.float64]:
         """Prestress of every cell in the warp/weft frame, shape (n, 2, 2) [N/m]."""
@@ -70,8 +71,10 @@ class Membrane:
                 f"Membrane prestress has shape {value.shape}; give a number, a (warp, weft) pair or a (2, 2) tensor, "
                 f"or one of these for each of the {n} cells: ({n}, 1), ({n}, 2) or ({n}, 2, 2)."
             )
-        if not np.array_equal(value, np.swapaxes(value, -1, -2)):
-            raise ValueError("Membrane prestress is not symmetric; give [[warp, shear], [shear, weft]].")
+        skew = np.flatnonzero(value.reshape(-1, 4)[:, 1] != value.reshape(-1, 4)[:, 2])
+        if len(skew):
+            tensor = value.reshape(-1, 2, 2)[skew[0]].tolist()
+            raise ValueError(f"Membrane prestress {tensor} is not symmetric; give [[warp, shear], [shear, weft]].")
         return np.broadcast_to(value, (n, 2, 2))
 
 
@@ -135,3 +138,4 @@ class Mast(_Bar):
 
 
 Part = Membrane | Cable | Mast
+Kind = TypeVar("Kind", Membrane, Cable, Mast)

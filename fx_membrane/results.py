@@ -127,7 +127,8 @@ class StageResult:
         Raises:
             ValueError: There is no membrane of that name.
         """
-        result = self.parts[self._name(name, Membrane)]
+        self.structure.part(name, Membrane)
+        result = self.parts[name]
         assert isinstance(result, MembraneResult)
         return result
 
@@ -137,7 +138,8 @@ class StageResult:
         Raises:
             ValueError: There are no cables of that name.
         """
-        return self._bar(name, Cable)
+        self.structure.part(name, Cable)
+        return self._bar(name)
 
     def mast(self, name: str) -> BarResult:
         """State of the masts of that name.
@@ -145,20 +147,15 @@ class StageResult:
         Raises:
             ValueError: There are no masts of that name.
         """
-        return self._bar(name, Mast)
+        self.structure.part(name, Mast)
+        return self._bar(name)
 
     @property
     def history(self) -> list[tuple[float, Iteration]]:
         """Load factor and iterate, for all iterations of the stage."""
         return [(increment.load_factor, entry) for increment in self.increments for entry in increment.iterations]
 
-    def _bar(self, name: str, kind: type) -> BarResult:
-        result = self.parts[self._name(name, kind)]
+    def _bar(self, name: str) -> BarResult:
+        result = self.parts[name]
         assert isinstance(result, BarResult)
         return result
-
-    def _name(self, name: str, kind: type) -> str:
-        names = [key for key, part in self.structure.parts.items() if isinstance(part, kind)]
-        if name not in names:
-            raise ValueError(f"No {kind.__name__} is named {name!r}; those of the structure are {names}.")
-        return name

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import validation
-from .geometry import branching_edge, measures, normals, orientation
-from .parts import Membrane, Part
+from .geometry import degenerate, normals, projected, senses
+from .parts import Kind, Membrane, Part
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,9 +38,14 @@ class Support:
 class Structure:
     """Everything that does not change from stage to stage.
 
+    The nodes of a triangle may be in either order: all cells of a connected membrane are given one sense, that of the
+    first, which `normals` and `senses` show. A membrane that has none (a Moebius strip, or sheets that branch) is a
+    structure all the same; it is refused where a normal is asked for, or a pressure acts.
+
     Args:
         points: Reference (prestressed) position of the nodes, shape (n, 3) [m]. A node is known by its row.
-        parts: Membranes, cables and masts by name. Parts that share a node are hinged together there.
+        parts: Membranes, cables and masts by name. Parts that share a node are hinged together there. Give each a
+            name of its own: of two entries with one name a Python dictionary keeps the last without a word.
         supports: Nodes that do not move.
 
     Raises:
@@ -52,22 +58,19 @@ class Structure:
     supports: Sequence[Support] = ()
 
     def __post_init__(self) -> None:
-        points = validation.finite("points", self.points)
-        if points.ndim != 2 or points.shape[1] != 3:
-            raise ValueError(f"points has shape {points.shape}; give (n, 3), one row x, y, z for each node.")
-        object.__setattr__(self, "points", points)
+        object.__setattr__(self, "points", validation.positions("points", self.points))
         if not isinstance(self.parts, Mapping):
             raise ValueError(f'parts is a {type(self.parts).__name__}; give a dictionary, {{"name": Membrane(...)}}.')
         object.__setattr__(self, "parts", dict(self.parts))
         object.__setattr__(self, "supports", validation.instances("supports", self.supports, Support))
         if not self.parts:
             raise ValueError("The structure has no parts; give at least one Membrane, Cable or Mast.")
+        count = len(self.points)
         for name, part in self.parts.items():
             validation.name("part", name)
             validation.instance(f"Part {name!r}", part, Part)
-            outside = np.flatnonzero(((part.cells < 0) | (part.cells >= len(points))).any(axis=1))
-            for cell in outside[:1]:
-                validation.in_range(f"Part {name!r}, cell {cell},", part.cells[cell], len(points), "node")
+            for cell in np.flatnonzero(((part.cells < 0) | (part.cells >= count)).any(axis=1))[:1]:
+                validation.in_range(f"Part {name!r}, cell {cell},", part.cells[cell], count, "node")
             self._check_measures(name, part)
             if part.dimension == 2:
                 self.warp(name)
@@ -96,47 +99,63 @@ class Structure:
         return held
 
     def warp(self, name: str) -> NDArray[np.float64]:
-        """Unit warp direction of every cell of a membrane in its own plane, shape (cells, 3) [-]."""
-        membrane = self.parts[name]
-        assert isinstance(membrane, Membrane)
+        """Unit warp direction of every cell of a membrane in its own plane, shape (cells, 3) [-].
+
+        Raises:
+            ValueError: There is no membrane of that name; the warp is normal to a cell.
+        """
+        membrane = self.part(name, Membrane)
         normal = normals(self.points, membrane.cells)
         if membrane.warp is None:
-            along_x = np.abs(normal[:, :1]) < 0.99
-            given = np.where(along_x, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
+            given = np.where(np.abs(normal[:, :1]) < 0.99, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
         else:
             given = np.broadcast_to(np.asarray(membrane.warp, dtype=np.float64), normal.shape)
-        tangent = given - np.sum(given * normal, axis=1, keepdims=True) * normal
-        length = np.linalg.norm(tangent, axis=1)
-        bad = np.flatnonzero(length <= 1e-8 * np.linalg.norm(given, axis=1))
+        tangent = projected(given, normal)
+        bad = np.flatnonzero(~tangent.any(axis=1))
         if len(bad):
             raise ValueError(
                 f"Part {name!r}, cell {bad[0]}: its warp {given[bad[0]].tolist()} is zero or normal to the cell; "
                 "give a vector that lies roughly in the cell."
             )
-        return np.asarray(tangent / length[:, None])
+        return tangent
+
+    def senses(self, name: str) -> NDArray[np.float64]:
+        """1 where the nodes of a cell of a membrane run counter-clockwise about its normal, else -1, shape (cells,).
+
+        The normals are those of `normals`; in each connected piece the first cell has 1.
+
+        Raises:
+            ValueError: There is no membrane of that name; it has only one side, like a Moebius strip, or branches.
+        """
+        if name not in self._senses:
+            self._senses[name] = senses(f"Part {name!r}", self.part(name, Membrane).cells)
+        return self._senses[name]
+
+    @cached_property
+    def _senses(self) -> dict[str, NDArray[np.float64]]:
+        return {}
 
     def normals(self, name: str) -> NDArray[np.float64]:
         """Unit normals of a membrane, all on one side of it, shape (cells, 3) [-]; a positive pressure acts along them.
 
-        In each connected piece they follow the right-hand rule of its first cell.
+        To turn those of a connected piece round, give the nodes of its first cell in the other order.
 
         Raises:
-            ValueError: The membrane is one-sided, like a Moebius strip, or branches.
+            ValueError: As for `senses`.
         """
-        cells = self.parts[name].cells
-        branch = branching_edge(cells)
-        if branch is not None:
-            raise ValueError(
-                f"Part {name!r} branches at the edge between nodes {branch[0]} and {branch[1]}, so that it has no two "
-                "sides; make each sheet a part of its own."
-            )
-        sides = orientation(cells)
-        if sides is None:
-            raise ValueError(
-                f"Part {name!r} has only one side, like a Moebius strip, so that a normal and a pressure have no "
-                "direction on it; cut it into parts along a line of edges."
-            )
-        return sides[:, None] * normals(self.points, cells)
+        return self.senses(name)[:, None] * normals(self.points, self.parts[name].cells)
+
+    def part(self, name: str, kind: type[Kind]) -> Kind:
+        """The part of a name and a kind, Membrane, Cable or Mast.
+
+        Raises:
+            ValueError: There is none of that name and kind.
+        """
+        part = self.parts.get(name)
+        if not isinstance(part, kind):
+            names = [key for key, part in self.parts.items() if isinstance(part, kind)]
+            raise ValueError(f"No {kind.__name__} is named {name!r}; those of the structure are {names}.")
+        return part
 
     def check_nodes(self, what: str, nodes: NDArray[np.int64]) -> None:
         """Refuses nodes that do not exist or that no part uses.
@@ -150,9 +169,7 @@ class Structure:
             raise ValueError(f"{what} is on node {loose[0]}, which no part uses; mend the number or add the part.")
 
     def _check_measures(self, name: str, part: Part) -> None:
-        size = measures(self.points, part.cells)
-        span = np.ptp(self.points[part.cells], axis=1).max(axis=1) ** part.dimension
-        bad = np.flatnonzero(size <= 1e-10 * np.maximum(span, np.finfo(float).tiny))
+        bad = degenerate(self.points, part.cells)
         if len(bad):
             what = "length" if part.dimension == 1 else "area"
             raise ValueError(

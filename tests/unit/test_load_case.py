@@ -84,7 +84,7 @@ def test_plan_load_does_not_depend_on_the_sense_of_the_cells(problem, seed):
 
 
 def test_plan_load_on_some_cells(problem):
-    cells = [0, 5, 5]
+    cells = [0, 5, 7]
     plan = sheet().points * [1, 1, 0]
     area = 0.125  # of each cell in plan
     assert np.linalg.norm(np.cross(*np.diff(plan[TRIANGLES[0]], axis=0))) / 2 == pytest.approx(area)
@@ -152,7 +152,7 @@ def test_pressure_of_cells_in_their_own_sense():
 
 
 def test_pressures_add_up(problem):
-    actions = end(problem, Pressure(300.0, "fabric"), Pressure(-100.0, "fabric", [2, 7, 7]))
+    actions = end(problem, Pressure(300.0, "fabric"), Pressure(-100.0, "fabric", [2, 7]), Pressure(-100.0, "fabric", 7))
     expected = np.full(COUNT, 300.0)
     expected[2], expected[7] = 200.0, 100.0
     assert actions.pressures["fabric"].tolist() == expected.tolist()
@@ -200,8 +200,9 @@ def test_pressure_on_a_one_sided_membrane_is_refused():
     structure = sheet(strip, points, [Support(range(2 * n))])
     analysis = Analysis(structure)
     analysis.run([Stage("weight", [DeadLoad((0, 0, -1.0), "fabric")])])
+    analysis._solve = None  # refused before anything is solved
     with pytest.raises(ValueError, match=r"^Part 'fabric' has only one side, like a Moebius strip"):
-        analysis.run([Stage("air", [Pressure(1.0, "fabric")])])
+        analysis.run([Stage("rest"), Stage("air", [Pressure(1.0, "fabric")])])
 
 
 # Prescribed displacements
