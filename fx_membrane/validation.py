@@ -201,7 +201,7 @@ def _array(name: str, value: Any, wanted: str) -> NDArray[Any]:
 
 def _expected(kind: Any) -> str:
     names = (entry.__name__ for entry in getattr(kind, "__args__", (kind,)))
-    return " or ".join("text" if name == "str" else name for name in names)
+    return " or ".join({"str": "text", "Mapping": "dictionary"}.get(name, name) for name in names)
 
 
 def _frozen_integers(array: NDArray[Any]) -> NDArray[np.int64]:

@@ -203,6 +203,30 @@ def test_mirror_draws_the_other_half(result, mirror, ratio, drawing):
     assert width / height == pytest.approx(ratio, rel=0.1)
 
 
+@pytest.mark.parametrize(("axis", "along"), [(0, 1), (1, 0)], ids=["x to the right", "y up"])
+@pytest.mark.parametrize("view", [(0, 0, 1), (0, 0, 5.0), (1e-6, -2e-6, 1)])
+def test_plan_has_x_to_the_right_and_y_up(result, axis, along, view, drawing):
+    colours = scene.Colours("gray", -1.0, 1.0, 16)
+    drawn = scene.picture(result, POINTS[:, axis], colours, scale=1.0, view=view, mirror=None, odd=False)
+    brightness = drawn.mean(axis=(1 - along, 2))
+    size = len(brightness) // 4
+    first, last = brightness[size : 2 * size].mean(), brightness[2 * size : 3 * size].mean()
+    assert last > first + 20 if axis == 0 else first > last + 20  # rows of a picture run down
+
+
+@pytest.mark.parametrize(
+    ("view", "axes"),
+    [
+        ((0, 0, 2), [[1, 0, 0], [0, 1, 0]]),
+        ((0, 0, -2), [[-1, 0, 0], [0, 1, 0]]),
+        ((0, -1, 0), [[1, 0, 0], [0, 0, 1]]),
+        ((3, 0, 0), [[0, 1, 0], [0, 0, 1]]),
+    ],
+)
+def test_right_and_up_of_a_picture(view, axes):
+    assert scene.screen_axes(view).tolist() == axes
+
+
 # Refusals
 
 
@@ -230,6 +254,40 @@ def test_wrong_fields_are_refused(result, tmp_path, field, message):
     with pytest.raises(ValueError, match=message):
         plot.contours(result, {"right": np.zeros(26), "title": field}, path)
     assert not path.exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"view": (0, 0, 0)}, r"^view is \(0, 0, 0\); give a direction"),
+        ({"view": "above"}, "^view must be an array of numbers .*'above'"),
+        ({"scale": "large"}, "^scale is the text 'large'"),
+        ({"odd": ["width"]}, r"^odd names 'width'; the fields are \['height'\]"),
+    ],
+)
+def test_wrong_options_are_refused(result, tmp_path, options, message):
+    with pytest.raises(ValueError, match=message):
+        plot.contours(result, {"height": POINTS[:, 2]}, tmp_path / "never.png", **options)
+
+
+@pytest.mark.parametrize(
+    ("points", "parts", "options", "message"),
+    [
+        (POINTS[:, :2], {"roof": TRIANGLES}, {}, r"^points has shape \(26, 2\)"),
+        (POINTS, TRIANGLES, {}, "^parts is an array of .*; give a dictionary"),
+        (POINTS, {"roof": TRIANGLES + 9}, {}, "^Part 'roof' names node 26, which does not exist"),
+        (POINTS, {"roof": TRIANGLES}, {"labels": [26]}, "^labels names node 26, which does not exist"),
+        (POINTS, {"roof": TRIANGLES}, {"view": (0, 0, 0)}, "^view is .*give a direction"),
+    ],
+)
+def test_wrong_wireframes_are_refused(tmp_path, points, parts, options, message):
+    with pytest.raises(ValueError, match=message):
+        plot.wireframe(points, parts, tmp_path / "never.png", **options)
+
+
+def test_convergence_of_no_result_is_refused(tmp_path):
+    with pytest.raises(ValueError, match=r"^The first argument of convergence is 5; give a StageResult"):
+        plot.convergence(5, tmp_path / "never.png")
 
 
 @pytest.mark.parametrize("mirror", ["xy", "", "w", 0])
