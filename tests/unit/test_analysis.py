@@ -83,14 +83,16 @@ def same_state(a, b):
     ids=["no support", "only z held", "one node pinned", "one of two pieces unsupported"],
 )
 def test_structure_without_enough_supports(structure):
-    with pytest.raises(ValueError, match=r"not supported enough: the piece with node \d+ \(25 nodes\) can"):
+    with pytest.raises(
+        ValueError, match=r"not supported enough: the piece with node \d+ \(25 nodes: Membrane '\w+'\) can"
+    ):
         Analysis(structure).run([Stage("rest")])
 
 
 def test_piece_without_supports_is_named():
     points = np.vstack([POINTS, POINTS + np.array([0, 0, 1])])
     parts = {"low": Membrane(TRIANGLES, FABRIC, 1e3), "high": Membrane(TRIANGLES + 25, FABRIC, 1e3)}
-    with pytest.raises(ValueError, match=r"the piece with node 25 \("):
+    with pytest.raises(ValueError, match=r"the piece with node 25 \(25 nodes: Membrane 'high'\)"):
         Analysis(Structure(points, parts, [Support(EDGE)])).run([Stage("rest")])
 
 
