@@ -23,7 +23,7 @@ class PartForms:
     Attributes:
         mesh: The cells.
         T, F, E, S: Tangent frame, deformation gradient, Green-Lagrange strain, 2nd Piola-Kirchhoff stress, in UFL.
-        state: Taut, wrinkled or slack, as `forms.wrinkling` numbers them, in UFL.
+        state: Taut, wrinkled or slack, as `forms.wrinkling` numbers them, in UFL; taut where all stiffness is kept.
         follow: Brings what the energy must be told of the strain up to date with the displacement.
         q: Dead load per reference area or length, piecewise constant [N/m2 or N/m].
         p: Pressure along the normals of the cells, piecewise constant [Pa]; without meaning in cables and masts.
@@ -137,4 +137,5 @@ def _strain_energy(mesh: PartMesh, E: Any, sigma0: Any) -> _Energy:
 
     (eta,) = constants(part.compression_stiffness)
     full = elasticity.strain_energy(E, sigma0, CE)
-    return _Energy(wrinkling.blend(relaxed.energy, full, eta), relaxed.state, follow)
+    state = ufl.conditional(ufl.lt(eta, 1), relaxed.state, wrinkling.TAUT)
+    return _Energy(wrinkling.blend(relaxed.energy, full, eta), state, follow)

@@ -26,7 +26,8 @@ class Membrane:
             is a right angle further, counter-clockwise about the normal of the cell. Without a warp the global x
             axis is taken, or y where a cell is nearly normal to x, for results only.
         compression_stiffness: Share of the stiffness that is kept where the membrane wrinkles or is slack, in (0, 1]
-            [-]. It keeps slack nodes in place; above 1e-3 it is seen in results. 1 switches wrinkling off.
+            [-]. It keeps slack nodes in place; above 1e-3 it is seen in results. 1 switches wrinkling off: compression
+            is carried like tension, and every cell is called taut.
 
     Raises:
         ValueError: Cells, prestress or warp have a wrong shape or values that are not finite; the material or the
@@ -118,6 +119,7 @@ class Cable(_Bar):
         axial_stiffness: Young's modulus times cross-section [N].
         prestress: Axial force in the reference shape [N], a number or one per cell, shape (n,).
         compression_stiffness: Share of the stiffness that is kept where the cable is slack, in (0, 1] [-].
+            With 1 it carries compression, and is never called slack.
 
     Raises:
         ValueError: Cells or prestress have a wrong shape or values that are not finite; a stiffness is not positive.

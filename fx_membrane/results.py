@@ -38,7 +38,8 @@ class MembraneResult:
         cauchy: Stress per current length in global axes, shape (cells, 3, 3) [N/m].
         principal: Principal values of `cauchy`, the larger first, shape (cells, 2) [N/m].
         thread_forces: Normal components of `cauchy` along the current warp and weft, shape (cells, 2) [N/m].
-        state: "taut", "wrinkled" or "slack", shape (cells,).
+        state: "taut", "wrinkled" or "slack", shape (cells,). With `compression_stiffness=1` the membrane does neither:
+            all cells are "taut", also those that `principal` shows in compression.
         cauchy_projected: Cauchy stress with the determinant of I + grad u as J, in global axes, shape (cells, 3, 3)
             [N/m]: what Gil (19) gives, the paper's Table 2. It is larger than `cauchy` where cells have turned.
     """
@@ -59,7 +60,7 @@ class BarResult:
     Attributes:
         strain: Green-Lagrange strain, shape (cells,) [-].
         force: Axial force in the current shape, tension positive, shape (cells,) [N].
-        slack: Which cells are slack, shape (cells,); masts never are.
+        slack: Which cells are slack, shape (cells,); masts never are, nor cables with `compression_stiffness=1`.
     """
 
     strain: Array
