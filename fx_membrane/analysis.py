@@ -1,5 +1,6 @@
 """Stages: load increments, load cases that branch from a common state, and results that are never lost."""
 
+import os
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -147,10 +148,15 @@ class _ProgressBar:
     """One line on a terminal: stage, load factor, iterations of the increment and its residual."""
 
     def __init__(self, name: str, factor: Fraction, shown: bool):
-        layout = "{desc}: {bar:24} load factor {n:.4f}{postfix}"
-        start = float(factor)
         self._bar = tqdm(
-            desc=name, total=1.0, initial=start, bar_format=layout, disable=None if shown else True, file=sys.stderr
+            desc=name,
+            total=1.0,
+            initial=float(factor),
+            bar_format="{desc}: {bar:10} load factor {n:.4f}{postfix}",  # 80 columns hold a name of 16 letters
+            ncols=_columns(),
+            nrows=20,  # any: one bar is shown at a time
+            disable=None if shown else True,
+            file=sys.stderr,
         )
 
     def __enter__(self) -> Self:
@@ -164,3 +170,11 @@ class _ProgressBar:
 
     def increment(self, factor: Fraction) -> None:
         self._bar.update(float(factor) - self._bar.n)
+
+
+def _columns() -> int | None:
+    """Width of the terminal; 80 where it does not tell, as some that are not on a screen."""
+    try:
+        return os.get_terminal_size(sys.stderr.fileno()).columns or 80
+    except (OSError, ValueError):  # no terminal, no bar
+        return None

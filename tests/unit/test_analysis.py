@@ -524,9 +524,10 @@ analysis.run([Stage("prestress"), Stage("snow on the roof", [snow], steps=4, aft
 
 
 @pytest.mark.serial
-def test_terminal_shows_stage_and_load_factor():
+@pytest.mark.parametrize("columns", [120, 80, 0], ids=["wide", "usual", "no size told"])
+def test_terminal_shows_stage_and_load_factor(columns):
     terminal, process_end = pty.openpty()
-    fcntl.ioctl(process_end, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 120, 0, 0))
+    fcntl.ioctl(process_end, termios.TIOCSWINSZ, struct.pack("HHHH", 24 if columns else 0, columns, 0, 0))
     process = subprocess.Popen([sys.executable, "-c", WATCHED], stderr=process_end, stdout=subprocess.PIPE)
     os.close(process_end)
     shown = b""
