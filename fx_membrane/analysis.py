@@ -68,13 +68,17 @@ class Analysis:
         Args:
             stages: The stages, each after the one it follows.
             checkpoint_file: Where to save the state after each converged increment. If the file is there, what is in
-                it is not computed again, and the run goes on from it.
+                it is not computed again, and the run goes on from it; stages may be added or left out, and have other
+                `steps`.
 
         Raises:
             ValueError: A stage does not fit the structure or the other stages, or leaves the structure free to move
                 as a rigid body (one turn about a line is let pass: loads may hold it); the checkpoint belongs to
                 another structure or to other stages.
             ConvergenceError: A load increment found no equilibrium; what was computed before is on the exception.
+
+        Warns:
+            LargeStrainWarning: Strains of a stage are above 5 %.
         """
         self._check(stages)
         path = None if checkpoint_file is None else Path(checkpoint_file)

@@ -147,6 +147,32 @@ def test_stages_can_be_added(path, expected):
     assert len(calls) == 2
 
 
+def test_stages_that_are_left_out_stay_in_the_file(path, expected):
+    Analysis(structure()).run(stages(), path)
+    fewer = Analysis(structure())
+    calls = counted(fewer)
+    lift, *_ = stages()
+    other = Stage("other", after="lift")
+    assert list(fewer.run([lift, other], path)) == ["lift", "other"]
+    assert len(calls) == 1
+    again = Analysis(structure())
+    calls = counted(again)
+    assert_same(again.run(stages(), path), expected)
+    assert not calls
+    with pytest.raises(ValueError, match="another stage 'snow', which differs in: loads;"):
+        again.run(stages(snow=-201.0), path)
+
+
+def test_steps_may_change(path, expected):
+    cut_short(path, 3)  # the first of three steps of snow is done
+    finer = Analysis(structure())
+    snow = finer.run(stages(steps=12)[:2], path)["snow"]
+    factors = [increment.load_factor for increment in snow.increments]
+    assert factors == pytest.approx([1 / 3 + k / 12 for k in range(9)])
+    largest = np.abs(expected["snow"].displacement).max()
+    assert snow.displacement == pytest.approx(expected["snow"].displacement, abs=1e-9 * largest)
+
+
 def test_halved_increments_go_on_with_the_same_length(path):
     hard = [Stage("load", [PointLoad(6, (0, 0, -2e4))])]
     solver = Newton(max_iterations=4)
@@ -200,6 +226,13 @@ def test_another_structure_has_another_fingerprint(before, after):
     assert checkpoint.fingerprint(before) != checkpoint.fingerprint(after)
 
 
+def test_fingerprints_name_what_differs():
+    mine = checkpoint.fingerprints(structure())
+    other = structure(points=POINTS * 2, prestress=5.0)
+    changed = [name for name, digest in checkpoint.fingerprints(other).items() if digest != mine[name]]
+    assert changed == ["points", "prestress of part 'fabric'"]
+
+
 def test_fingerprint_does_not_change_between_equal_structures():
     assert checkpoint.fingerprint(structure()) == checkpoint.fingerprint(structure())
     assert checkpoint.fingerprint(stages()) == checkpoint.fingerprint(stages())
@@ -209,18 +242,29 @@ def test_checkpoint_of_another_structure_is_refused(path):
     cut_short(path, 3)
     other = Analysis(structure(prestress=1100.0))
     calls = counted(other)
-    with pytest.raises(ValueError, match=r"state\.npz is of another structure; give another name or remove it"):
+    message = r"state\.npz is of another structure, which differs in: prestress of part 'fabric'; give another name"
+    with pytest.raises(ValueError, match=message):
         other.run(stages(), path)
     assert not calls
 
 
-@pytest.mark.parametrize("change", [{"snow": -201.0}, {"steps": 4}])
-def test_checkpoint_of_another_stage_is_refused(path, change):
+def test_checkpoint_of_other_parts_is_refused(path):
+    cut_short(path, 1)
+    fabric = structure().parts["fabric"]
+    other = Analysis(Structure(POINTS, {"fabric": fabric}, [Support(EDGE)]))
+    message = (
+        r"which differs in: kind of part 'ridge', cells of part 'ridge', axial_stiffness of part 'ridge' and 2 more;"
+    )
+    with pytest.raises(ValueError, match=message):
+        other.run(stages(), path)
+
+
+def test_checkpoint_of_another_stage_is_refused(path):
     cut_short(path, 3)
     other = Analysis(structure())
     calls = counted(other)
-    with pytest.raises(ValueError, match=r"state\.npz has another stage 'snow'; give another name or remove it"):
-        other.run(stages(**change), path)
+    with pytest.raises(ValueError, match=r"state\.npz has another stage 'snow', which differs in: loads; give another"):
+        other.run(stages(snow=-201.0), path)
     assert not calls
 
 
