@@ -13,6 +13,7 @@ from .edges import edges_on
 from .form_finding import Net, force_density
 from .geometry import boundary, rectangle
 from .gmsh import structure_from_gmsh
+from .large_strain import LargeStrainWarning
 from .loads import DeadLoad, PlanLoad, PointLoad, PrescribedDisplacement, Pressure, Stage
 from .material import Fabric, OrthotropicFabric
 from .parts import Cable, Mast, Membrane
@@ -32,6 +33,7 @@ __all__ = [
     "Form",
     "Increment",
     "Iteration",
+    "LargeStrainWarning",
     "Mast",
     "Membrane",
     "MembraneResult",

@@ -15,6 +15,7 @@ from tqdm import tqdm
 
 from . import checkpoint, load_case, loads, validation
 from .checkpoint import Progress
+from .large_strain import warn_of_large_strains
 from .loads import Stage
 from .problem import Actions, Problem
 from .recorder import Recorder
@@ -97,6 +98,8 @@ class Analysis:
             start = load_case.taking_hold(ends[stage.after], end, shape)
             state = progress.get(stage.name) or Progress(shape, Fraction(0), Fraction(1, stage.steps), ())
             results[stage.name] = self._run(stage, start, end, state, results, save)
+            if self._comm.rank == 0:
+                warn_of_large_strains(results[stage.name], stacklevel=3)
         return results
 
     def _check(self, stages: Sequence[Stage]) -> None:
