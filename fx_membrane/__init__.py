@@ -11,12 +11,13 @@ from . import plot
 from .analysis import Analysis, ConvergenceError
 from .edges import edges_on
 from .form_finding import Net, force_density
-from .geometry import boundary, rectangle
+from .geometry import boundary, polyline, rectangle
 from .gmsh import structure_from_gmsh
 from .large_strain import LargeStrainWarning
 from .loads import DeadLoad, PlanLoad, PointLoad, PrescribedDisplacement, Pressure, Stage
 from .material import Fabric, OrthotropicFabric
 from .parts import Cable, Mast, Membrane
+from .report import report
 from .results import BarResult, Equilibrium, Increment, MembraneResult, StageResult
 from .solver import Iteration, Newton
 from .structure import Structure, Support
@@ -52,7 +53,9 @@ __all__ = [
     "edges_on",
     "force_density",
     "plot",
+    "polyline",
     "rectangle",
+    "report",
     "structure_from_gmsh",
     "updated_reference",
 ]

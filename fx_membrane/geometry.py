@@ -56,6 +56,21 @@ def rectangle(
     return points, np.stack([first, second], axis=-1).transpose(1, 2, 0).reshape(-1, 3)
 
 
+def polyline(nodes: ArrayLike) -> NDArray[np.int64]:
+    """Segments between consecutive nodes, shape (n - 1, 2): cells for a cable along them.
+
+    Args:
+        nodes: Node numbers in order, shape (n,); to close the line, the first once more at the end.
+
+    Raises:
+        ValueError: They are not at least two whole numbers.
+    """
+    line = validation.rows("nodes", nodes)
+    if len(line) < 2:
+        raise ValueError(f"nodes is {validation.shown(nodes)}; give at least two.")
+    return np.column_stack([line[:-1], line[1:]])
+
+
 def boundary(triangles: ArrayLike) -> NDArray[np.int64]:
     """Edges that belong to one triangle only, shape (edges, 2), in the sense of their triangle.
 

@@ -12,6 +12,7 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
 from . import validation
+from .parts import Part
 from .results import StageResult
 from .scene import INK, Colours, picture, screen_axes
 
@@ -57,7 +58,7 @@ def convergence(result: StageResult, path: str | Path, force_unit: str = "N", en
 
 def wireframe(
     points: ArrayLike,
-    parts: Mapping[str, NDArray[np.int64]],
+    parts: Mapping[str, Part | NDArray[np.int64]],
     path: str | Path,
     *,
     view: Sequence[float] | None = None,
@@ -68,7 +69,7 @@ def wireframe(
 
     Args:
         points: Positions of the nodes, shape (n, 3) [m].
-        parts: Cells by name, shape (cells, 2) or (cells, 3).
+        parts: Parts by name, as those of a structure, or their cells, shape (cells, 2) or (cells, 3).
         path: The PNG to write.
         view: Direction from the structure to the eye; without it the plan (x, y).
         labels: Nodes whose number is written.
@@ -79,8 +80,9 @@ def wireframe(
     """
     positions = validation.positions("points", points)
     validation.instance("parts", parts, Mapping)
-    for name, cells in parts.items():
-        validation.in_range(f"Part {name!r}", np.asarray(cells), len(positions), "node")
+    lines = {name: np.asarray(getattr(part, "cells", part)) for name, part in parts.items()}
+    for name, cells in lines.items():
+        validation.in_range(f"Part {name!r}", cells, len(positions), "node")
     validation.in_range("labels", np.asarray(labels, dtype=np.int64), len(positions), "node")
     seen = positions @ screen_axes((0, 0, 1) if view is None else validation.direction("view", view)).T
     if MPI.COMM_WORLD.rank:
@@ -89,16 +91,16 @@ def wireframe(
 
     figure = _figure(7, 7)
     axes = figure.subplots()
-    for number, (name, cells) in enumerate(parts.items()):
+    for number, (name, cells) in enumerate(lines.items()):
         edges = np.concatenate([cells[:, [i, (i + 1) % cells.shape[1]]] for i in range(cells.shape[1])])
         thin = number == 0
-        lines = matplotlib.collections.LineCollection(
+        drawn = matplotlib.collections.LineCollection(
             seen[np.unique(np.sort(edges, axis=1), axis=0)],
             colors="#9fb3bd" if thin else f"C{number}",
             linewidths=0.7 if thin else 2.0,
             label=name,
         )
-        axes.add_collection(lines)
+        axes.add_collection(drawn)
     for node in labels:
         axes.annotate(str(node + first), seen[node], fontsize=6, color=INK, xytext=(1, 1), textcoords="offset points")
     axes.autoscale()

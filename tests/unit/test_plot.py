@@ -101,8 +101,7 @@ def test_convergence_of_a_state_that_is_exactly_in_equilibrium(result, tmp_path)
 
 def test_wireframe_in_plan(result, tmp_path):
     path = tmp_path / "plan.png"
-    parts = {name: part.cells for name, part in result.structure.parts.items()}
-    plot.wireframe(result.structure.points, parts, path, labels=[0, 12, 24], first=1)
+    plot.wireframe(result.structure.points, result.structure.parts, path, labels=[0, 12, 24], first=1)
     assert assert_drawn(path) == pytest.approx(1, rel=0.1)
 
 
