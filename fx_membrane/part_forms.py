@@ -128,7 +128,7 @@ def _strain_energy(mesh: PartMesh, E: Any, sigma0: Any) -> _Energy:
         angle = mesh.cell_field(np.zeros(len(part.cells)))
         CE, relaxed = elasticity.orthotropic(E, *moduli), wrinkling.orthotropic(E, sigma0, *(*moduli, angle[0]))
         e = E + elasticity.orthotropic_compliance(sigma0, *moduli)
-        strains = _dolfinx.CellExpression(ufl.as_vector([e[0, 0], e[1, 1], e[0, 1]]), mesh.mesh)
+        strains = _dolfinx.cell_expression(ufl.as_vector([e[0, 0], e[1, 1], e[0, 1]]), mesh.mesh)
 
         def follow() -> None:
             values = strains()

@@ -139,7 +139,7 @@ class Formula:
         pairs = list(itertools.product(range(2), repeat=2))
         derivatives = [*(S[ij] for ij in pairs), *(C[ij + kl] for ij in pairs for kl in pairs)]
         values = ufl.as_vector([relaxed.energy, relaxed.state, *derivatives])
-        self.expression = _dolfinx.CellExpression(values, self.mesh)
+        self.expression = _dolfinx.cell_expression(values, self.mesh)
 
     def _field(self, size):
         return fem.Function(_dolfinx.functionspace(self.mesh, "DG", 0, size))

@@ -561,10 +561,15 @@ def compiled():
 
 def analyse(n):
     points, triangles = rectangle(1.0, 1.0, n, n)
-    edges = boundary(triangles)
-    fabric, cable = Membrane(triangles, Fabric(Et=1e5 * n, nu=0.3), prestress=1e3 * n), Cable(edges, 1e6 * n, 1e3)
+    edges, half = boundary(triangles), len(triangles) // 2
+    woven = OrthotropicFabric(Et_warp=1e5 * n, Et_weft=8e4, nu=0.3, Gt=2e4)
+    parts = {
+        f"fabric {n}": Membrane(triangles[:half], Fabric(Et=1e5 * n, nu=0.3), prestress=1e3 * n),
+        f"woven {n}": Membrane(triangles[half:], woven, prestress=1e3 * n, warp=(1.0, n, 0)),
+        f"cable {n}": Cable(edges, 1e6 * n, 1e3),
+    }
     supports = [Support(edges[edges[:, 0] > 0, 0])]
-    analysis = Analysis(Structure(points, {f"fabric {n}": fabric, f"cable {n}": cable}, supports))
+    analysis = Analysis(Structure(points, parts, supports))
     made = compiled()
     snow = Stage("snow", [DeadLoad((0, 0, -n), f"fabric {n}")], [PrescribedDisplacement(0, (0, 0, 0.1))])
     analysis.run([snow, Stage("ice", [DeadLoad((0, 0, -n), f"cable {n}"), PointLoad(0, (0, 0, n))], after="snow")])
