@@ -5,15 +5,11 @@ import pytest
 
 from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, Support, rectangle
 from fx_membrane.rigid_motion import check_supports, free_motions
+from models import rotation
 
 POINTS, TRIANGLES = rectangle(2.0, 1.0, 2, 2)
 CORNERS = [0, 2, 6, 8]
 LINE = np.linspace([0.0, 0, 0], [3, 2, 1], 4)
-
-
-def rotation(seed):
-    Q, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
-    return Q * np.sign(np.linalg.det(Q))
 
 
 def mask(points, *supports):
