@@ -105,7 +105,7 @@ def wireframe(
         axes.annotate(str(node + first), seen[node], fontsize=6, color=INK, xytext=(1, 1), textcoords="offset points")
     axes.autoscale()
     axes.set_aspect("equal")
-    axes.legend(loc="upper left", frameon=False)
+    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, frameon=False)  # above: nodes may be anywhere
     if view is None:
         axes.set_xlabel("x")
         axes.set_ylabel("y")

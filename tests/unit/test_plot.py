@@ -202,30 +202,6 @@ def test_mirror_draws_the_other_half(result, mirror, ratio, drawing):
     assert width / height == pytest.approx(ratio, rel=0.1)
 
 
-@pytest.mark.parametrize(("axis", "along"), [(0, 1), (1, 0)], ids=["x to the right", "y up"])
-@pytest.mark.parametrize("view", [(0, 0, 1), (0, 0, 5.0), (1e-6, -2e-6, 1)])
-def test_plan_has_x_to_the_right_and_y_up(result, axis, along, view, drawing):
-    colours = scene.Colours("gray", -1.0, 1.0, 16)
-    drawn = scene.picture(result, POINTS[:, axis], colours, scale=1.0, view=view, mirror=None, odd=False)
-    brightness = drawn.mean(axis=(1 - along, 2))
-    size = len(brightness) // 4
-    first, last = brightness[size : 2 * size].mean(), brightness[2 * size : 3 * size].mean()
-    assert last > first + 20 if axis == 0 else first > last + 20  # rows of a picture run down
-
-
-@pytest.mark.parametrize(
-    ("view", "axes"),
-    [
-        ((0, 0, 2), [[1, 0, 0], [0, 1, 0]]),
-        ((0, 0, -2), [[-1, 0, 0], [0, 1, 0]]),
-        ((0, -1, 0), [[1, 0, 0], [0, 0, 1]]),
-        ((3, 0, 0), [[0, 1, 0], [0, 0, 1]]),
-    ],
-)
-def test_right_and_up_of_a_picture(view, axes):
-    assert scene.screen_axes(view).tolist() == axes
-
-
 # Refusals
 
 
