@@ -1,6 +1,8 @@
 """Nonlinear statics of prestressed tension structures: fabric membranes, cables and masts."""
 
+import contextlib
 import os
+import signal
 
 # One thread for each process: with more, MUMPS can be ten times slower where cores are busy. Before PETSc is loaded.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -22,6 +24,10 @@ from .results import BarResult, Equilibrium, Increment, MembraneResult, StageRes
 from .solver import Iteration, Newton
 from .structure import Structure, Support
 from .updated_reference import Form, updated_reference
+
+# PETSc takes a pipe that is closed at its other end, `script.py | head`, for a crash; to Python it is an exception.
+with contextlib.suppress(ValueError):  # not in the main thread
+    signal.signal(signal.SIGPIPE, signal.SIG_IGN)
 
 __all__ = [
     "Analysis",

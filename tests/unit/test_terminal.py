@@ -1,4 +1,4 @@
-"""Progress on a terminal, and silence where there is none."""
+"""Progress on a terminal, and silence where there is none; a pipe that is closed."""
 
 import contextlib
 import fcntl
@@ -59,3 +59,15 @@ def test_terminal_shows_stage_and_load_factor(columns):
         assert re.search(rf"\rsnow on the roof: [^\r]* load factor {re.escape(factor)}", text), factor
     assert re.search(r"iteration \d+, residual \d\.\de[+-]\d\d", text)
     assert text.count("\n") == 2  # one line for each stage
+
+
+@pytest.mark.serial
+def test_closed_pipe_is_an_exception_and_no_crash():
+    script = "import fx_membrane\nwhile True:\n    print('table')"
+    process = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    assert process.stdout.readline() == b"table\n"
+    process.stdout.close()
+    with process:
+        errors = process.stderr.read()
+    assert b"BrokenPipeError" in errors
+    assert b"PETSC" not in errors
