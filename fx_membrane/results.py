@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .problem import Actions
 from .solver import Iteration
 from .structure import Cable, Mast, Membrane, Structure
 
@@ -93,6 +94,7 @@ class StageResult:
         name: Name of the stage.
         structure: The structure.
         displacement: From the reference position, shape (n, 3) [m].
+        actions: What holds and loads the structure: held components, dead loads, pressures of the cells.
         loads: Loads on the nodes, those of pressures in the current shape, shape (n, 3) [N].
         reactions: Forces that hold the supports and the prescribed displacements, shape (n, 3) [N]; zero where free.
         energy: Total potential energy [J].
@@ -104,6 +106,7 @@ class StageResult:
     name: str
     structure: Structure
     displacement: Array
+    actions: Actions
     loads: Array
     reactions: Array
     energy: float
