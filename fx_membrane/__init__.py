@@ -15,6 +15,7 @@ from .geometry import boundary, rectangle
 from .gmsh import structure_from_gmsh
 from .loads import DeadLoad, PlanLoad, PointLoad, PrescribedDisplacement, Pressure, Stage
 from .material import Fabric, OrthotropicFabric
+from .modes import Modes, Stability, natural_frequencies, stability
 from .results import BarResult, Equilibrium, Increment, MembraneResult, StageResult
 from .solver import Iteration, Newton
 from .structure import Cable, Mast, Membrane, Structure, Support
@@ -34,6 +35,7 @@ __all__ = [
     "Mast",
     "Membrane",
     "MembraneResult",
+    "Modes",
     "Net",
     "Newton",
     "OrthotropicFabric",
@@ -41,6 +43,7 @@ __all__ = [
     "PointLoad",
     "PrescribedDisplacement",
     "Pressure",
+    "Stability",
     "Stage",
     "StageResult",
     "Structure",
@@ -48,8 +51,10 @@ __all__ = [
     "boundary",
     "edges_on",
     "force_density",
+    "natural_frequencies",
     "plot",
     "rectangle",
+    "stability",
     "structure_from_gmsh",
     "updated_reference",
 ]
