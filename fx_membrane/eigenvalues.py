@@ -15,7 +15,8 @@ from slepc4py import SLEPc
 
 PREFIX = "fx_membrane_eigenvalues_"
 FIRST_SHIFT, LAST_SHIFT = 1e-12, 1e8  # below zero, as shares of a typical eigenvalue
-SAME = 1e-6  # eigenvalues nearer to each other, relative to their distance from the shift, are not told apart
+SPREAD = 1e4  # most by which distances from the shift differ; the larger ones lose as many digits
+SAME = 1e-9  # eigenvalues nearer to each other than this share of their distance from the shift are not told apart
 TOLERANCE = 1e-12  # error of an eigenvalue, estimated, relative
 
 
@@ -42,7 +43,12 @@ def lowest(K: PETSc.Mat, M: PETSc.Mat | None, count: int) -> tuple[list[Eigenpai
     with _solver(K, M, symmetric=True) as eps:
         shift, negative = _below_all(eps)
         found = _solve(eps, count)
-        while missing := _missing(eps, found, shift):
+        low, high = found[0].value.real, found[-1].value.real
+        if high - shift > SPREAD * (low - shift):
+            shift = low - 10 * (high - low) / SPREAD
+            _move(eps, shift)
+            found = _solve(eps, count)
+        while (missing := _missing(eps, found, shift)) > 0:
             _move(eps, shift)
             eps.setDeflationSpace([pair.real for pair in found])
             more = _solve(eps, min(missing, count))
@@ -54,7 +60,7 @@ def lowest(K: PETSc.Mat, M: PETSc.Mat | None, count: int) -> tuple[list[Eigenpai
 
 
 def lowest_unsymmetric(K: PETSc.Mat, M: PETSc.Mat, count: int) -> list[Eigenpair]:
-    """The lowest eigenvalues of an unsymmetric K, ascending in their real part, members of a conjugate pair in turn.
+    """Eigenvalues of an unsymmetric K nearest to a shift below all, ascending in their real part.
 
     No real part is below the lowest eigenvalue of the symmetric part of K (Bendixson): the shift is found with that.
     Args and Raises as for `lowest`.
@@ -82,6 +88,7 @@ def _solver(K: PETSc.Mat, M: PETSc.Mat | None, symmetric: bool) -> Iterator[SLEP
     """Shift-invert Krylov-Schur; freed by all processes together."""
     options = PETSc.Options(PREFIX)
     options["st_mat_mumps_icntl_13"] = 1  # no ScaLAPACK at the root, which does not count pivots
+    options["st_mat_mumps_icntl_14"] = 100  # twice the memory that is estimated without pivoting
     options["st_mat_mumps_icntl_24"] = 1  # counts null pivots
     kinds = SLEPc.EPS.ProblemType
     eps = SLEPc.EPS().create(K.comm)
@@ -136,7 +143,7 @@ def _inertia(eps: SLEPc.EPS) -> tuple[int, int]:
 
 
 def _solve(eps: SLEPc.EPS, count: int) -> list[Eigenpair]:
-    eps.setDimensions(count)
+    eps.setDimensions(count, PETSc.DECIDE, PETSc.DECIDE)
     eps.setTolerances(tol=TOLERANCE)
     eps.solve()
     if eps.getConverged() < count:
