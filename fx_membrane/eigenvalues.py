@@ -44,7 +44,7 @@ def lowest(K: PETSc.Mat, M: PETSc.Mat | None, count: int) -> tuple[list[Eigenpai
         shift, negative = _below_all(eps)
         found = _solve(eps, count)
         low, high = found[0].value.real, found[-1].value.real
-        if high - shift > SPREAD * (low - shift):
+        if high - shift > SPREAD * (low - shift):  # the shift is too near to the lowest
             shift = low - 10 * (high - low) / SPREAD
             _move(eps, shift)
             found = _solve(eps, count)
@@ -85,29 +85,33 @@ def symmetric_part(K: PETSc.Mat) -> PETSc.Mat:
 
 @contextmanager
 def _solver(K: PETSc.Mat, M: PETSc.Mat | None, symmetric: bool) -> Iterator[SLEPc.EPS]:
-    """Shift-invert Krylov-Schur; freed by all processes together."""
+    """Shift-invert Krylov-Schur with a shift close below zero; freed by all processes together."""
+    eps = SLEPc.EPS().create(K.comm)
+    try:
+        kinds = SLEPc.EPS.ProblemType
+        eps.setOperators(K, M)
+        eps.setProblemType((kinds.HEP if M is None else kinds.GHEP) if symmetric else kinds.GNHEP)
+        eps.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
+        eps.setTarget(-FIRST_SHIFT * K.norm() / (K.getSize()[0] ** 0.5 if M is None else M.norm()))
+        _factorize_by_mumps(eps, "cholesky" if symmetric else "lu")
+        yield eps
+    finally:
+        eps.destroy()
+
+
+def _factorize_by_mumps(eps: SLEPc.EPS, kind: str) -> None:
     options = PETSc.Options(PREFIX)
     options["st_mat_mumps_icntl_13"] = 1  # no ScaLAPACK at the root, which does not count pivots
     options["st_mat_mumps_icntl_14"] = 100  # twice the memory that is estimated without pivoting
     options["st_mat_mumps_icntl_24"] = 1  # counts null pivots
-    kinds = SLEPc.EPS.ProblemType
-    eps = SLEPc.EPS().create(K.comm)
     eps.setOptionsPrefix(PREFIX)
-    eps.setOperators(K, M)
-    eps.setProblemType((kinds.HEP if M is None else kinds.GHEP) if symmetric else kinds.GNHEP)
-    eps.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
-    eps.setTarget(-FIRST_SHIFT * K.norm() / (K.getSize()[0] ** 0.5 if M is None else M.norm()))
     spectral = eps.getST()
     spectral.setType(SLEPc.ST.Type.SINVERT)
     spectral.setMatStructure(PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
     ksp = spectral.getKSP()
     ksp.setType(PETSc.KSP.Type.PREONLY)
-    ksp.getPC().setType("cholesky" if symmetric else "lu")
+    ksp.getPC().setType(kind)
     ksp.getPC().setFactorSolverType("mumps")
-    try:
-        yield eps
-    finally:
-        eps.destroy()
 
 
 def _below_all(eps: SLEPc.EPS) -> tuple[float, int]:

@@ -5,7 +5,8 @@ With the tangent K of the state and the consistent mass matrix M, both without t
     K phi = omega^2 M phi.
 
 Dead loads have no part in K. Follower pressure has, Gil (57): where it has a potential, as a uniform one within held
-edges has, K is symmetric all the same; elsewhere K is not symmetric, and omega may be complex (flutter).
+edges has, K is symmetric all the same; elsewhere K is not symmetric, and omega may be complex (flutter). Cells
+stay taut, wrinkled or slack, as they are in the state.
 """
 
 from dataclasses import dataclass
@@ -31,10 +32,11 @@ class Modes:
 
     Attributes:
         frequencies: Ascending, shape (count,) [Hz]; 0 in a mode in which the state is unstable.
-        growth: Rate at which each mode grows, shape (count,) [1/s]: 0 where stable. Modes that grow come first, with
-            frequency 0, except for flutter under a pressure without a potential, which has both.
+        growth: Rate at which each mode grows, shape (count,) [1/s]: 0 where stable. Modes that grow come first, the
+            fastest before the others, with frequency 0. Only flutter, under a pressure without a potential, has both.
         shapes: Displacements of modal mass 1, phi^T M phi = 1 kg, shape (count, n, 3) [m]; 0 where held. Modes of the
-            same frequency are some basis of their motions. Flutter has two places, for the real and the imaginary part.
+            same frequency are some basis of their motions. Flutter takes two places, with shapes a and b:
+            u(t) = exp(growth t) (a cos(2 pi frequency t) - b sin(2 pi frequency t)).
     """
 
     frequencies: Array
@@ -47,9 +49,9 @@ class Stability:
     """Lowest eigenvalues of the tangent: force over displacement, as 2-norms over all free components.
 
     The sign tells whether the state is stable. The value depends on the mesh: a finer one spreads the same
-    displacement over more nodes. Where the tangent is not symmetric these are the eigenvalues of its symmetric part,
-    the work of a displacement (Hill): while they are positive, no constraint of any kind makes the state unstable by
-    divergence.
+    displacement over more nodes. Where the tangent is not symmetric these are the eigenvalues of its symmetric part:
+    while they are positive, so is the work of every small displacement (R. Hill, J. Mech. Phys. Solids 6 (1958)
+    236-249), and the state does not diverge, but flutter is for `natural_frequencies` to tell.
 
     Attributes:
         stiffnesses: Ascending, shape (count,) [N/m].
