@@ -11,14 +11,17 @@ from . import plot
 from .analysis import Analysis, ConvergenceError
 from .edges import edges_on
 from .form_finding import Net, force_density
-from .geometry import boundary, rectangle
+from .geometry import boundary, polyline, rectangle
 from .gmsh import structure_from_gmsh
+from .large_strain import LargeStrainWarning
 from .loads import DeadLoad, PlanLoad, PointLoad, PrescribedDisplacement, Pressure, Stage
 from .material import Fabric, OrthotropicFabric
 from .modes import Modes, Stability, natural_frequencies, stability
+from .parts import Cable, Mast, Membrane
+from .report import report
 from .results import BarResult, Equilibrium, Increment, MembraneResult, StageResult
 from .solver import Iteration, Newton
-from .structure import Cable, Mast, Membrane, Structure, Support
+from .structure import Structure, Support
 from .updated_reference import Form, updated_reference
 
 __all__ = [
@@ -32,6 +35,7 @@ __all__ = [
     "Form",
     "Increment",
     "Iteration",
+    "LargeStrainWarning",
     "Mast",
     "Membrane",
     "MembraneResult",
@@ -53,7 +57,9 @@ __all__ = [
     "force_density",
     "natural_frequencies",
     "plot",
+    "polyline",
     "rectangle",
+    "report",
     "stability",
     "structure_from_gmsh",
     "updated_reference",

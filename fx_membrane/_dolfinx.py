@@ -3,13 +3,12 @@
 Each is asked for by name, in one place; a comment says who has which. Meshes are of one process (`MPI.COMM_SELF`).
 """
 
-import importlib.util
 import inspect
 import logging
 import os
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from typing import Any
 
 import basix
@@ -18,9 +17,7 @@ import ufl
 from dolfinx import cpp, fem, log, mesh
 from mpi4py import MPI
 from numpy.typing import NDArray
-
-if importlib.util.find_spec("basix.ufl"):
-    import basix.ufl
+from ufl.corealg.map_dag import map_expr_dag
 
 CELL = {1: "interval", 2: "triangle"}
 
@@ -30,7 +27,7 @@ JIT = {"cffi_extra_compile_args": ["-O2", "-g0"], "timeout": 300}
 
 def _element(family: str, cell: str, degree: int, size: int) -> Any:
     """Element of vectors with `size` components."""
-    if hasattr(basix, "ufl"):  # 0.9, 0.11
+    if hasattr(basix, "ufl"):  # 0.9, 0.11: dolfinx has imported it
         return basix.ufl.element(family, cell, degree, shape=(size,))
     # 0.5; FFCx would add this variant to the element of the mesh while it compiles, and so change the next form's name.
     variant = {"variant": "equispaced"} if family == "Lagrange" else {}
@@ -81,18 +78,16 @@ def geometry_order(V: Any) -> NDArray[np.int64]:
 @contextmanager
 def _quiet_compiler() -> Iterator[None]:
     """Keeps the gcc commands that FFCx 0.5 logs at INFO to itself, and undoes its change of the root logger's level."""
-    disabled, level = logging.root.manager.disable, logging.root.level
-    logging.disable(logging.INFO)
-    try:
+    with ExitStack() as restore:
+        restore.callback(logging.disable, logging.root.manager.disable)
+        restore.callback(logging.root.setLevel, logging.root.level)
+        logging.disable(logging.INFO)
         yield
-    finally:
-        logging.disable(disabled)
-        logging.root.setLevel(level)
 
 
 def _compile(function: Any, *args: Any) -> Any:
-    arguments = inspect.signature(function).parameters
-    keyword = "jit_options" if "jit_options" in arguments else "jit_params"  # 0.9, 0.11: options; 0.5: params
+    # 0.9, 0.11: options; 0.5: params
+    keyword = "jit_options" if "jit_options" in inspect.signature(function).parameters else "jit_params"
     with _quiet_compiler():
         return function(*args, **{keyword: dict(JIT)})  # a fresh one: dolfinx writes into it
 
@@ -102,20 +97,27 @@ def form(a: Any) -> Any:
     return _compile(fem.form, a)
 
 
-class CellExpression:
-    """A vector-valued UFL expression, compiled, evaluated at the midpoint of every cell."""
+def cell_expression(expression: Any, msh: Any) -> Callable[[], NDArray[np.float64]]:
+    """Compiled vector-valued UFL expression; a call gives its values at the midpoints of the cells, (cells, size)."""
+    dimension = msh.topology.dim
+    midpoint = np.full((1, dimension), 1 / (dimension + 1))
+    compiled = _compile(fem.Expression, _numbered_variables(expression), midpoint)
+    cells = np.arange(msh.topology.index_map(dimension).size_local, dtype=np.int32)
+    meshes = "mesh" in inspect.signature(compiled.eval).parameters  # 0.9, 0.11; not 0.5
+    arguments = (msh, cells) if meshes else (cells,)
+    return lambda: np.asarray(compiled.eval(*arguments)).reshape(len(cells), -1)
 
-    def __init__(self, expression: Any, msh: Any):
-        dimension = msh.topology.dim
-        midpoint = np.full((1, dimension), 1 / (dimension + 1))
-        self._cells = np.arange(msh.topology.index_map(dimension).size_local, dtype=np.int32)
-        self._expression = _compile(fem.Expression, expression, midpoint)
-        meshes = "mesh" in inspect.signature(self._expression.eval).parameters  # 0.9, 0.11; not 0.5
-        self._arguments = (msh, self._cells) if meshes else (self._cells,)
 
-    def __call__(self) -> NDArray[np.float64]:
-        """Values, shape (cells of the mesh, size)."""
-        return np.asarray(self._expression.eval(*self._arguments)).reshape(len(self._cells), -1)
+def _numbered_variables(expression: Any) -> Any:
+    """Variables counted from 0; UFL counts them all along, and 0.9, 0.11 name the compiled expression by the count."""
+    labels: dict[Any, Any] = {}
+
+    def visit(o: Any, *operands: Any) -> Any:
+        if isinstance(o, ufl.classes.Label):
+            return labels.setdefault(o, ufl.classes.Label(len(labels)))
+        return o._ufl_expr_reconstruct_(*operands) if operands else o
+
+    return map_expr_dag(visit, expression)
 
 
 def newton_solver(comm: MPI.Intracomm) -> Any:
@@ -141,9 +143,7 @@ def _quiet_stderr() -> Iterator[None]:
 @contextmanager
 def quiet_log() -> Iterator[None]:
     """Keeps dolfinx's warnings to itself; what matters of them is said in our own words."""
-    level = log.get_log_level()
-    log.set_log_level(log.LogLevel.ERROR)
-    try:
+    with ExitStack() as restore:
+        restore.callback(log.set_log_level, log.get_log_level())
+        log.set_log_level(log.LogLevel.ERROR)
         yield
-    finally:
-        log.set_log_level(level)

@@ -1,5 +1,6 @@
 """Stages: load increments, load cases that branch from a common state, and results that are never lost."""
 
+import os
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -14,6 +15,7 @@ from tqdm import tqdm
 
 from . import checkpoint, load_case, loads, validation
 from .checkpoint import Progress
+from .large_strain import warn_of_large_strains
 from .loads import Stage
 from .problem import Actions, Problem
 from .recorder import Recorder
@@ -67,13 +69,17 @@ class Analysis:
         Args:
             stages: The stages, each after the one it follows.
             checkpoint_file: Where to save the state after each converged increment. If the file is there, what is in
-                it is not computed again, and the run goes on from it.
+                it is not computed again, and the run goes on from it; stages may be added or left out, and have other
+                `steps`.
 
         Raises:
             ValueError: A stage does not fit the structure or the other stages, or leaves the structure free to move
                 as a rigid body (one turn about a line is let pass: loads may hold it); the checkpoint belongs to
                 another structure or to other stages.
             ConvergenceError: A load increment found no equilibrium; what was computed before is on the exception.
+
+        Warns:
+            LargeStrainWarning: Strains of a stage are above 5 %.
         """
         self._check(stages)
         path = None if checkpoint_file is None else Path(checkpoint_file)
@@ -92,6 +98,8 @@ class Analysis:
             start = load_case.taking_hold(ends[stage.after], end, shape)
             state = progress.get(stage.name) or Progress(shape, Fraction(0), Fraction(1, stage.steps), ())
             results[stage.name] = self._run(stage, start, end, state, results, save)
+            if self._comm.rank == 0:
+                warn_of_large_strains(results[stage.name], stacklevel=3)
         return results
 
     def _check(self, stages: Sequence[Stage]) -> None:
@@ -147,10 +155,15 @@ class _ProgressBar:
     """One line on a terminal: stage, load factor, iterations of the increment and its residual."""
 
     def __init__(self, name: str, factor: Fraction, shown: bool):
-        layout = "{desc}: {bar:24} load factor {n:.4f}{postfix}"
-        start = float(factor)
         self._bar = tqdm(
-            desc=name, total=1.0, initial=start, bar_format=layout, disable=None if shown else True, file=sys.stderr
+            desc=name,
+            total=1.0,
+            initial=float(factor),
+            bar_format="{desc}: {bar:10} load factor {n:.4f}{postfix}",  # 80 columns hold a name of 16 letters
+            ncols=_columns(),
+            nrows=20,  # any: one bar is shown at a time
+            disable=None if shown else True,
+            file=sys.stderr,
         )
 
     def __enter__(self) -> Self:
@@ -164,3 +177,11 @@ class _ProgressBar:
 
     def increment(self, factor: Fraction) -> None:
         self._bar.update(float(factor) - self._bar.n)
+
+
+def _columns() -> int | None:
+    """Width of the terminal; 80 where it does not tell, as some that are not on a screen."""
+    try:
+        return os.get_terminal_size(sys.stderr.fileno()).columns or 80
+    except (OSError, ValueError):  # no terminal, no bar
+        return None

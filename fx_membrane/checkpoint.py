@@ -41,7 +41,10 @@ class Progress:
 
 
 def save(path: Path, structure: Structure, stages: Sequence[Stage], progress: Mapping[str, Progress]) -> None:
-    """Writes the progress of the stages that have begun."""
+    """Writes the progress of the stages that have begun; those in the file that are not in the list stay in it."""
+    digests = {stage.name: fingerprints(stage) for stage in stages if stage.name in progress}
+    if progress.keys() > digests.keys():
+        digests = _read(path)[0]["stages"] | digests
     entries = {
         name: {
             "factor": str(state.factor),
@@ -51,8 +54,8 @@ def save(path: Path, structure: Structure, stages: Sequence[Stage], progress: Ma
         for name, state in progress.items()
     }
     document = {
-        "structure": fingerprint(structure),
-        "stages": {stage.name: fingerprint(stage) for stage in stages if stage.name in progress},
+        "structure": fingerprints(structure),
+        "stages": digests,
         "progress": entries,
     }
     arrays = {f"displacement of {name}": state.displacement for name, state in progress.items()}
@@ -68,28 +71,25 @@ def save(path: Path, structure: Structure, stages: Sequence[Stage], progress: Ma
 def load(path: Path, structure: Structure, stages: Sequence[Stage]) -> dict[str, Progress]:
     """Progress of the stages that had begun; none where there is no file.
 
+    Stages that are not in the list come too. One whose `steps` have changed goes on in increments of the new length.
+
     Raises:
         ValueError: The file is not a checkpoint, or that of another structure or of other stages.
     """
     if not path.exists():
         return {}
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            document = json.loads(str(archive["document"]))
-            displacements = {name: archive[f"displacement of {name}"] for name in document["progress"]}
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, EOFError, BadZipFile) as error:
-        raise ValueError(f"{path} is not a checkpoint ({error}); give another name or remove it.") from None
-    if document["structure"] != fingerprint(structure):
-        raise ValueError(f"The checkpoint {path} is of another structure; give another name or remove it.")
-    known = {stage.name: fingerprint(stage) for stage in stages}
-    for name, stored in document["stages"].items():
-        if known.get(name) != stored:
-            raise ValueError(f"The checkpoint {path} has another stage {name!r}; give another name or remove it.")
+    document, displacements = _read(path)
+    _refuse_if_changed(f"The checkpoint {path} is of another structure", document["structure"], fingerprints(structure))
+    longest = {stage.name: Fraction(1, stage.steps) for stage in stages}
+    for stage in stages:
+        if stage.name in document["stages"]:
+            what = f"The checkpoint {path} has another stage {stage.name!r}"
+            _refuse_if_changed(what, document["stages"][stage.name], fingerprints(stage))
     return {
         name: Progress(
             displacement=displacements[name],
             factor=Fraction(entry["factor"]),
-            size=Fraction(entry["size"]),
+            size=min(Fraction(entry["size"]), longest.get(name, Fraction(1))),
             increments=tuple(
                 Increment(factor, tuple(Iteration(*values) for values in iterations))
                 for factor, iterations in entry["increments"]
@@ -97,6 +97,44 @@ def load(path: Path, structure: Structure, stages: Sequence[Stage]) -> dict[str,
         )
         for name, entry in document["progress"].items()
     }
+
+
+def fingerprints(data: Structure | Stage) -> dict[str, str]:
+    """Digests of all that decides the state, by what it is: "points", "prestress of part 'fabric'", "loads" ..."""
+    if isinstance(data, Stage):
+        return {name: fingerprint(getattr(data, name)) for name in ("loads", "displacements", "after")}
+    digests = {"points": fingerprint(data.points), "supports": fingerprint(data.supports)}
+    for name, part in data.parts.items():
+        digests[f"kind of part {name!r}"] = type(part).__name__
+        for entry in dataclasses.fields(part):
+            digests[f"{entry.name} of part {name!r}"] = fingerprint(getattr(part, entry.name))
+    return digests
+
+
+def _refuse_if_changed(what: str, stored: dict[str, str], mine: dict[str, str]) -> None:
+    changed = [name for name in stored | mine if stored.get(name) != mine.get(name)]
+    if changed:
+        more = f" and {len(changed) - 3} more" if len(changed) > 3 else ""
+        raise ValueError(
+            f"{what}, which differs in: {', '.join(changed[:3])}{more}; give another name or remove the file."
+        )
+
+
+def _read(path: Path) -> tuple[dict[str, Any], dict[str, NDArray[np.float64]]]:
+    """What is in a checkpoint: the document, and the displacements by stage.
+
+    Raises:
+        ValueError: The file is not a checkpoint.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            document = json.loads(str(archive["document"]))
+            displacements = {name: archive[f"displacement of {name}"] for name in document["progress"]}
+        if not isinstance(document["structure"], dict):
+            raise TypeError("it is of an earlier version")
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, EOFError, BadZipFile) as error:
+        raise ValueError(f"{path} is not a checkpoint ({error}); give another name or remove it.") from None
+    return document, displacements
 
 
 def fingerprint(data: Any) -> str:

@@ -18,7 +18,8 @@ from petsc4py import PETSc
 
 from . import _dolfinx
 from .partition import bisect, node_graph, number_nodes
-from .structure import Part, Structure
+from .parts import Part
+from .structure import Structure
 
 
 @dataclass(frozen=True, eq=False)

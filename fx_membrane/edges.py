@@ -23,9 +23,18 @@ def edges_on(
             its ends are: `lambda x: numpy.isclose(x[1], 0)`.
 
     Raises:
-        ValueError: The triangles name nodes that do not exist, or no edge is on it.
+        ValueError: The triangles name nodes that do not exist, on is not such a function, or no edge is on it.
     """
-    positions = validation.finite("points", points)
+    if not callable(on):
+        raise ValueError(
+            f"on is {validation.shown(on)}; give a function of positions, lambda x: numpy.isclose(x[1], 0)."
+        )
+    positions = validation.positions("points", points)
+    mask = np.asarray(on(positions.T))
+    if mask.shape != (len(positions),) or mask.dtype != bool:
+        raise ValueError(
+            f"on gives {validation.shown(mask)}; it must give True or False for each position, shape (m,)."
+        )
     cells = validation.cells("triangles", triangles, 3)
     validation.in_range("triangles", cells.ravel(), len(positions), "node")
     nodes, local = np.unique(cells, return_inverse=True)

@@ -58,9 +58,7 @@ def force_density(
         H.-J. Schek, The force density method for form finding and computation of general networks, Computer Methods
         in Applied Mechanics and Engineering 3 (1974) 115-134.
     """
-    points = validation.finite("points", points)
-    if points.ndim != 2 or points.shape[1] != 3:
-        raise ValueError(f"points has shape {points.shape}; give (n, 3), one row x, y, z for each node.")
+    points = validation.positions("points", points)
     n = len(points)
     branches = validation.cells("branches", branches, 2, distinct=False)
     validation.in_range("branches", branches.ravel(), n, "node")
@@ -94,7 +92,11 @@ def force_density(
             )
         shape[:, component] = _solve(laplacian, held[:, component], points[:, component], force[:, component])
         if not np.isfinite(shape[:, component]).all():
-            raise ValueError("These force densities leave free nodes without a unique equilibrium; give positive ones.")
+            least = int(np.argmin(densities))
+            raise ValueError(
+                f"These force densities, down to {densities[least]:g} in branch {least}, leave free nodes without a "
+                "unique equilibrium; give positive ones."
+            )
     lengths = np.linalg.norm(shape[a] - shape[b], axis=1)
     return Net(shape, densities * lengths, np.where(held & used[:, None], laplacian @ shape - force, 0.0))
 

@@ -3,7 +3,7 @@
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
@@ -56,9 +56,31 @@ def rectangle(
     return points, np.stack([first, second], axis=-1).transpose(1, 2, 0).reshape(-1, 3)
 
 
-def boundary(cells: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Edges that belong to one triangle only, shape (edges, 2), in the sense of their triangle."""
-    edges = np.concatenate([cells[:, [0, 1]], cells[:, [1, 2]], cells[:, [2, 0]]])
+def polyline(nodes: ArrayLike) -> NDArray[np.int64]:
+    """Segments between consecutive nodes, shape (n - 1, 2): cells for a cable along them.
+
+    Args:
+        nodes: Node numbers in order, shape (n,); to close the line, the first once more at the end.
+
+    Raises:
+        ValueError: They are not at least two whole numbers.
+    """
+    line = validation.rows("nodes", nodes)
+    if len(line) < 2:
+        raise ValueError(f"nodes is {validation.shown(nodes)}; give at least two.")
+    return np.column_stack([line[:-1], line[1:]])
+
+
+def boundary(triangles: ArrayLike) -> NDArray[np.int64]:
+    """Edges that belong to one triangle only, shape (edges, 2), in the sense of their triangle.
+
+    Args:
+        triangles: Cells, shape (cells, 3).
+
+    Raises:
+        ValueError: They are not triangles.
+    """
+    edges = _edges(validation.cells("triangles", triangles, 3, distinct=False))
     _, first, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
     return np.asarray(edges[first[count == 1]])
 
@@ -69,7 +91,7 @@ def orientation(triangles: NDArray[np.int64]) -> NDArray[np.float64] | None:
     Pieces are connected through edges with two triangles; where more meet, each sheet has its own sense.
     """
     n = len(triangles)
-    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    edges = _edges(triangles)
     owner = np.tile(np.arange(n), 3)
     forward = edges[:, 0] < edges[:, 1]
     _, edge, count = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
@@ -90,9 +112,31 @@ def orientation(triangles: NDArray[np.int64]) -> NDArray[np.float64] | None:
 
 def branching_edge(triangles: NDArray[np.int64]) -> NDArray[np.int64] | None:
     """An edge with three triangles or more, shape (2,); None if there is none."""
-    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    edges = _edges(triangles)
     distinct, count = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
     return np.asarray(distinct[np.argmax(count)]) if count.max() > 2 else None
+
+
+def senses(what: str, triangles: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Signs as `orientation` gives them, of triangles that have two sides, shape (cells,).
+
+    Raises:
+        ValueError: They branch, or have only one side; the sentence begins with what they are.
+    """
+    branch = branching_edge(triangles)
+    if branch is not None:
+        raise ValueError(
+            f"{what} branches at the edge between nodes {branch[0]} and {branch[1]}, so that it has no two sides; "
+            "make each sheet a part of its own."
+        )
+    signs = orientation(triangles)
+    if signs is None:
+        raise ValueError(
+            f"{what} has only one side, like a Moebius strip, so that a normal and a pressure have no direction on "
+            "it; cut it into parts along a line of edges."
+        )
+    signs.setflags(write=False)
+    return signs
 
 
 def measures(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -108,3 +152,25 @@ def normals(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArra
     side = np.diff(points[triangles], axis=1)
     area = np.cross(side[:, 0], side[:, 1])
     return np.asarray(area / np.linalg.norm(area, axis=1, keepdims=True))
+
+
+def projected(vectors: NDArray[np.float64], normal: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Unit vectors along the projections of vectors on the planes normal to unit normals, all of shape (n, 3) [-].
+
+    Zero where a vector is zero, or normal to its plane but for rounding.
+    """
+    tangent = vectors - np.sum(vectors * normal, axis=1, keepdims=True) * normal
+    length = np.linalg.norm(tangent, axis=1, keepdims=True)
+    there = length > 1e-8 * np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.divide(tangent, length, where=there, out=np.zeros_like(tangent))
+
+
+def degenerate(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.intp]:
+    """Cells without area or length but for rounding, shape (k,)."""
+    span = np.ptp(points[cells], axis=1).max(axis=1) ** (cells.shape[1] - 1)
+    return np.flatnonzero(measures(points, cells) <= 1e-10 * np.maximum(span, np.finfo(float).tiny))
+
+
+def _edges(triangles: NDArray[np.int64]) -> NDArray[np.int64]:
+    """First all first edges, then all second, then all third ones, shape (3 cells, 2)."""
+    return np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])

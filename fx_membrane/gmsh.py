@@ -1,14 +1,16 @@
 """Structures from gmsh: a model in memory or a .msh file, in which physical names say what is what."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .structure import Part, Structure, Support
+from .parts import Part
+from .structure import Structure, Support
 
+KINDS = ("point", "curve", "surface", "volume")  # by dimension
 NODES = {1: 2, 2: 3}  # gmsh's element types of lines and triangles, and their numbers of nodes
 
 
@@ -26,11 +28,12 @@ def structure_from_gmsh(
         source: A file that gmsh can read, or None for the meshed model that is open in this process.
         parts: For each physical name, what makes a part of its cells (lines or triangles, of first order):
             `{"fabric": lambda cells: Membrane(cells, Fabric(Et=500e3, nu=0.3), prestress=1e3)}`.
-        supports: For each physical name, the components that its nodes are held in: `{"corners": "xyz"}`.
+        supports: For each physical name, the components that its nodes are held in: `{"corners": "xyz"}`. A group may
+            be a part and a support: `{"fabric": "z"}` keeps a membrane flat.
 
     Raises:
-        ValueError: The file is not a mesh; a physical name does not exist, or its cells are not lines or triangles of
-            first order; a support is on no part.
+        ValueError: The file is not a mesh; a physical name does not exist, or more than one group has it, as a curve
+            and a surface; its cells are not lines or triangles of first order; a support is on no part.
     """
     import gmsh  # noqa: PLC0415  (not needed by structures made of arrays)
 
@@ -71,10 +74,7 @@ def _structure(
     tags, coordinates, _ = model.mesh.getNodes()
     if not len(tags):
         raise ValueError("There is no mesh in the gmsh file or model; call gmsh.model.mesh.generate(2) before.")
-    groups = {model.getPhysicalName(*group): group for group in model.getPhysicalGroups()}
-    for name in [*parts, *supports]:
-        if name not in groups:
-            raise ValueError(f"The mesh has no physical group {name!r}; it has {sorted(groups)}.")
+    groups = _groups(model, [*parts, *supports])
     cells = {name: _cells(model, name, groups[name]) for name in parts}
     used = np.unique(np.concatenate([part.ravel() for part in cells.values()]))
     row = np.full(int(tags.max()) + 1, -1, dtype=np.int64)
@@ -88,6 +88,22 @@ def _structure(
             raise ValueError(f"The support {name!r} has nodes that no part uses; put it on a part.")
         held.append(Support(np.unique(nodes), components))
     return Structure(position[used], {name: make(row[cells[name]]) for name, make in parts.items()}, held)
+
+
+def _groups(model: Any, wanted: Sequence[str]) -> dict[str, tuple[int, int]]:
+    """Dimension and tag of the physical groups of some names, each of which must mean one group."""
+    named: dict[str, list[tuple[int, int]]] = {}
+    for group in model.getPhysicalGroups():
+        named.setdefault(model.getPhysicalName(*group), []).append(group)
+    for name in wanted:
+        if name not in named:
+            raise ValueError(f"The mesh has no physical group {name!r}; it has {sorted(named)}.")
+        if len(named[name]) > 1:
+            what = " and ".join(f"a {KINDS[dimension]} (tag {tag})" for dimension, tag in named[name])
+            raise ValueError(
+                f"The mesh has {len(named[name])} physical groups {name!r}, {what}; give each its own name."
+            )
+    return {name: named[name][0] for name in wanted}
 
 
 def _cells(model: Any, name: str, group: tuple[int, int]) -> NDArray[np.int64]:

@@ -28,19 +28,18 @@ def target(problem: Problem, stage: Stage, start: Actions) -> Actions:
     pressures = {name: pressure.copy() for name, pressure in start.pressures.items()}
     for load in stage.loads:
         if isinstance(load, PointLoad):
-            np.add.at(point_loads, np.asarray(load.nodes), np.asarray(load.force))
+            point_loads[np.asarray(load.nodes)] += np.asarray(load.force)
             continue
         cells = structure.parts[load.part].cells
         chosen = np.arange(len(cells)) if load.cells is None else np.asarray(load.cells)
         if isinstance(load, Pressure):
-            side = np.sum(structure.normals(load.part) * normals(structure.points, cells), axis=1)
             on_cells = pressures.setdefault(load.part, np.zeros(len(cells)))
-            np.add.at(on_cells, chosen, load.pressure * np.sign(side[chosen]))
+            on_cells[chosen] += load.pressure * structure.senses(load.part)[chosen]
             continue
         per_area = np.broadcast_to(np.asarray(load.load), (len(chosen), 3))
         if isinstance(load, PlanLoad):
             per_area = per_area * np.abs(normals(structure.points, cells)[chosen, 2:])
-        np.add.at(dead_loads.setdefault(load.part, np.zeros((len(cells), 3))), chosen, per_area)
+        dead_loads.setdefault(load.part, np.zeros((len(cells), 3)))[chosen] += per_area
     held, displacement = prescribed(stage, structure)
     return Actions(
         loads=start.loads + point_loads + problem.nodal_loads(dead_loads),

@@ -17,46 +17,49 @@ class PointLoad:
     """The same force on each of some nodes.
 
     Args:
-        nodes: A node number or several, shape (k,).
+        nodes: A node number or several, each once, shape (k,).
         force: Force on each node, shape (3,) [N].
 
     Raises:
-        ValueError: Nodes are not whole numbers; the force is not three finite numbers.
+        ValueError: Nodes are not whole numbers, or one is named twice; the force is not three finite numbers.
     """
 
     nodes: ArrayLike
     force: ArrayLike
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "nodes", validation.rows("PointLoad nodes", self.nodes))
+        object.__setattr__(self, "nodes", validation.distinct("PointLoad nodes", self.nodes, "node"))
         object.__setattr__(self, "force", validation.vector("PointLoad force", self.force))
 
 
 @dataclass(frozen=True, eq=False)
-class DeadLoad:
-    """A load of fixed direction, spread over the reference area of a membrane or the length of cables or masts.
-
-    Args:
-        load: Load per reference area [N/m2] or per reference length [N/m], shape (3,).
-        part: Name of the part.
-        cells: The loaded cells of the part, shape (k,); all of them if not given.
-
-    Raises:
-        ValueError: The load is not three finite numbers; cells are not whole numbers.
-    """
+class _SpreadLoad:
+    """What loads of fixed direction that are spread over cells have in common."""
 
     load: ArrayLike
     part: str
     cells: ArrayLike | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "load", validation.vector("DeadLoad load", self.load))
-        if self.cells is not None:
-            object.__setattr__(self, "cells", validation.rows("DeadLoad cells", self.cells))
+        object.__setattr__(self, "load", validation.vector(f"{type(self).__name__} load", self.load))
+        _check_cells(self)
 
 
-@dataclass(frozen=True, eq=False)
-class PlanLoad:
+class DeadLoad(_SpreadLoad):
+    """A load of fixed direction, spread over the reference area of a membrane or the length of cables or masts.
+
+    Args:
+        load: Load per reference area [N/m2] or per reference length [N/m], shape (3,).
+        part: Name of the part.
+        cells: The loaded cells of the part, each once, shape (k,); all of them if not given.
+
+    Raises:
+        ValueError: The load is not three finite numbers; part is not a text; cells are not whole numbers, or one is
+            named twice.
+    """
+
+
+class PlanLoad(_SpreadLoad):
     """A load of fixed direction per plan area of the reference shape, as snow is given: per area of the xy-plane.
 
     Each cell takes its own plan area: of a closed cushion name the cells of the upper skin only.
@@ -64,20 +67,11 @@ class PlanLoad:
     Args:
         load: Load per plan area [N/m2], shape (3,).
         part: Name of the membrane.
-        cells: The loaded cells of the part, shape (k,); all of them if not given.
+        cells: The loaded cells of the part, each once, shape (k,); all of them if not given.
 
     Raises:
-        ValueError: The load is not three finite numbers; cells are not whole numbers.
+        ValueError: As for `DeadLoad`.
     """
-
-    load: ArrayLike
-    part: str
-    cells: ArrayLike | None = None
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "load", validation.vector("PlanLoad load", self.load))
-        if self.cells is not None:
-            object.__setattr__(self, "cells", validation.rows("PlanLoad cells", self.cells))
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,10 +81,10 @@ class Pressure:
     Args:
         pressure: Positive along `Structure.normals(part)` [Pa].
         part: Name of the membrane.
-        cells: The loaded cells of the part, shape (k,); all of them if not given.
+        cells: The loaded cells of the part, each once, shape (k,); all of them if not given.
 
     Raises:
-        ValueError: The pressure is not a finite number; cells are not whole numbers.
+        ValueError: The pressure is not a finite number; part and cells as for `DeadLoad`.
     """
 
     pressure: float
@@ -98,9 +92,16 @@ class Pressure:
     cells: ArrayLike | None = None
 
     def __post_init__(self) -> None:
-        validation.number("Pressure", self.pressure)
-        if self.cells is not None:
-            object.__setattr__(self, "cells", validation.rows("Pressure cells", self.cells))
+        validation.number("Pressure pressure", self.pressure)
+        _check_cells(self)
+
+
+def _check_cells(load: _SpreadLoad | Pressure) -> None:
+    """Checks which cells of which part are loaded, and keeps their numbers as an array of their own."""
+    kind = type(load).__name__
+    validation.instance(f"{kind} part", load.part, str)
+    if load.cells is not None:
+        object.__setattr__(load, "cells", validation.distinct(f"{kind} cells", load.cells, "cell"))
 
 
 Load = PointLoad | DeadLoad | PlanLoad | Pressure
@@ -129,8 +130,8 @@ class PrescribedDisplacement:
         displacement = validation.finite("PrescribedDisplacement displacement", self.displacement)
         if displacement.shape not in ((3,), (len(nodes), 3)):
             raise ValueError(
-                f"PrescribedDisplacement displacement has shape {displacement.shape}; give three components (x, y, z), "
-                f"or three for each of the {len(nodes)} nodes."
+                f"PrescribedDisplacement displacement is {validation.shown(displacement)}; give three components "
+                f"(x, y, z), or three for each of the {len(nodes)} nodes."
             )
         object.__setattr__(self, "nodes", nodes)
         object.__setattr__(self, "displacement", displacement)
@@ -174,7 +175,8 @@ def check(structure: Structure, stages: Sequence[Stage]) -> None:
 
     Raises:
         ValueError: Two stages have one name; a stage follows one that does not come before it; a load or a
-            prescribed displacement names a node, part or cell that does not exist, or a node that no part uses.
+            prescribed displacement names a node, part or cell that does not exist, or a node that no part uses; a
+            pressure is on a membrane without two sides, see `Structure.normals`.
     """
     validation.instances("stages", stages, Stage)
     validation.unique("Stage", (stage.name for stage in stages))
@@ -183,17 +185,21 @@ def check(structure: Structure, stages: Sequence[Stage]) -> None:
         if stage.after is not None and stage.after not in earlier:
             raise ValueError(f"Stage {stage.name!r} comes after {stage.after!r}; the stages before it are {earlier}.")
         for load in stage.loads:
-            if isinstance(load, PointLoad):
-                structure.check_nodes(f"Stage {stage.name!r}: a point load", np.asarray(load.nodes))
-            elif load.part not in structure.parts:
-                raise ValueError(
-                    f"Stage {stage.name!r} has a load on part {load.part!r}; the parts are {list(structure.parts)}."
-                )
-            elif isinstance(load, PlanLoad | Pressure) and structure.parts[load.part].dimension != 2:
-                raise ValueError(f"Stage {stage.name!r} has a {type(load).__name__} on {load.part!r}, not a membrane.")
-            elif load.cells is not None:
-                count = len(structure.parts[load.part].cells)
-                name = f"Stage {stage.name!r}: a load on part {load.part!r}"
-                validation.in_range(name, np.asarray(load.cells), count, "cell")
+            _check_load(structure, f"Stage {stage.name!r}", load)
         for entry in stage.displacements:
             structure.check_nodes(f"Stage {stage.name!r}: a prescribed displacement", np.asarray(entry.nodes))
+
+
+def _check_load(structure: Structure, stage: str, load: Load) -> None:
+    if isinstance(load, PointLoad):
+        structure.check_nodes(f"{stage}: a point load", np.asarray(load.nodes))
+        return
+    if load.part not in structure.parts:
+        raise ValueError(f"{stage} has a load on part {load.part!r}; the parts are {list(structure.parts)}.")
+    part = structure.parts[load.part]
+    if isinstance(load, PlanLoad | Pressure) and part.dimension != 2:
+        raise ValueError(f"{stage} has a {type(load).__name__} on {load.part!r}, not a membrane.")
+    if isinstance(load, Pressure):
+        structure.senses(load.part)
+    if load.cells is not None:
+        validation.in_range(f"{stage}: a load on part {load.part!r}", np.asarray(load.cells), len(part.cells), "cell")

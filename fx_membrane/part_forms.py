@@ -12,7 +12,8 @@ from . import _dolfinx, tension_field
 from .discretization import PartMesh
 from .forms import elasticity, inertia, kinematics, loads, stress, wrinkling
 from .material import Fabric
-from .structure import Cable, Mast, Membrane, Structure
+from .parts import Cable, Mast, Membrane
+from .structure import Structure
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,7 +23,7 @@ class PartForms:
     Attributes:
         mesh: The cells.
         T, F, E, S: Tangent frame, deformation gradient, Green-Lagrange strain, 2nd Piola-Kirchhoff stress, in UFL.
-        state: Taut, wrinkled or slack, as `forms.wrinkling` numbers them, in UFL.
+        state: Taut, wrinkled or slack, as `forms.wrinkling` numbers them, in UFL; taut where all stiffness is kept.
         follow: Brings what the energy must be told of the strain up to date with the displacement.
         q: Dead load per reference area or length, piecewise constant [N/m2 or N/m].
         p: Pressure along the normals of the cells, piecewise constant [Pa]; without meaning in cables and masts.
@@ -135,7 +136,7 @@ def _strain_energy(mesh: PartMesh, E: Any, sigma0: Any) -> _Energy:
         angle = mesh.cell_field(np.zeros(len(part.cells)))
         CE, relaxed = elasticity.orthotropic(E, *moduli), wrinkling.orthotropic(E, sigma0, *(*moduli, angle[0]))
         e = E + elasticity.orthotropic_compliance(sigma0, *moduli)
-        strains = _dolfinx.CellExpression(ufl.as_vector([e[0, 0], e[1, 1], e[0, 1]]), mesh.mesh)
+        strains = _dolfinx.cell_expression(ufl.as_vector([e[0, 0], e[1, 1], e[0, 1]]), mesh.mesh)
 
         def follow() -> None:
             values = strains()
@@ -144,4 +145,5 @@ def _strain_energy(mesh: PartMesh, E: Any, sigma0: Any) -> _Energy:
 
     (eta,) = constants(part.compression_stiffness)
     full = elasticity.strain_energy(E, sigma0, CE)
-    return _Energy(wrinkling.blend(relaxed.energy, full, eta), relaxed.state, follow)
+    state = ufl.conditional(ufl.lt(eta, 1), relaxed.state, wrinkling.TAUT)
+    return _Energy(wrinkling.blend(relaxed.energy, full, eta), state, follow)

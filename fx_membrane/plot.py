@@ -12,8 +12,9 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
 from . import validation
+from .parts import Part
 from .results import StageResult
-from .scene import INK, Colours, picture
+from .scene import INK, Colours, picture, screen_axes
 
 LINES = "#1f6f8b"
 BANDS = 16
@@ -31,7 +32,11 @@ def convergence(result: StageResult, path: str | Path, force_unit: str = "N", en
         path: The PNG to write.
         force_unit: What the axis of the forces says.
         energy_unit: What the axis of the energy says.
+
+    Raises:
+        ValueError: The result is not that of a stage.
     """
+    validation.instance("The first argument of convergence", result, StageResult)
     if MPI.COMM_WORLD.rank:
         return
     iterations = [entry for _, entry in result.history]
@@ -53,7 +58,7 @@ def convergence(result: StageResult, path: str | Path, force_unit: str = "N", en
 
 def wireframe(
     points: ArrayLike,
-    parts: Mapping[str, NDArray[np.int64]],
+    parts: Mapping[str, Part | NDArray[np.int64]],
     path: str | Path,
     *,
     view: Sequence[float] | None = None,
@@ -64,35 +69,43 @@ def wireframe(
 
     Args:
         points: Positions of the nodes, shape (n, 3) [m].
-        parts: Cells by name, shape (cells, 2) or (cells, 3).
+        parts: Parts by name, as those of a structure, or their cells, shape (cells, 2) or (cells, 3).
         path: The PNG to write.
         view: Direction from the structure to the eye; without it the plan (x, y).
         labels: Nodes whose number is written.
         first: The number written at node 0.
+
+    Raises:
+        ValueError: A cell or a label is of a node that does not exist; view is not a direction.
     """
+    positions = validation.positions("points", points)
+    validation.instance("parts", parts, Mapping)
+    lines = {name: np.asarray(getattr(part, "cells", part)) for name, part in parts.items()}
+    for name, cells in lines.items():
+        validation.in_range(f"Part {name!r}", cells, len(positions), "node")
+    validation.in_range("labels", np.asarray(labels, dtype=np.int64), len(positions), "node")
+    seen = positions @ screen_axes((0, 0, 1) if view is None else validation.direction("view", view)).T
     if MPI.COMM_WORLD.rank:
         return
     import matplotlib.collections  # noqa: PLC0415
 
-    positions = np.asarray(points, dtype=np.float64)
-    seen = positions[:, :2] if view is None else positions @ _screen_axes(view).T
     figure = _figure(7, 7)
     axes = figure.subplots()
-    for number, (name, cells) in enumerate(parts.items()):
+    for number, (name, cells) in enumerate(lines.items()):
         edges = np.concatenate([cells[:, [i, (i + 1) % cells.shape[1]]] for i in range(cells.shape[1])])
         thin = number == 0
-        lines = matplotlib.collections.LineCollection(
+        drawn = matplotlib.collections.LineCollection(
             seen[np.unique(np.sort(edges, axis=1), axis=0)],
             colors="#9fb3bd" if thin else f"C{number}",
             linewidths=0.7 if thin else 2.0,
             label=name,
         )
-        axes.add_collection(lines)
+        axes.add_collection(drawn)
     for node in labels:
         axes.annotate(str(node + first), seen[node], fontsize=6, color=INK, xytext=(1, 1), textcoords="offset points")
     axes.autoscale()
     axes.set_aspect("equal")
-    axes.legend(loc="upper left", frameon=False)
+    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, frameon=False)  # above: nodes may be anywhere
     if view is None:
         axes.set_xlabel("x")
         axes.set_ylabel("y")
@@ -119,13 +132,13 @@ def contours(
             forces of cables; cell values may be the states "taut", "wrinkled" and "slack".
         path: The PNG to write.
         scale: Displacements are drawn that many times larger.
-        view: Direction from the structure to the eye.
+        view: Direction from the structure to the eye; z points up, from straight above, (0, 0, 1), y.
         mirror: "x", "y" or "z" draws the mirror image about that coordinate's zero too, for half models.
         odd: Titles of the fields that have the other sign in the mirror image, as the displacement across it.
 
     Raises:
         ValueError: A field has a wrong number of values, values that are not finite, or names no part; mirror is none
-            of the three.
+            of the three; odd names no field; view is not a direction; scale is not a number.
         RuntimeError: There is no screen, and this version of VTK needs one.
     """
     validation.instance("The first argument of contours", result, StageResult)
@@ -135,6 +148,11 @@ def contours(
     checked = {title: _checked(result, title, field) for title, field in fields.items()}
     if mirror not in (None, "x", "y", "z"):
         raise ValueError(f'mirror is {mirror!r}; give "x", "y", "z" or None.')
+    unknown = [title for title in odd if title not in checked]
+    if unknown:
+        raise ValueError(f"odd names {unknown[0]!r}; the fields are {list(checked)}.")
+    validation.number("scale", scale)
+    validation.direction("view", view)
     if MPI.COMM_WORLD.rank:
         return
     figure = _figure(6.4 * len(checked), 5.6)
@@ -210,14 +228,6 @@ def _colour_bar(figure: Any, axes: Any, colours: Colours) -> None:
     bar.ax.set_xticklabels(list(STATES) if named else [f"{tick:.3g}" for tick in ticks], color=INK)
     bar.ax.tick_params(which="both", length=0)
     bar.outline.set_visible(False)
-
-
-def _screen_axes(view: Sequence[float]) -> NDArray[np.float64]:
-    """Right and up of a picture seen from a direction, z pointing up, shape (2, 3)."""
-    eye = np.asarray(view, dtype=np.float64) / np.linalg.norm(view)
-    right = np.cross([0.0, 0.0, 1.0], eye) if np.hypot(eye[0], eye[1]) > 1e-9 else np.array([1.0, 0.0, 0.0])
-    right = right / np.linalg.norm(right)
-    return np.stack([right, np.cross(eye, right)])
 
 
 def _figure(width: float, height: float) -> Any:

@@ -21,7 +21,8 @@ from .discretization import Discretization
 from .geometry import measures
 from .material import Fabric
 from .part_forms import PartForms, mass_form, part_forms
-from .structure import Membrane, Structure
+from .parts import Membrane
+from .structure import Structure
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,5 +1,6 @@
 """Makes results of states: evaluates stresses in the cells and gathers everything in the user's order."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -10,9 +11,9 @@ from petsc4py import PETSc
 from . import _dolfinx
 from .forms import kinematics, stress
 from .part_forms import PartForms
+from .parts import Membrane
 from .problem import Actions, Problem
 from .results import BarResult, Equilibrium, Increment, MembraneResult, StageResult
-from .structure import Membrane
 
 STATES = np.array(["taut", "wrinkled", "slack"])  # in the order of `forms.wrinkling`
 
@@ -80,7 +81,7 @@ class Recorder:
         return MembraneResult(**fields, state=state) if membrane else BarResult(**fields, slack=state == "slack")
 
 
-def _expression(part: PartForms) -> _dolfinx.CellExpression:
+def _expression(part: PartForms) -> Callable[[], NDArray[np.float64]]:
     """All that is recorded of a part, as one vector-valued expression, in the order of `MEMBRANE` or `BAR`."""
     F, S = part.F, part.S
     cauchy = stress.cauchy(F, S, kinematics.stretch_ratio(F))
@@ -98,4 +99,4 @@ def _expression(part: PartForms) -> _dolfinx.CellExpression:
     else:
         fields = {"strain": part.E[0, 0], "force": ufl.tr(cauchy), "state": part.state}
     entries = [value[i] for value in fields.values() for i in np.ndindex(value.ufl_shape)]
-    return _dolfinx.CellExpression(ufl.as_vector(entries), part.mesh.mesh)
+    return _dolfinx.cell_expression(ufl.as_vector(entries), part.mesh.mesh)

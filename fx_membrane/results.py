@@ -9,9 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .parts import Cable, Mast, Membrane
 from .problem import Actions
 from .solver import Iteration
-from .structure import Cable, Mast, Membrane, Structure
+from .structure import Structure
 
 Array = NDArray[np.float64]
 
@@ -38,7 +39,8 @@ class MembraneResult:
         cauchy: Stress per current length in global axes, shape (cells, 3, 3) [N/m].
         principal: Principal values of `cauchy`, the larger first, shape (cells, 2) [N/m].
         thread_forces: Normal components of `cauchy` along the current warp and weft, shape (cells, 2) [N/m].
-        state: "taut", "wrinkled" or "slack", shape (cells,).
+        state: "taut", "wrinkled" or "slack", shape (cells,). With `compression_stiffness=1` the membrane does neither:
+            all cells are "taut", also those that `principal` shows in compression.
         cauchy_projected: Cauchy stress with the determinant of I + grad u as J, in global axes, shape (cells, 3, 3)
             [N/m]: what Gil (19) gives, the paper's Table 2. It is larger than `cauchy` where cells have turned.
     """
@@ -59,7 +61,7 @@ class BarResult:
     Attributes:
         strain: Green-Lagrange strain, shape (cells,) [-].
         force: Axial force in the current shape, tension positive, shape (cells,) [N].
-        slack: Which cells are slack, shape (cells,); masts never are.
+        slack: Which cells are slack, shape (cells,); masts never are, nor cables with `compression_stiffness=1`.
     """
 
     strain: Array
@@ -129,7 +131,8 @@ class StageResult:
         Raises:
             ValueError: There is no membrane of that name.
         """
-        result = self.parts[self._name(name, Membrane)]
+        self.structure.part(name, Membrane)
+        result = self.parts[name]
         assert isinstance(result, MembraneResult)
         return result
 
@@ -139,7 +142,8 @@ class StageResult:
         Raises:
             ValueError: There are no cables of that name.
         """
-        return self._bar(name, Cable)
+        self.structure.part(name, Cable)
+        return self._bar(name)
 
     def mast(self, name: str) -> BarResult:
         """State of the masts of that name.
@@ -147,20 +151,15 @@ class StageResult:
         Raises:
             ValueError: There are no masts of that name.
         """
-        return self._bar(name, Mast)
+        self.structure.part(name, Mast)
+        return self._bar(name)
 
     @property
     def history(self) -> list[tuple[float, Iteration]]:
         """Load factor and iterate, for all iterations of the stage."""
         return [(increment.load_factor, entry) for increment in self.increments for entry in increment.iterations]
 
-    def _bar(self, name: str, kind: type) -> BarResult:
-        result = self.parts[self._name(name, kind)]
+    def _bar(self, name: str) -> BarResult:
+        result = self.parts[name]
         assert isinstance(result, BarResult)
         return result
-
-    def _name(self, name: str, kind: type) -> str:
-        names = [key for key, part in self.structure.parts.items() if isinstance(part, kind)]
-        if name not in names:
-            raise ValueError(f"No {kind.__name__} is named {name!r}; those of the structure are {names}.")
-        return name

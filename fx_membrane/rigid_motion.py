@@ -5,7 +5,8 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
 from .partition import node_graph
-from .structure import Mast, Structure
+from .parts import Mast
+from .structure import Structure
 
 MOTIONS = ("move along x", "move along y", "move along z", "turn about x", "turn about y", "turn about z")
 
@@ -21,7 +22,8 @@ def check_supports(structure: Structure, held: NDArray[np.bool_]) -> None:
         held: Which components of which nodes are held, shape (n, 3).
 
     Raises:
-        ValueError: Names the piece, and a motion that nothing prevents; or the end of a mast that nothing holds.
+        ValueError: Names a node and the parts of the piece, and a motion that nothing prevents; or the end of a mast
+            that nothing holds.
     """
     _check_masts(structure, held)
     graph = node_graph((part.cells for part in structure.parts.values()), len(structure.points))
@@ -34,10 +36,24 @@ def check_supports(structure: Structure, held: NDArray[np.bool_]) -> None:
         if len(motions) > 1 or translates.any():
             named = motions[translates] if translates.any() else motions * ([0, 0, 0, 1, 1, 1])
             freest = MOTIONS[int(np.argmax(np.sum(named**2, axis=0)))]
+            join = ", or join it to the rest, with which it shares no node" if count > 1 else ""
             raise ValueError(
-                f"The structure is not supported enough: the piece with node {nodes[0]} ({len(nodes)} nodes) can "
-                f"{freest} as a rigid body. Add supports or prescribed displacements there."
+                f"The structure is not supported enough: the piece with node {nodes[0]} ({len(nodes)} nodes: "
+                f"{_named(structure, nodes)}) can {freest} as a rigid body. Add supports or prescribed displacements "
+                f"there{join}."
             )
+
+
+def _named(structure: Structure, nodes: NDArray[np.intp]) -> str:
+    """The parts that a connected piece is made of, with the first cells of those that are not all in it."""
+    found = []
+    for name, part in structure.parts.items():
+        cells = np.flatnonzero(np.isin(part.cells[:, 0], nodes))
+        if len(cells):
+            some = ", ".join(map(str, cells[:3])) + (", ..." if len(cells) > 3 else "")
+            which = "" if len(cells) == len(part.cells) else f" (cells {some})"
+            found.append(f"{type(part).__name__} {name!r}{which}")
+    return ", ".join(found)
 
 
 def _check_masts(structure: Structure, held: NDArray[np.bool_]) -> None:

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from .parts import Mast
 from .results import StageResult
-from .structure import Mast
 
 # Without a screen VTK draws in memory; to be set before pyvista loads it.
 if not os.environ.get("DISPLAY"):
@@ -88,13 +88,23 @@ def picture(
                     "edge_opacity": 0.25,
                 }
             plotter.add_mesh(body, ambient=0.5, diffuse=0.6, **look)
-    plotter.view_vector(tuple(view), viewup=(0, 0, 1))
+    plotter.view_vector(tuple(view), viewup=screen_axes(view)[1])
+    plotter.enable_parallel_projection()  # so that plans are plans, and lines lie as in wire frames
     plotter.camera.zoom(1.2)
     image = np.asarray(plotter.screenshot(return_img=True), dtype=np.uint8)
     plotter.close()
     drawn = np.argwhere((image < 255).any(axis=2))
     (top, left), (bottom, right) = drawn.min(axis=0), drawn.max(axis=0)
     return image[max(top - 10, 0) : bottom + 10, max(left - 10, 0) : right + 10]
+
+
+def screen_axes(view: ArrayLike) -> NDArray[np.float64]:
+    """Right and up of a picture seen from a direction, shape (2, 3): z points up; from straight above or below, y."""
+    eye = np.asarray(view, dtype=np.float64)
+    eye = eye / np.linalg.norm(eye)
+    right = np.cross([0.0, 0.0, 1.0] if np.hypot(eye[0], eye[1]) > 1e-9 else [0.0, 1.0, 0.0], eye)
+    right = right / np.linalg.norm(right)
+    return np.stack([right, np.cross(eye, right)])
 
 
 def _vtk_cells(cells: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -1,153 +1,17 @@
-"""A tension structure as plain data: points, parts (membranes, cables, masts) and supports, checked when created."""
+"""A tension structure as plain data: points, parts (membranes, cables and masts) and supports, checked when created."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import ClassVar, Self
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import validation
-from .geometry import branching_edge, measures, normals, orientation
-from .material import Fabric, OrthotropicFabric
-
-
-@dataclass(frozen=True, eq=False)
-class Membrane:
-    """Three-node membrane elements of one fabric.
-
-    Args:
-        cells: Triangles as rows of node numbers, shape (n, 3).
-        material: The fabric.
-        prestress: Cauchy stress times thickness in the reference shape [N/m]: a number (isotropic), a pair
-            (warp, weft), or a tensor (2, 2) in the warp/weft frame; or one of these per cell, shape (n, 1),
-            (n, 2) or (n, 2, 2). Shape (2, 2) is always one tensor.
-        warp: A vector (3,), or one per cell (n, 3), that projected on the cell gives the warp direction. The weft
-            is a right angle further, counter-clockwise about the normal of the cell. Without a warp the global x
-            axis is taken, or y where a cell is nearly normal to x, for results only.
-        compression_stiffness: Share of the stiffness that is kept where the membrane wrinkles or is slack, in (0, 1]
-            [-]. It keeps slack nodes in place; above 1e-3 it is seen in results. 1 switches wrinkling off.
-        mass: Mass per area of the reference shape, as data sheets give it [kg/m2], for `natural_frequencies`. It is
-            here and not in the material, so that membranes, cables and masts have it in one place. It brings no
-            weight: that is a load, `DeadLoad((0, 0, -9.81 * mass), part)`.
-
-    Raises:
-        ValueError: Cells, prestress or warp have a wrong shape or values that are not finite; the material or the
-            prestress has a direction and there is no warp; the mass is negative.
-    """
-
-    dimension: ClassVar[int] = 2
-    cells: NDArray[np.int64]
-    material: Fabric | OrthotropicFabric
-    prestress: ArrayLike = 0.0
-    warp: ArrayLike | None = None
-    compression_stiffness: float = 1e-4
-    mass: float = field(default=0.0, kw_only=True)
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "cells", validation.cells("Membrane cells", self.cells, 3))
-        validation.instance("Membrane material", self.material, Fabric | OrthotropicFabric)
-        object.__setattr__(self, "prestress", validation.finite("Membrane prestress", self.prestress))
-        validation.share("Membrane compression_stiffness", self.compression_stiffness)
-        validation.not_negative("Membrane mass", self.mass)
-        tensors = self.prestress_tensors()
-        directed = not np.array_equal(tensors, tensors[:, :1, :1] * np.eye(2))
-        if self.warp is not None:
-            warp = validation.finite("Membrane warp", self.warp)
-            object.__setattr__(self, "warp", warp)
-            if warp.shape not in ((3,), (len(self.cells), 3)):
-                raise ValueError(f"Membrane warp has shape {warp.shape}; give (3,) or ({len(self.cells)}, 3).")
-        elif directed or isinstance(self.material, OrthotropicFabric):
-            raise ValueError(
-                "The material or the prestress has a warp and a weft; give the warp as a vector, warp=(x, y, z)."
-            )
-
-    def prestress_tensors(self) -> NDArray[np.float64]:
-        """Prestress of every cell in the warp/weft frame, shape (n, 2, 2) [N/m]."""
-        n = len(self.cells)
-        value = np.asarray(self.prestress)
-        if value.shape in ((), (1,), (n, 1)):
-            return np.broadcast_to(value.reshape(-1, 1, 1) * np.eye(2), (n, 2, 2))
-        if value.shape == (2,) or (value.shape == (n, 2) and n != 2):
-            return np.broadcast_to(value.reshape(-1, 2, 1) * np.eye(2), (n, 2, 2))
-        if value.shape not in ((2, 2), (n, 2, 2)):
-            raise ValueError(
-                f"Membrane prestress has shape {value.shape}; give a number, a (warp, weft) pair or a (2, 2) tensor, "
-                f"or one of these for each of the {n} cells: ({n}, 1), ({n}, 2) or ({n}, 2, 2)."
-            )
-        if not np.array_equal(value, np.swapaxes(value, -1, -2)):
-            raise ValueError("Membrane prestress is not symmetric; give [[warp, shear], [shear, weft]].")
-        return np.broadcast_to(value, (n, 2, 2))
-
-
-@dataclass(frozen=True, eq=False)
-class _Bar:
-    """What cables and masts have in common: straight elements that carry axial force only."""
-
-    dimension: ClassVar[int] = 1
-    cells: NDArray[np.int64]
-    axial_stiffness: float
-    prestress: ArrayLike = 0.0
-    mass: float = field(default=0.0, kw_only=True)
-
-    def __post_init__(self) -> None:
-        kind = type(self).__name__
-        object.__setattr__(self, "cells", validation.cells(f"{kind} cells", self.cells, 2))
-        validation.positive(f"{kind} axial_stiffness", self.axial_stiffness)
-        validation.not_negative(f"{kind} mass", self.mass)
-        object.__setattr__(self, "prestress", validation.finite(f"{kind} prestress", self.prestress))
-        self.prestress_tensors()
-
-    @classmethod
-    def from_modulus(
-        cls, cells: NDArray[np.int64], E: float, area: float, prestress: ArrayLike = 0.0, density: float = 0.0
-    ) -> Self:
-        """Bars of a Young's modulus E [Pa], a cross-section area [m2] and a density [kg/m3]."""
-        E, area = validation.positive(f"{cls.__name__} E", E), validation.positive(f"{cls.__name__} area", area)
-        return cls(cells, E * area, prestress, mass=validation.not_negative(f"{cls.__name__} density", density) * area)
-
-    def prestress_tensors(self) -> NDArray[np.float64]:
-        """Prestress of every cell, shape (n, 1, 1) [N]."""
-        name, n = f"{type(self).__name__} prestress", len(self.cells)
-        value = np.asarray(self.prestress)
-        if value.shape not in ((), (n,)):
-            raise ValueError(f"{name} has shape {value.shape}; give a number or one for each of the {n} cells.")
-        return np.broadcast_to(value.reshape(-1, 1, 1), (n, 1, 1))
-
-
-@dataclass(frozen=True, eq=False)
-class Cable(_Bar):
-    """Cables as two-node straight elements that go slack instead of carrying compression.
-
-    Args:
-        cells: Segments as rows of node numbers, shape (n, 2).
-        axial_stiffness: Young's modulus times cross-section [N].
-        prestress: Axial force in the reference shape [N], a number or one per cell, shape (n,).
-        compression_stiffness: Share of the stiffness that is kept where the cable is slack, in (0, 1] [-].
-        mass: Mass per length of the reference shape [kg/m], for `natural_frequencies`; it brings no weight.
-
-    Raises:
-        ValueError: Cells or prestress have a wrong shape or values that are not finite; a stiffness is not positive;
-            the mass is negative.
-    """
-
-    compression_stiffness: float = 1e-4
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        validation.share("Cable compression_stiffness", self.compression_stiffness)
-
-
-class Mast(_Bar):
-    """Pinned masts and struts as two-node straight elements, in tension and compression.
-
-    Args and Raises as for `Cable`, without `compression_stiffness`.
-    """
-
-
-Part = Membrane | Cable | Mast
+from .geometry import degenerate, normals, projected, senses
+from .parts import Kind, Membrane, Part
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,9 +38,14 @@ class Support:
 class Structure:
     """Everything that does not change from stage to stage.
 
+    The nodes of a triangle may be in either order: all cells of a connected membrane are given one sense, that of the
+    first, which `normals` and `senses` show. A membrane that has none (a Moebius strip, or sheets that branch) is a
+    structure all the same; it is refused where a normal is asked for, or a pressure acts.
+
     Args:
         points: Reference (prestressed) position of the nodes, shape (n, 3) [m]. A node is known by its row.
-        parts: Membranes, cables and masts by name. Parts that share a node are hinged together there.
+        parts: Membranes, cables and masts by name. Parts that share a node are hinged together there. Give each a
+            name of its own: of two entries with one name a Python dictionary keeps the last without a word.
         supports: Nodes that do not move.
 
     Raises:
@@ -189,22 +58,19 @@ class Structure:
     supports: Sequence[Support] = ()
 
     def __post_init__(self) -> None:
-        points = validation.finite("points", self.points)
-        if points.ndim != 2 or points.shape[1] != 3:
-            raise ValueError(f"points has shape {points.shape}; give (n, 3), one row x, y, z for each node.")
-        object.__setattr__(self, "points", points)
+        object.__setattr__(self, "points", validation.positions("points", self.points))
         if not isinstance(self.parts, Mapping):
             raise ValueError(f'parts is a {type(self.parts).__name__}; give a dictionary, {{"name": Membrane(...)}}.')
         object.__setattr__(self, "parts", dict(self.parts))
         object.__setattr__(self, "supports", validation.instances("supports", self.supports, Support))
         if not self.parts:
             raise ValueError("The structure has no parts; give at least one Membrane, Cable or Mast.")
+        count = len(self.points)
         for name, part in self.parts.items():
             validation.name("part", name)
             validation.instance(f"Part {name!r}", part, Part)
-            outside = np.flatnonzero(((part.cells < 0) | (part.cells >= len(points))).any(axis=1))
-            for cell in outside[:1]:
-                validation.in_range(f"Part {name!r}, cell {cell},", part.cells[cell], len(points), "node")
+            for cell in np.flatnonzero(((part.cells < 0) | (part.cells >= count)).any(axis=1))[:1]:
+                validation.in_range(f"Part {name!r}, cell {cell},", part.cells[cell], count, "node")
             self._check_measures(name, part)
             if part.dimension == 2:
                 self.warp(name)
@@ -233,47 +99,63 @@ class Structure:
         return held
 
     def warp(self, name: str) -> NDArray[np.float64]:
-        """Unit warp direction of every cell of a membrane in its own plane, shape (cells, 3) [-]."""
-        membrane = self.parts[name]
-        assert isinstance(membrane, Membrane)
+        """Unit warp direction of every cell of a membrane in its own plane, shape (cells, 3) [-].
+
+        Raises:
+            ValueError: There is no membrane of that name; the warp is normal to a cell.
+        """
+        membrane = self.part(name, Membrane)
         normal = normals(self.points, membrane.cells)
         if membrane.warp is None:
-            along_x = np.abs(normal[:, :1]) < 0.99
-            given = np.where(along_x, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
+            given = np.where(np.abs(normal[:, :1]) < 0.99, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
         else:
             given = np.broadcast_to(np.asarray(membrane.warp, dtype=np.float64), normal.shape)
-        tangent = given - np.sum(given * normal, axis=1, keepdims=True) * normal
-        length = np.linalg.norm(tangent, axis=1)
-        bad = np.flatnonzero(length <= 1e-8 * np.linalg.norm(given, axis=1))
+        tangent = projected(given, normal)
+        bad = np.flatnonzero(~tangent.any(axis=1))
         if len(bad):
             raise ValueError(
                 f"Part {name!r}, cell {bad[0]}: its warp {given[bad[0]].tolist()} is zero or normal to the cell; "
                 "give a vector that lies roughly in the cell."
             )
-        return np.asarray(tangent / length[:, None])
+        return tangent
+
+    def senses(self, name: str) -> NDArray[np.float64]:
+        """1 where the nodes of a cell of a membrane run counter-clockwise about its normal, else -1, shape (cells,).
+
+        The normals are those of `normals`; in each connected piece the first cell has 1.
+
+        Raises:
+            ValueError: There is no membrane of that name; it has only one side, like a Moebius strip, or branches.
+        """
+        if name not in self._senses:
+            self._senses[name] = senses(f"Part {name!r}", self.part(name, Membrane).cells)
+        return self._senses[name]
+
+    @cached_property
+    def _senses(self) -> dict[str, NDArray[np.float64]]:
+        return {}
 
     def normals(self, name: str) -> NDArray[np.float64]:
         """Unit normals of a membrane, all on one side of it, shape (cells, 3) [-]; a positive pressure acts along them.
 
-        In each connected piece they follow the right-hand rule of its first cell.
+        To turn those of a connected piece round, give the nodes of its first cell in the other order.
 
         Raises:
-            ValueError: The membrane is one-sided, like a Moebius strip, or branches.
+            ValueError: As for `senses`.
         """
-        cells = self.parts[name].cells
-        branch = branching_edge(cells)
-        if branch is not None:
-            raise ValueError(
-                f"Part {name!r} branches at the edge between nodes {branch[0]} and {branch[1]}, so that it has no two "
-                "sides; make each sheet a part of its own."
-            )
-        sides = orientation(cells)
-        if sides is None:
-            raise ValueError(
-                f"Part {name!r} has only one side, like a Moebius strip, so that a normal and a pressure have no "
-                "direction on it; cut it into parts along a line of edges."
-            )
-        return sides[:, None] * normals(self.points, cells)
+        return self.senses(name)[:, None] * normals(self.points, self.parts[name].cells)
+
+    def part(self, name: str, kind: type[Kind]) -> Kind:
+        """The part of a name and a kind, Membrane, Cable or Mast.
+
+        Raises:
+            ValueError: There is none of that name and kind.
+        """
+        part = self.parts.get(name)
+        if not isinstance(part, kind):
+            names = [key for key, part in self.parts.items() if isinstance(part, kind)]
+            raise ValueError(f"No {kind.__name__} is named {name!r}; those of the structure are {names}.")
+        return part
 
     def check_nodes(self, what: str, nodes: NDArray[np.int64]) -> None:
         """Refuses nodes that do not exist or that no part uses.
@@ -287,9 +169,7 @@ class Structure:
             raise ValueError(f"{what} is on node {loose[0]}, which no part uses; mend the number or add the part.")
 
     def _check_measures(self, name: str, part: Part) -> None:
-        size = measures(self.points, part.cells)
-        span = np.ptp(self.points[part.cells], axis=1).max(axis=1) ** part.dimension
-        bad = np.flatnonzero(size <= 1e-10 * np.maximum(span, np.finfo(float).tiny))
+        bad = degenerate(self.points, part.cells)
         if len(bad):
             what = "length" if part.dimension == 1 else "area"
             raise ValueError(

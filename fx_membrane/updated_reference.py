@@ -23,12 +23,13 @@ from numpy.typing import NDArray
 from . import load_case, loads, validation
 from .geometry import boundary, measures, normals
 from .loads import DeadLoad, PointLoad, Pressure, Stage
+from .parts import Mast, Membrane, Part
 from .problem import Problem
 from .recorder import Recorder
 from .results import BarResult, MembraneResult
 from .rigid_motion import check_supports
 from .solver import Newton
-from .structure import Mast, Membrane, Part, Structure
+from .structure import Structure
 
 
 class Step(NamedTuple):

@@ -1,11 +1,23 @@
 """Refusals at the door: each check returns the value as an array or a number, or raises one clear sentence."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Sequence, Sized
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+
+def shown(value: Any) -> str:
+    """A value as a refusal shows it: as it is, or its kind and shape if that would be long."""
+    if isinstance(value, type):
+        return f"the class {value.__name__}"
+    text = repr(value.tolist() if isinstance(value, np.ndarray | np.generic) else value)
+    if len(text) <= 50:
+        return text
+    if isinstance(value, np.ndarray):
+        return f"an array of {value.dtype}, shape {value.shape}"
+    return f"a {type(value).__name__}" + (f" of {len(value)} entries" if isinstance(value, Sized) else "")
 
 
 def number(name: str, value: Any) -> float:
@@ -13,9 +25,9 @@ def number(name: str, value: Any) -> float:
     if isinstance(value, str):
         raise ValueError(f"{name} is the text {value!r}; give a number.")
     try:
-        result = float(value)
+        result = float("not a number" if isinstance(value, bool) else value)
     except (TypeError, ValueError):
-        raise ValueError(f"{name} must be a number, not {value!r}.") from None
+        raise ValueError(f"{name} must be a number, not {shown(value)}.") from None
     if not math.isfinite(result):
         raise ValueError(f"{name} is {value}; give a finite number.")
     return result
@@ -54,11 +66,11 @@ def share(name: str, value: Any) -> float:
 def finite(name: str, value: ArrayLike) -> NDArray[np.float64]:
     """A read-only array of finite numbers."""
     try:
-        if np.iscomplexobj(value) or np.asarray(value).dtype.kind in "US":
+        if value is None or np.iscomplexobj(value) or np.asarray(value).dtype.kind in "US":
             raise TypeError
         result = np.array(value, dtype=np.float64)
     except (TypeError, ValueError):
-        raise ValueError(f"{name} must be an array of numbers with rows of equal length.") from None
+        raise ValueError(f"{name} must be an array of numbers with rows of equal length, not {shown(value)}.") from None
     bad = np.argwhere(~np.isfinite(result))
     if len(bad):
         where = f" at index {tuple(map(int, bad[0]))}" if result.ndim else ""
@@ -69,31 +81,60 @@ def finite(name: str, value: ArrayLike) -> NDArray[np.float64]:
     return result
 
 
+def positions(name: str, value: ArrayLike) -> NDArray[np.float64]:
+    """A read-only array of points in space, shape (n, 3)."""
+    result = finite(name, value)
+    if result.ndim != 2 or result.shape[1] != 3:
+        raise ValueError(f"{name} has shape {result.shape}; give (n, 3), one row x, y, z for each node.")
+    return result
+
+
 def vector(name: str, value: ArrayLike) -> NDArray[np.float64]:
     """A read-only array of three finite numbers."""
     result = finite(name, value)
     if result.shape != (3,):
-        raise ValueError(f"{name} must have three components (x, y, z); its shape is {result.shape}.")
+        raise ValueError(f"{name} is {shown(value)}; give three components (x, y, z).")
+    return result
+
+
+def direction(name: str, value: ArrayLike) -> NDArray[np.float64]:
+    """A vector that is not zero."""
+    result = vector(name, value)
+    if not result.any():
+        raise ValueError(f"{name} is {shown(value)}; give a direction (x, y, z) that is not zero.")
     return result
 
 
 def rows(name: str, value: ArrayLike) -> NDArray[np.int64]:
     """A read-only, one-dimensional array of node or cell numbers; a single number is an array of one."""
-    result = np.atleast_1d(np.asarray(value))
+    result = np.atleast_1d(_array(name, value, "a list of whole numbers"))
     if result.ndim != 1 or not (result.dtype.kind in "iu" or result.size == 0):
         hint = "; turn a mask into numbers with numpy.flatnonzero" if result.dtype.kind == "b" else ""
-        raise ValueError(f"{name} must be a list of whole numbers, not {result.dtype} of shape {result.shape}{hint}.")
+        raise ValueError(f"{name} must be a list of whole numbers, not {shown(value)}{hint}.")
     if not result.size:
         raise ValueError(f"{name} is empty; name at least one, or leave it out.")
     return _frozen_integers(result)
 
 
+def distinct(name: str, value: ArrayLike, of: str) -> NDArray[np.int64]:
+    """Numbers of nodes or cells as `rows` returns them, each of them once."""
+    result = rows(name, value)
+    numbers, count = np.unique(result, return_counts=True)
+    if (count > 1).any():
+        raise ValueError(
+            f"{name} names {of} {numbers[np.argmax(count > 1)]} twice; name each once, and add a second load of that "
+            "kind if it is to count twice."
+        )
+    return result
+
+
 def cells(name: str, value: ArrayLike, nodes: int, distinct: bool = True) -> NDArray[np.int64]:
     """A read-only array of cells with that many nodes each; no cell may have a node twice, nor be there twice."""
-    result = np.asarray(value)
+    wanted = f"an array of whole numbers of shape (n, {nodes}) with n >= 1"
+    result = _array(name, value, wanted)
     if result.ndim != 2 or result.shape[1] != nodes or not len(result) or result.dtype.kind not in "iu":
-        what = f"{result.dtype} of shape {result.shape}" if result.dtype.kind != "O" else type(value).__name__
-        raise ValueError(f"{name} must be an array of whole numbers of shape (n, {nodes}) with n >= 1, not {what}.")
+        what = f"{result.dtype} of shape {result.shape}" if result.ndim else shown(value)
+        raise ValueError(f"{name} must be {wanted}, not {what}.")
     ordered = np.sort(result, axis=1)
     twice = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
     if len(twice):
@@ -135,19 +176,17 @@ def name(what: str, value: Any) -> str:
 def instance(what: str, value: Any, kind: Any) -> None:
     """Refuses an object of another kind (a class, or several joined by |)."""
     if not isinstance(value, kind):
-        expected = " or ".join(entry.__name__ for entry in getattr(kind, "__args__", (kind,)))
         hint = ", with brackets behind its name" if isinstance(value, type) else ""
-        raise ValueError(f"{what} is of type {type(value).__name__}; give a {expected}{hint}.")
+        raise ValueError(f"{what} is {shown(value)}; give a {_expected(kind)}{hint}.")
 
 
 def instances(name: str, values: Any, kind: Any) -> tuple[Any, ...]:
     """A tuple of objects of a kind (a class, or several joined by |), from any sequence of them."""
-    expected = " or ".join(entry.__name__ for entry in getattr(kind, "__args__", (kind,)))
-    if not isinstance(values, Sequence):
-        raise ValueError(f"{name} must be a list of {expected}, not {type(values).__name__}; put it in brackets.")
+    if not isinstance(values, Sequence) or isinstance(values, str):
+        raise ValueError(f"{name} must be a list of {_expected(kind)}, not {shown(values)}; put it in brackets.")
     for value in values:
         if not isinstance(value, kind):
-            raise ValueError(f"{name} has {value!r}; give a list of {expected}.")
+            raise ValueError(f"{name} has {shown(value)}; give a list of {_expected(kind)}.")
     return tuple(values)
 
 
@@ -158,6 +197,19 @@ def unique(name: str, values: Iterable[str]) -> None:
         if value in seen:
             raise ValueError(f"{name} {value!r} is given twice; names must differ.")
         seen.add(value)
+
+
+def _array(name: str, value: Any, wanted: str) -> NDArray[Any]:
+    """Any array; rows of unequal length are none."""
+    try:
+        return np.asarray(value)
+    except ValueError:
+        raise ValueError(f"{name} must be {wanted}, not {shown(value)}.") from None
+
+
+def _expected(kind: Any) -> str:
+    names = (entry.__name__ for entry in getattr(kind, "__args__", (kind,)))
+    return " or ".join({"str": "text", "Mapping": "dictionary"}.get(name, name) for name in names)
 
 
 def _frozen_integers(array: NDArray[Any]) -> NDArray[np.int64]:

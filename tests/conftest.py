@@ -6,6 +6,8 @@ import sys
 import pytest
 from mpi4py import MPI
 
+pytest.register_assert_rewrite("interrupted", "models", "wrinkled")
+
 
 @pytest.hookimpl(trylast=True)
 def pytest_configure(config):

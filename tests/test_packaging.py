@@ -67,6 +67,8 @@ def test_installed_wheel_runs_the_demo_from_another_folder(wheel, tmp_path):
     elsewhere = tmp_path / "elsewhere"
     elsewhere.mkdir()
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    libraries = [f"{sys.prefix}/lib", os.environ.get("LD_LIBRARY_PATH", "")]  # the first has those of the MPI wheel
+    environment["LD_LIBRARY_PATH"] = ":".join(filter(None, libraries))
     where = run(python, "-c", "import fx_membrane; print(fx_membrane.__file__)", cwd=elsewhere, env=environment)
     assert Path(where.strip()).is_relative_to(site)
     demo = str(ROOT / "demos/square_membrane.py")

@@ -221,7 +221,7 @@ def test_densities_that_cancel_deep_in_a_net():
         ({"loads": np.full((5, 3), np.inf)}, r"^loads has a value that is not finite"),
         ({"fixed": [Support([0, 5])]}, "^fixed names node 5, which does not exist"),
         ({"fixed": [0, 1]}, "^fixed has 0; give a list of Support"),
-        ({"fixed": Support(range(4))}, "^fixed must be a list of Support, not Support"),
+        ({"fixed": Support(range(4))}, "^fixed must be a list of Support, not a Support; put it in brackets"),
     ],
     ids=lambda value: value if isinstance(value, str) else next(iter(value)),
 )

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fx_membrane import boundary, rectangle
+from fx_membrane import boundary, polyline, rectangle
 from fx_membrane.geometry import measures, normals, orientation
 
 DIAGONALS = ["right", "left", "to centre"]
@@ -74,6 +74,29 @@ def test_boundary_runs_once_around_counter_clockwise(diagonals):
     assert np.unique(edges[:, 0], return_counts=True)[1].tolist() == [1] * 14
     (x0, y0), (x1, y1) = points[edges[:, 0], :2].T, points[edges[:, 1], :2].T
     assert np.sum(x0 * y1 - x1 * y0) / 2 == pytest.approx(6.0)
+
+
+def test_boundary_of_a_list_and_of_what_is_none():
+    assert boundary([[0, 1, 2]]).tolist() == [[0, 1], [2, 0], [1, 2]]
+    for wrong in (5, [[0, 1]], [[0.0, 1, 2]]):
+        with pytest.raises(ValueError, match=r"^triangles must be an array of whole numbers of shape \(n, 3\)"):
+            boundary(wrong)
+
+
+def test_polyline_joins_consecutive_nodes():
+    assert polyline([4, 7, 2, 4]).tolist() == [[4, 7], [7, 2], [2, 4]]
+
+
+@pytest.mark.parametrize(
+    ("nodes", "message"),
+    [
+        ([3], r"^nodes is \[3\]; give at least two"),
+        ([0.5, 1], r"^nodes must be a list of whole numbers, not \[0\.5, 1\]"),
+    ],
+)
+def test_polyline_of_too_little(nodes, message):
+    with pytest.raises(ValueError, match=message):
+        polyline(nodes)
 
 
 def test_boundary_of_a_sheet_with_a_hole():

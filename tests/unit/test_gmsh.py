@@ -110,6 +110,28 @@ def test_unknown_physical_name(model):
         structure_from_gmsh(model, {"roof": PARTS["fabric"]})
 
 
+@pytest.mark.parametrize(
+    ("dimension", "message"),
+    [(0, r"a point \(tag 77\) and a surface \(tag 1\)"), (1, r"a curve \(tag 77\) and a surface \(tag 1\)")],
+)
+def test_two_groups_of_one_name(model, dimension, message):
+    """Of different dimension: within one, gmsh itself keeps names apart."""
+    gmsh.model.addPhysicalGroup(dimension, [1], 77)
+    gmsh.model.setPhysicalName(dimension, 77, "fabric")
+    gmsh.write(str(model))
+    for source in (None, model):
+        with pytest.raises(ValueError, match=rf"^The mesh has 2 physical groups 'fabric', {message}; give each"):
+            structure_from_gmsh(source, {"fabric": PARTS["fabric"]})
+        with pytest.raises(ValueError, match=r"^The mesh has 2 physical groups 'fabric'"):
+            structure_from_gmsh(source, {"cable": PARTS["cable"]}, {"fabric": "xyz"})
+        assert list(structure_from_gmsh(source, {"cable": PARTS["cable"]}).parts) == ["cable"]  # not asked for
+
+
+def test_group_that_is_a_part_and_a_support(model):
+    structure = structure_from_gmsh(model, PARTS, {"fabric": "z"})
+    assert structure.supported.tolist() == [[False, False, True]] * len(structure.points)
+
+
 def test_support_on_no_part(model):
     with pytest.raises(ValueError, match="support 'fixed' has nodes that no part uses"):
         structure_from_gmsh(model, {"cable": PARTS["cable"]}, {"fixed": "xyz"})
@@ -128,3 +150,18 @@ def test_supports_are_those_of_the_groups(model):
     np.testing.assert_array_equal(held, on_side | ends)
     assert isinstance(structure.supports[0], Support)
     assert MPI.COMM_WORLD.allreduce(len(structure.points), MPI.MAX) == len(structure.points)
+
+
+@pytest.mark.parametrize(
+    ("on", "message"),
+    [
+        (5, "^on is 5; give a function of positions"),
+        (lambda x: 3, "^on gives 3; it must give True or False for each position"),
+        (lambda x: x[:, 0] > 0, r"^on gives \[False, False, False\]; it must"),
+        (lambda x: x[1], r"^on gives an array of float64, shape \(25,\); it must"),
+    ],
+)
+def test_edges_on_needs_a_mask(on, message):
+    points, triangles = rectangle(2.0, 2.0, 4, 4)
+    with pytest.raises(ValueError, match=message):
+        edges_on(points, triangles, on)

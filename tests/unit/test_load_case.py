@@ -6,9 +6,7 @@ import pytest
 from fx_membrane import (
     Analysis,
     DeadLoad,
-    Fabric,
     Mast,
-    Membrane,
     PlanLoad,
     PointLoad,
     PrescribedDisplacement,
@@ -16,43 +14,16 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
-    boundary,
     rectangle,
 )
-from fx_membrane.geometry import normals
-from fx_membrane.load_case import between, prescribed, taking_hold, target, unloaded
+from fx_membrane.load_case import between, prescribed, taking_hold, unloaded
 from fx_membrane.problem import Actions, Problem
-
-POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
-POINTS[:, 2] = 0.2 * POINTS[:, 0] * POINTS[:, 1] + 0.1 * POINTS[:, 0]  # inclined, no two cells alike
-EDGE = np.unique(boundary(TRIANGLES))
-COUNT = len(TRIANGLES)
-FABRIC = Fabric(Et=1e5, nu=0.3)
-
-
-def sheet(triangles=TRIANGLES, points=POINTS, supports=(Support(EDGE),)):
-    return Structure(points, {"fabric": Membrane(triangles, FABRIC, prestress=1e3)}, supports)
-
-
-def flipped(seed, keep=0):
-    """The triangles, some with their nodes in the other sense; that of one of them is kept."""
-    triangles = TRIANGLES.copy()
-    flip = np.random.default_rng(seed).random(COUNT) < 0.5
-    flip[keep] = False
-    assert 5 < np.count_nonzero(flip) < COUNT - 5
-    triangles[flip] = triangles[flip][:, ::-1]
-    return triangles
+from models import EDGE, TRIANGLES, end, flipped, inclined_sheet, sheet
 
 
 @pytest.fixture(scope="module")
 def problem():
-    return Problem(sheet())
-
-
-def end(problem, *loads, start=None):
-    """Actions at the end of a stage with these loads."""
-    start = unloaded(problem.discretization.structure) if start is None else start
-    return target(problem, Stage("loads", loads), start)
+    return Problem(inclined_sheet())
 
 
 # Loads per plan area
@@ -62,16 +33,16 @@ def end(problem, *loads, start=None):
 def test_plan_load_on_an_inclined_sheet_is_that_on_its_plan(slope):
     points, triangles = rectangle(2.0, 3.0, 3, 2)
     points[:, 2] = slope * points[:, 0]
-    problem = Problem(sheet(triangles, points, ()))
+    problem = Problem(sheet(points=points, triangles=triangles))
     loads = end(problem, PlanLoad((1.0, 2.0, -500.0), "fabric")).loads
     assert loads.sum(axis=0) == pytest.approx(6.0 * np.array([1, 2, -500]), rel=1e-13)
-    flat = Problem(sheet(triangles, points * [1, 1, 0], ()))
+    flat = Problem(sheet(points=points * [1, 1, 0], triangles=triangles))
     assert loads == pytest.approx(end(flat, DeadLoad((1.0, 2.0, -500.0), "fabric")).loads, rel=1e-13)
 
 
 def test_plan_load_does_not_see_a_wall():
     points = [[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [1, 0, 1], [1, 1, 1]]
-    problem = Problem(sheet([[0, 1, 2], [1, 2, 3], [2, 4, 3]], points, ()))
+    problem = Problem(sheet(points=points, triangles=[[0, 1, 2], [1, 2, 3], [2, 4, 3]]))
     loads = end(problem, PlanLoad((0, 0, -6.0), "fabric")).loads
     assert loads[:, 2] == pytest.approx([-1, -1, -1, 0, 0], abs=1e-15)
 
@@ -79,13 +50,13 @@ def test_plan_load_does_not_see_a_wall():
 @pytest.mark.parametrize("seed", [1, 2])
 def test_plan_load_does_not_depend_on_the_sense_of_the_cells(problem, seed):
     snow = PlanLoad((0, 0, -500.0), "fabric", range(3, 20))
-    turned = Problem(sheet(flipped(seed)))
+    turned = Problem(inclined_sheet(flipped(seed)))
     assert end(turned, snow).loads == pytest.approx(end(problem, snow).loads, rel=1e-13, abs=1e-12)
 
 
 def test_plan_load_on_some_cells(problem):
-    cells = [0, 5, 5]
-    plan = sheet().points * [1, 1, 0]
+    cells = [0, 5, 7]
+    plan = inclined_sheet().points * [1, 1, 0]
     area = 0.125  # of each cell in plan
     assert np.linalg.norm(np.cross(*np.diff(plan[TRIANGLES[0]], axis=0))) / 2 == pytest.approx(area)
     loads = end(problem, PlanLoad((0, 0, -8.0), "fabric", cells)).loads
@@ -103,113 +74,12 @@ def test_dead_and_plan_loads_add_up(problem):
     assert end(problem, snow, weight, point).loads == pytest.approx(apart, rel=1e-13, abs=1e-12)
 
 
-# Pressure
-
-
-def test_pressure_is_positive_along_the_normals_of_the_structure():
-    points, triangles = rectangle(2.0, 2.0, 4, 4)
-    for cells, sign in [(triangles, 1.0), (triangles[:, ::-1], -1.0)]:
-        structure = sheet(cells, points)
-        assert structure.normals("fabric") == pytest.approx(np.tile([0, 0, sign], (COUNT, 1)))
-        inflated = Analysis(structure).run([Stage("air", [Pressure(300.0, "fabric")], steps=2)])["air"]
-        assert sign * inflated.displacement[12, 2] > 0.05
-        # The vector area of a surface depends on its rim alone, and the rim does not move.
-        assert inflated.loads.sum(axis=0) == pytest.approx([0, 0, sign * 300.0 * 4.0], abs=1e-9 * 1200)
-
-
-def test_pressure_acts_along_the_current_normals():
-    pressure = np.linspace(100.0, 500.0, COUNT)
-    structure = sheet()
-    loads = [Pressure(value, "fabric", cell) for cell, value in enumerate(pressure)]
-    result = Analysis(structure).run([Stage("air", loads)])["air"]
-    side = np.diff(result.position[TRIANGLES], axis=1)
-    forces = pressure[:, None] * np.cross(side[:, 0], side[:, 1]) / 2
-    expected = np.zeros(POINTS.shape)
-    for corner in TRIANGLES.T:
-        np.add.at(expected, corner, forces / 3)
-    assert np.abs(result.displacement).max() > 0.01
-    assert result.loads == pytest.approx(expected, abs=1e-12 * np.abs(expected).max())
-
-
-@pytest.mark.parametrize("seed", [1, 2, 3])
-def test_pressure_does_not_depend_on_the_sense_of_the_cells(seed):
-    stages = [Stage("air", [Pressure(300.0, "fabric"), Pressure(200.0, "fabric", range(4, 17))])]
-    expected = Analysis(sheet()).run(stages)["air"]
-    found = Analysis(sheet(flipped(seed))).run(stages)["air"]
-    largest = np.abs(expected.displacement).max()
-    assert largest > 0.01
-    assert found.displacement == pytest.approx(expected.displacement, abs=1e-9 * largest)
-    assert found.loads == pytest.approx(expected.loads, abs=1e-9 * np.abs(expected.loads).max())
-
-
-def test_pressure_of_cells_in_their_own_sense():
-    triangles = flipped(1)
-    structure = sheet(triangles)
-    acting = end(Problem(structure), Pressure(300.0, "fabric")).pressures["fabric"]
-    own = normals(POINTS, triangles)
-    assert acting[:, None] * own == pytest.approx(300.0 * structure.normals("fabric"), rel=1e-13)
-    assert len(np.unique(acting)) == 2
-
-
-def test_pressures_add_up(problem):
-    actions = end(problem, Pressure(300.0, "fabric"), Pressure(-100.0, "fabric", [2, 7, 7]))
-    expected = np.full(COUNT, 300.0)
-    expected[2], expected[7] = 200.0, 100.0
-    assert actions.pressures["fabric"].tolist() == expected.tolist()
-    assert not actions.loads.any()
-
-
-def test_branches_keep_the_pressure_of_their_parent_and_do_not_change_it(problem):
-    parent = end(problem, Pressure(300.0, "fabric"))
-    wind = end(problem, Pressure(50.0, "fabric", 3), start=parent)
-    snow = end(problem, PlanLoad((0, 0, -1.0), "fabric"), start=parent)
-    assert parent.pressures["fabric"].tolist() == snow.pressures["fabric"].tolist() == [300.0] * COUNT
-    assert wind.pressures["fabric"].tolist() == [350.0 if cell == 3 else 300.0 for cell in range(COUNT)]
-    assert not wind.loads.any()
-    assert snow.loads.any()
-
-
-def test_results_of_branches_have_the_pressure_of_their_parent():
-    air, snow = Pressure(300.0, "fabric"), PlanLoad((0, 0, -100.0), "fabric")
-    stages = [
-        Stage("air", [air]),
-        Stage("gust", [Pressure(200.0, "fabric")], after="air"),
-        Stage("snow", [snow], after="air"),
-        Stage("rest"),
-        Stage("gust at once", [Pressure(500.0, "fabric")]),
-        Stage("snow at once", [snow, air]),
-    ]
-    results = Analysis(sheet()).run(stages)
-    for name in ("gust", "snow"):
-        expected = results[f"{name} at once"].displacement
-        assert results[name].displacement == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
-    assert not results["rest"].loads.any()
-    assert np.abs(results["gust"].displacement - results["air"].displacement).max() > 1e-3
-
-
-def test_pressure_on_a_one_sided_membrane_is_refused():
-    n = 12
-    angle = 2 * np.pi * np.arange(n) / n
-    half = 0.3 * np.stack([np.cos(angle / 2) * np.cos(angle), np.cos(angle / 2) * np.sin(angle), np.sin(angle / 2)], 1)
-    middle = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
-    points = np.concatenate([middle - half, middle + half])
-    low, high = np.arange(n), n + np.arange(n)
-    next_low, next_high = np.roll(low, -1), np.roll(high, -1)
-    next_low[-1], next_high[-1] = high[0], low[0]  # half a turn
-    strip = np.concatenate([np.stack([low, next_low, next_high], 1), np.stack([low, next_high, high], 1)])
-    structure = sheet(strip, points, [Support(range(2 * n))])
-    analysis = Analysis(structure)
-    analysis.run([Stage("weight", [DeadLoad((0, 0, -1.0), "fabric")])])
-    with pytest.raises(ValueError, match=r"^Part 'fabric' has only one side, like a Moebius strip"):
-        analysis.run([Stage("air", [Pressure(1.0, "fabric")])])
-
-
 # Prescribed displacements
 
 
 def held_at(**moves):
     entries = [PrescribedDisplacement(**move) for move in moves.values()]
-    return prescribed(Stage("lift", displacements=entries), sheet())
+    return prescribed(Stage("lift", displacements=entries), inclined_sheet())
 
 
 def test_prescribed_components_and_values():
@@ -261,7 +131,7 @@ def test_clash_of_prescribed_displacements(moves, message):
 def test_clash_is_found_before_anything_is_solved():
     stages = [Stage("rest"), Stage("lift", displacements=[PrescribedDisplacement(0, (0, 0, 0.1))], after="rest")]
     calls = []
-    analysis = Analysis(sheet())
+    analysis = Analysis(inclined_sheet())
     analysis._solve = lambda *arguments: calls.append(arguments)
     with pytest.raises(ValueError, match=r"^Stage 'lift' moves node 0"):
         analysis.run(stages)
@@ -312,7 +182,7 @@ def test_taking_hold_starts_from_where_the_node_is():
 
 
 def test_unloaded_holds_the_supports_only():
-    structure = sheet()
+    structure = inclined_sheet()
     nothing = unloaded(structure)
     assert np.flatnonzero(nothing.held.all(axis=1)).tolist() == EDGE.tolist()
     assert not nothing.loads.any()

@@ -101,8 +101,7 @@ def test_convergence_of_a_state_that_is_exactly_in_equilibrium(result, tmp_path)
 
 def test_wireframe_in_plan(result, tmp_path):
     path = tmp_path / "plan.png"
-    parts = {name: part.cells for name, part in result.structure.parts.items()}
-    plot.wireframe(result.structure.points, parts, path, labels=[0, 12, 24], first=1)
+    plot.wireframe(result.structure.points, result.structure.parts, path, labels=[0, 12, 24], first=1)
     assert assert_drawn(path) == pytest.approx(1, rel=0.1)
 
 
@@ -230,6 +229,40 @@ def test_wrong_fields_are_refused(result, tmp_path, field, message):
     with pytest.raises(ValueError, match=message):
         plot.contours(result, {"right": np.zeros(26), "title": field}, path)
     assert not path.exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"view": (0, 0, 0)}, r"^view is \(0, 0, 0\); give a direction"),
+        ({"view": "above"}, "^view must be an array of numbers .*'above'"),
+        ({"scale": "large"}, "^scale is the text 'large'"),
+        ({"odd": ["width"]}, r"^odd names 'width'; the fields are \['height'\]"),
+    ],
+)
+def test_wrong_options_are_refused(result, tmp_path, options, message):
+    with pytest.raises(ValueError, match=message):
+        plot.contours(result, {"height": POINTS[:, 2]}, tmp_path / "never.png", **options)
+
+
+@pytest.mark.parametrize(
+    ("points", "parts", "options", "message"),
+    [
+        (POINTS[:, :2], {"roof": TRIANGLES}, {}, r"^points has shape \(26, 2\)"),
+        (POINTS, TRIANGLES, {}, "^parts is an array of .*; give a dictionary"),
+        (POINTS, {"roof": TRIANGLES + 9}, {}, "^Part 'roof' names node 26, which does not exist"),
+        (POINTS, {"roof": TRIANGLES}, {"labels": [26]}, "^labels names node 26, which does not exist"),
+        (POINTS, {"roof": TRIANGLES}, {"view": (0, 0, 0)}, "^view is .*give a direction"),
+    ],
+)
+def test_wrong_wireframes_are_refused(tmp_path, points, parts, options, message):
+    with pytest.raises(ValueError, match=message):
+        plot.wireframe(points, parts, tmp_path / "never.png", **options)
+
+
+def test_convergence_of_no_result_is_refused(tmp_path):
+    with pytest.raises(ValueError, match=r"^The first argument of convergence is 5; give a StageResult"):
+        plot.convergence(5, tmp_path / "never.png")
 
 
 @pytest.mark.parametrize("mirror", ["xy", "", "w", 0])

@@ -253,6 +253,8 @@ def test_patch_with_all_its_stiffness_carries_compression():
     E = (np.array([0.99, 0.98]) ** 2 - 1) / 2
     S = FABRIC.Et / (1 - FABRIC.nu**2) * (E + FABRIC.nu * E[::-1])
     assert fabric.second_piola_kirchhoff[:, [0, 1], [0, 1]] == pytest.approx(np.tile(S, (8, 1)), rel=1e-9)
+    assert fabric.principal.max() < 0
+    assert fabric.state.tolist() == ["taut"] * 8  # nothing wrinkles
 
 
 def test_thread_forces_are_those_along_warp_and_weft(result):

@@ -5,15 +5,11 @@ import pytest
 
 from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, Support, rectangle
 from fx_membrane.rigid_motion import check_supports, free_motions
+from models import rotation
 
 POINTS, TRIANGLES = rectangle(2.0, 1.0, 2, 2)
 CORNERS = [0, 2, 6, 8]
 LINE = np.linspace([0.0, 0, 0], [3, 2, 1], 4)
-
-
-def rotation(seed):
-    Q, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
-    return Q * np.sign(np.linalg.det(Q))
 
 
 def mask(points, *supports):
@@ -69,7 +65,10 @@ def sheet(*supports, points=POINTS):
 )
 def test_free_sheet_is_refused(supports, motion):
     structure = sheet(*supports)
-    message = rf"not supported enough: the piece with node 0 \(9 nodes\) can {motion} as a rigid body"
+    message = (
+        rf"^The structure is not supported enough: the piece with node 0 \(9 nodes: Membrane 'fabric'\) can {motion} "
+        r"as a rigid body\. Add supports or prescribed displacements there\.$"
+    )
     with pytest.raises(ValueError, match=message):
         check_supports(structure, structure.supported)
 
@@ -77,7 +76,7 @@ def test_free_sheet_is_refused(supports, motion):
 @pytest.mark.parametrize("seed", [1, 2])
 def test_one_pinned_node_is_refused_in_any_plane(seed):
     structure = sheet(Support(0), points=POINTS @ rotation(seed).T)
-    with pytest.raises(ValueError, match=r"the piece with node 0 \(9 nodes\) can turn about [xyz]"):
+    with pytest.raises(ValueError, match=r"the piece with node 0 \(9 nodes: Membrane 'fabric'\) can turn about [xyz]"):
         check_supports(structure, structure.supported)
 
 
@@ -102,7 +101,7 @@ def test_straight_line_pinned_at_both_ends_is_accepted(kind):
 
 def test_line_pinned_at_one_end_is_refused():
     structure = Structure(LINE, {"line": Cable([[0, 1], [1, 2], [2, 3]], 1e6)}, [Support(0)])
-    with pytest.raises(ValueError, match=r"the piece with node 0 \(4 nodes\) can .* as a rigid body"):
+    with pytest.raises(ValueError, match=r"the piece with node 0 \(4 nodes: Cable 'line'\) can .* as a rigid body"):
         check_supports(structure, structure.supported)
 
 
@@ -110,10 +109,24 @@ def test_each_piece_needs_supports():
     points = np.vstack([POINTS, POINTS + np.array([0, 0, 5])])
     parts = {name: Membrane(TRIANGLES + i, Fabric(Et=1e5, nu=0.3)) for name, i in [("low", 0), ("high", 9)]}
     structure = Structure(points, parts, [Support(CORNERS)])
-    with pytest.raises(ValueError, match=r"the piece with node 9 \(9 nodes\) can move along"):
+    with pytest.raises(
+        ValueError, match=r"the piece with node 9 \(9 nodes: Membrane 'high'\) can move along .*join it to the rest"
+    ):
         check_supports(structure, structure.supported)
     tied = Structure(points, {**parts, "mast": Mast([[4, 13], [0, 9], [2, 11], [6, 15]], 1e6)}, [Support(CORNERS)])
     check_supports(tied, tied.supported)  # connected: as one rigid body it is held
+
+
+def test_floating_cable_is_named_with_its_cell():
+    points = np.vstack([POINTS, [[5.0, 0, 0], [6, 0, 0], [7, 0, 0]]])
+    parts = {
+        "fabric": Membrane(TRIANGLES, Fabric(Et=1e5, nu=0.3)),
+        "stays": Cable([[0, 4], [9, 10], [4, 8], [10, 11]], 1e6),
+    }
+    structure = Structure(points, parts, [Support(CORNERS)])
+    message = r"the piece with node 9 \(3 nodes: Cable 'stays' \(cells 1, 3\)\) can move along x as a rigid body"
+    with pytest.raises(ValueError, match=message):
+        check_supports(structure, structure.supported)
 
 
 def test_nodes_that_no_part_uses_need_no_supports():

@@ -1,9 +1,11 @@
 """Checks of user input: what passes, what is refused, and whether the refusal names the thing and its value."""
 
+import re
+
 import numpy as np
 import pytest
 
-from fx_membrane import validation
+from fx_membrane import DeadLoad, validation
 
 
 @pytest.mark.parametrize(
@@ -13,6 +15,7 @@ from fx_membrane import validation
         (-np.inf, "^Et is -inf; give a finite number"),
         ("stiff", "^Et is the text 'stiff'; give a number"),
         (None, "^Et must be a number, not None"),
+        (True, "^Et must be a number, not True"),
         ([1.0, 2.0], r"^Et must be a number, not \[1.0, 2.0\]"),
     ],
 )
@@ -46,7 +49,8 @@ def test_positive_returns_a_float():
         ([np.inf, 0], r"^points has a value that is not finite \(inf\) at index \(0,\)"),
         (np.nan, r"^points has a value that is not finite \(nan\); give"),
         ([[0, 1], [2]], "^points must be an array of numbers with rows of equal length"),
-        ("abc", "^points must be an array of numbers"),
+        ("abc", "^points must be an array of numbers .* not 'abc'"),
+        (None, "^points must be an array of numbers .* not None"),
     ],
 )
 def test_finite_refuses(value, message):
@@ -65,8 +69,30 @@ def test_finite_copies_and_freezes():
 
 @pytest.mark.parametrize("value", [1.0, [1, 2], [[1, 2, 3]], [1, 2, 3, 4]])
 def test_vector_refuses_other_shapes(value):
-    with pytest.raises(ValueError, match=r"^force must have three components .* shape is \("):
+    with pytest.raises(ValueError, match=rf"^force is {re.escape(repr(value))}; give three components \(x, y, z\)"):
         validation.vector("force", value)
+
+
+def test_direction_refuses_zero():
+    with pytest.raises(ValueError, match=r"^view is \[0, 0, 0\]; give a direction"):
+        validation.direction("view", [0, 0, 0])
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (3.5, "3.5"),
+        (np.float64(3.5), "3.5"),
+        (np.array([1.0, 2.0]), "[1.0, 2.0]"),
+        ("text", "'text'"),
+        (dict, "the class dict"),
+        (list(range(100)), "a list of 100 entries"),
+        (np.zeros((100, 2)), "an array of float64, shape (100, 2)"),
+        (DeadLoad((0, 0, -1), "fabric", range(9)), "a DeadLoad"),
+    ],
+)
+def test_short_values_are_shown_and_long_ones_described(value, text):
+    assert validation.shown(value) == text
 
 
 @pytest.mark.parametrize(
@@ -82,11 +108,13 @@ def test_rows(value, expected):
 @pytest.mark.parametrize(
     ("value", "message"),
     [
-        ([True, False], r"^nodes must be a list of whole numbers, not bool of shape \(2,\); turn a mask .*flatnonzero"),
-        ([1.0, 2.0], r"^nodes must be a list of whole numbers, not float64 of shape \(2,\)"),
-        (np.nan, "^nodes must be a list of whole numbers, not float64"),
-        ([[1, 2]], r"^nodes must be a list of whole numbers, not int64 of shape \(1, 2\)"),
-        (None, "^nodes must be a list of whole numbers, not object"),
+        ([True, False], r"^nodes must be a list of whole numbers, not \[True, False\]; turn a mask .*flatnonzero"),
+        ([1.0, 2.0], r"^nodes must be a list of whole numbers, not \[1\.0, 2\.0\]"),
+        (3.5, r"^nodes must be a list of whole numbers, not 3\.5\."),
+        (np.nan, "^nodes must be a list of whole numbers, not nan"),
+        ([[1, 2]], r"^nodes must be a list of whole numbers, not \[\[1, 2\]\]"),
+        ([[1, 2], [3]], r"^nodes must be a list of whole numbers, not \[\[1, 2\], \[3\]\]"),
+        (None, "^nodes must be a list of whole numbers, not None"),
     ],
 )
 def test_rows_refuse(value, message):
@@ -94,9 +122,17 @@ def test_rows_refuse(value, message):
         validation.rows("nodes", value)
 
 
+def test_distinct_refuses_a_number_twice():
+    assert validation.distinct("cells", [5, 3], "cell").tolist() == [5, 3]
+    with pytest.raises(ValueError, match=r"^cells names cell 3 twice; name each once, and add a second load"):
+        validation.distinct("cells", [5, 3, 7, 3], "cell")
+
+
 @pytest.mark.parametrize(
     ("value", "message"),
     [
+        (None, r"^cells must be .*, not None"),
+        ([[0, 1, 2], [3]], r"^cells must be .*, not \[\[0, 1, 2\], \[3\]\]"),
         ([[0, 1]], r"^cells must be .* shape \(n, 3\) .*, not int64 of shape \(1, 2\)"),
         ([0, 1, 2], r"^cells must be .* not int64 of shape \(3,\)"),
         (np.empty((0, 3), dtype=int), r"^cells must be .* with n >= 1, not int64 of shape \(0, 3\)"),

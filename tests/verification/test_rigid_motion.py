@@ -39,7 +39,7 @@ SHIFT = np.array([3.0, -5.0, 2.0])
 
 
 def moved(points, turn, share=1.0):
-    return turn.apply(points) + share * SHIFT
+    return points @ turn.as_matrix().T + share * SHIFT
 
 
 def motion_stage(name, points, target, nodes, after=None):

@@ -1,0 +1,82 @@
+"""A stage in words and numbers: iterations, forces, stresses, strains, states, reactions and their balance."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import validation
+from .parts import Cable
+from .results import MembraneResult, StageResult
+
+
+def report(
+    result: StageResult, nodes: Sequence[int] = (), *, first: int = 0, force_unit: str = "N", length_unit: str = "m"
+) -> str:
+    """Table of a stage, to print.
+
+    It gives of each part the least and the largest value: forces of cables and masts, principal stresses of membranes
+    and their largest principal strain; and how many cells are slack or wrinkled.
+
+    Args:
+        result: A stage.
+        nodes: Nodes whose reactions are listed.
+        first: The number written for node 0.
+        force_unit: What is written behind forces.
+        length_unit: The same for lengths.
+
+    Returns:
+        The lines, without a line end after the last.
+
+    Raises:
+        ValueError: The result is not that of a stage, or a node does not exist.
+    """
+    validation.instance("The first argument of report", result, StageResult)
+    validation.in_range("nodes", np.asarray(nodes, dtype=np.int64), len(result.structure.points), "node")
+    iterations = [len(increment.iterations) - 1 for increment in result.increments]
+    lines = [f"Stage {result.name!r}, iterations per increment: {iterations}"]
+    width = max(map(len, result.parts)) + 2
+    for name in result.parts:
+        said = _part(result, name, force_unit, length_unit)
+        lines += [f"  {name if not row else '':{width}}{text}" for row, text in enumerate(said)]
+    size = np.linalg.norm(result.displacement, axis=1)
+    lines.append(f"  largest displacement {size.max():.6g} {length_unit}, at node {size.argmax() + first}")
+    for node in nodes:
+        lines.append(f"  reaction at node {node + first}: {_vector(result, result.reactions[node])} {force_unit}")
+    return "\n".join(lines + _balance(result, force_unit, length_unit))
+
+
+def _part(result: StageResult, name: str, force_unit: str, length_unit: str) -> list[str]:
+    part = result.parts[name]
+    if not isinstance(part, MembraneResult):
+        cable = isinstance(result.structure.parts[name], Cable)
+        slack = f", {part.slack.sum()} of {len(part.slack)} cells slack" if cable else ""
+        return [f"{_range(part.force)} {force_unit}{slack}"]
+    states = ", ".join(f"{(part.state == state).sum()} {state}" for state in ("taut", "wrinkled", "slack"))
+    return [
+        f"{_range(part.principal[:, 0])} {force_unit}/{length_unit}, principal stress I",
+        f"{_range(part.principal[:, 1])} {force_unit}/{length_unit}, principal stress II",
+        f"largest principal strain {np.linalg.eigvalsh(part.strain).max():.5f}; cells: {states}",
+    ]
+
+
+def _balance(result: StageResult, force_unit: str, length_unit: str) -> list[str]:
+    balance = result.equilibrium
+    force = np.abs(balance.loads + balance.reactions).max()
+    moment = np.abs(balance.load_moment + balance.reaction_moment).max()
+    loads, reactions = _vector(result, balance.loads), _vector(result, balance.reactions)
+    return [
+        f"  sum of loads {loads}, of reactions {reactions} {force_unit}",
+        f"  they balance to {force:.0e} {force_unit}, moments to {moment:.0e} {force_unit} {length_unit}; "
+        f"largest unbalanced nodal force {balance.residual:.0e} {force_unit}",
+    ]
+
+
+def _range(values: NDArray[np.float64]) -> str:
+    return f"{values.min():12.6g} to {values.max():12.6g}"
+
+
+def _vector(result: StageResult, values: NDArray[np.float64]) -> str:
+    """Components of a force; what is rounding beside the reactions is 0."""
+    rounding = 1e-12 * np.abs(result.reactions).sum()
+    return f"({', '.join(f'{value:.6g}' if abs(value) > rounding else '0' for value in values)})"

@@ -1,0 +1,63 @@
+"""The direction of tension in a woven fabric that wrinkles: stationary, and the best.
+
+Reference: the conditions of optimality of the convex problem. Tolerance: rounding, 1e-12.
+"""
+
+import numpy as np
+import pytest
+
+from fx_membrane import (
+    OrthotropicFabric,
+    tension_field,
+)
+from wrinkled import COLUMN, ROW, compliance, engineering, state_of, tensor
+
+
+def random_fabrics(rng, count, low, high):
+    """Stiffnesses that differ by up to 20, shear stiffness down to 1/50, nu between shares of its limit."""
+    for _ in range(count):
+        weft = 1000.0 * 20.0 ** rng.uniform(-1, 1)
+        nu = rng.uniform(low, high) * np.sqrt(1000.0 / weft)
+        yield OrthotropicFabric(1000.0, weft, nu, rng.choice([1000.0, weft]) * 50.0 ** rng.uniform(-1, 0))
+
+
+def random_strains(rng, kind, fabric, count=400):
+    components = rng.normal(size=(count, 3))
+    if kind == "strains":
+        return tensor(components)
+    if kind == "stresses":
+        H = compliance(fabric)
+        return tensor(components / np.sqrt(np.diag(H)) @ H, 0.5)
+    # Nearly slack: only a narrow cone of directions is extended.
+    angle, small = rng.uniform(0, np.pi, count), 10.0 ** rng.uniform(-8, -1, count)
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]).transpose(2, 0, 1)
+    return turn @ (np.stack([small, -np.ones(count)], axis=-1)[:, :, None] * turn.swapaxes(1, 2))
+
+
+@pytest.mark.parametrize("kind", ["strains", "stresses", "nearly slack"])
+@pytest.mark.parametrize(("low", "high"), [(-0.999, -0.7), (-0.7, 0.0), (0.0, 0.7), (0.7, 0.999)])
+def test_direction_of_tension_is_stationary_and_the_best(low, high, kind):
+    """Optimal where the wrinkle strain b = C^-1 : S - e is normal to the tension and not negative; the problem is
+    convex, so that is enough. Dense sampling says the same: no direction has more energy."""
+    rng = np.random.default_rng(21)
+    c, s = np.cos(np.linspace(0, np.pi, 1001)), np.sin(np.linspace(0, np.pi, 1001))
+    fan = np.array([c**2, s**2, c * s])
+    for fabric in random_fabrics(rng, 100, low, high):
+        H, e = compliance(fabric), random_strains(rng, kind, fabric)
+        e = e[state_of(e, fabric) == 1]
+        angle = tension_field.direction(e[:, ROW, COLUMN], fabric)
+        t = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+        n = np.stack([-t[:, 1], t[:, 0]], axis=-1)
+        tt = np.stack([t[:, 0] ** 2, t[:, 1] ** 2, t[:, 0] * t[:, 1]], axis=-1)
+        e_tt, H_tt = np.einsum("ni,nij,nj->n", t, e, t), np.einsum("ni,ij,nj->n", tt, H, tt)
+        elastic = tensor((e_tt / H_tt)[:, None] * tt @ H, 0.5)
+        b = elastic - e
+        scale = np.abs(e).max(axis=(1, 2)) + np.abs(elastic).max(axis=(1, 2))
+        along, across = np.einsum("ni,nij,nj->n", t, b, n) / scale, np.einsum("ni,nij,nj->n", n, b, n) / scale
+        assert np.abs(along).max() <= 1e-12, fabric
+        assert across.min() >= -1e-12, fabric
+        assert (e_tt > 0).all(), fabric
+        # Where e_tt is a small difference of large terms, rounding is in it: 1e-15 of the strain.
+        sampled = np.maximum(engineering(e) @ fan, 0) / np.sqrt(np.einsum("ik,ij,jk->k", fan, H, fan))
+        rounding = 1e-15 * np.abs(e).max(axis=(1, 2)) / np.sqrt(H_tt)
+        assert (sampled.max(axis=1) <= e_tt / np.sqrt(H_tt) * (1 + 1e-12) + rounding).all(), fabric

@@ -1,0 +1,76 @@
+"""Structures that several tests use, a square sheet and an arch that snaps through, and comparisons of states."""
+
+import numpy as np
+import pytest
+
+from fx_membrane import (
+    DeadLoad,
+    Fabric,
+    Mast,
+    Membrane,
+    PrescribedDisplacement,
+    Stage,
+    Structure,
+    Support,
+    boundary,
+    rectangle,
+)
+from fx_membrane.load_case import target, unloaded
+
+POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
+INCLINED = POINTS + np.array([[0, 0, 0.2 * x * y + 0.1 * x] for x, y, _ in POINTS])
+EDGE = np.unique(boundary(TRIANGLES))
+CENTRE = 12
+FABRIC = Fabric(Et=1e5, nu=0.3)
+SNOW = DeadLoad((0, 0, -200.0), "fabric")
+WIND = DeadLoad((30.0, 0, 250.0), "fabric", range(8))
+TOO_MUCH = DeadLoad((0, 0, -1e12), "fabric")
+LIFT = PrescribedDisplacement(CENTRE, (0.01, 0, 0.1))
+
+
+def rotation(seed):
+    Q, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
+    return Q * np.sign(np.linalg.det(Q))
+
+
+def sheet(*supports, prestress=1e3, points=POINTS, triangles=TRIANGLES):
+    """A membrane, flat and held along its edge unless said otherwise."""
+    fabric = Membrane(triangles, FABRIC, prestress=prestress)
+    return Structure(points, {"fabric": fabric}, supports or [Support(np.unique(boundary(triangles)))])
+
+
+def inclined_sheet(triangles=TRIANGLES):
+    """No two cells alike."""
+    return sheet(points=INCLINED, triangles=triangles)
+
+
+def flipped(seed):
+    """The triangles, some with their nodes in the other sense; the first keeps its own."""
+    flip = np.random.default_rng(seed).random(len(TRIANGLES)) < 0.5
+    flip[0] = False
+    assert 5 < np.count_nonzero(flip) < len(TRIANGLES) - 5
+    return np.where(flip[:, None], TRIANGLES[:, ::-1], TRIANGLES)
+
+
+def arch(supports=(Support([0, 2]), Support(1, "y"))):
+    """Two bars that snap through, held in their plane."""
+    parts = {"arch": Mast([[0, 1], [1, 2]], 1e6)}
+    return Structure([[-1.0, 0, 0], [0, 0, 0.3], [1, 0, 0]], parts, supports)
+
+
+# The largest load on it: the force EA (h^2 - z^2) / l^2 z / l, twice, at z = h / sqrt(3).
+LIMIT = 2 / 3**1.5 * 1e6 * 0.3**3 / 1.09**1.5
+
+
+def close(a, b):
+    return a == pytest.approx(b, abs=1e-9 * np.abs(b).max())
+
+
+def same_state(a, b):
+    return close(a.displacement, b.displacement) and close(a.reactions, b.reactions) and close(a.loads, b.loads)
+
+
+def end(problem, *loads, start=None):
+    """Actions at the end of a stage with these loads."""
+    start = unloaded(problem.discretization.structure) if start is None else start
+    return target(problem, Stage("loads", loads), start)

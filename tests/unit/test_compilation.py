@@ -1,0 +1,51 @@
+"""Forms are compiled once: not again by another structure of the same parts, a stage or another process."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+COMPILED = """
+import os
+from pathlib import Path
+from fx_membrane import *
+
+cache = Path(os.environ["XDG_CACHE_HOME"], "fenics")
+
+def compiled():
+    return len(list(cache.glob("*.so")))
+
+def analyse(n):
+    points, triangles = rectangle(1.0, 1.0, n, n)
+    edges, half = boundary(triangles), len(triangles) // 2
+    woven = OrthotropicFabric(Et_warp=1e5 * n, Et_weft=8e4, nu=0.3, Gt=2e4)
+    parts = {
+        f"fabric {n}": Membrane(triangles[:half], Fabric(Et=1e5 * n, nu=0.3), prestress=1e3 * n),
+        f"woven {n}": Membrane(triangles[half:], woven, prestress=1e3 * n, warp=(1.0, n, 0)),
+        f"cable {n}": Cable(edges, 1e6 * n, 1e3),
+    }
+    supports = [Support(edges[edges[:, 0] > 0, 0])]
+    analysis = Analysis(Structure(points, parts, supports))
+    made = compiled()
+    snow = Stage("snow", [DeadLoad((0, 0, -n), f"fabric {n}")], [PrescribedDisplacement(0, (0, 0, 0.1))])
+    analysis.run([snow, Stage("ice", [DeadLoad((0, 0, -n), f"cable {n}"), PointLoad(0, (0, 0, n))], after="snow")])
+    return made, compiled()
+
+print(*(count for n in (2, 3, 4) for count in analyse(n)))
+"""
+
+
+@pytest.mark.serial
+def test_nothing_is_compiled_twice(tmp_path):
+    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path)}
+
+    def counts():
+        command = [sys.executable, "-c", COMPILED]
+        run = subprocess.run(command, env=environment, capture_output=True, text=True, check=True, timeout=120)
+        return [int(count) for count in run.stdout.split()]
+
+    cold = counts()
+    assert cold[0] > 0
+    assert cold == [cold[0]] * 6  # not by another structure of the same kind, nor by a stage
+    assert counts() == cold  # nor by another process

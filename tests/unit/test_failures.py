@@ -1,0 +1,97 @@
+"""What is left when a load increment finds no equilibrium, and what the message says."""
+
+import numpy as np
+import pytest
+
+from fx_membrane import (
+    Analysis,
+    ConvergenceError,
+    DeadLoad,
+    Newton,
+    PointLoad,
+    PrescribedDisplacement,
+    Stage,
+    Support,
+)
+from fx_membrane.analysis import HALVINGS
+from models import LIFT, LIMIT, POINTS, SNOW, TOO_MUCH, arch, rotation, same_state, sheet
+
+
+@pytest.mark.parametrize("R", [np.eye(3), *map(rotation, range(4))], ids=["z=0", *(f"turned {i}" for i in range(4))])
+def test_flat_membrane_without_prestress_has_no_stiffness_across(R):
+    structure = sheet(prestress=0.0, points=POINTS @ R.T)
+    load = DeadLoad(R @ [0, 0, -200.0], "fabric")
+    with pytest.raises(
+        ConvergenceError,
+        match=r"'snow' .* load factor 0\.5 \(the last found is at 0\): .* singular.* node 6 .*prestress",
+    ) as error:
+        Analysis(structure).run([Stage("snow", [load], steps=2)])
+    assert len(error.value.failed.iterations) == 1
+    assert not error.value.last.displacement.any()
+
+
+def test_failure_keeps_the_completed_stages_and_the_state_before(analysis):
+    short = Analysis(sheet(), Newton(max_iterations=4))
+    first = Stage("first", [DeadLoad((0, 0, -20.0), "fabric")])
+    with pytest.raises(ConvergenceError, match=r"^Stage 'snow' found no equilibrium at load factor ") as error:
+        short.run([first, Stage("other"), Stage("snow", [TOO_MUCH], [LIFT], after="first"), Stage("never")])
+    failure = error.value
+    expected = analysis.run([first])["first"]
+    assert list(failure.results) == ["first", "other"]
+    assert same_state(failure.results["first"], expected)
+    assert failure.last.name == "snow"
+    assert failure.last.increments == ()
+    assert same_state(failure.last, expected)
+    assert failure.last.equilibrium.residual <= 1e-9 * np.abs(expected.reactions).max()
+    assert failure.failed.load_factor == 1 / 2**HALVINGS
+    assert len(failure.failed.iterations) == 5
+
+
+def test_failure_in_a_later_step_keeps_the_steps_before():
+    # So near the largest load there is little stiffness left, and displacements have fewer digits than forces.
+    analysis = Analysis(arch(), Newton(rtol=1e-13, max_iterations=12))
+    with pytest.raises(ConvergenceError, match=r"\(the last found is at 0\.83") as error:
+        analysis.run([Stage("push", [PointLoad(1, (0, 0, -1.2 * LIMIT))], steps=8)])
+    failure = error.value
+    factors = [increment.load_factor for increment in failure.last.increments]
+    assert factors[:6] == [0.125, 0.25, 0.375, 0.5, 0.625, 0.75]
+    # Between the last state and the one that is not found lies the largest load; both within the shortest increment.
+    assert factors[-1] < 1 / 1.2 < failure.failed.load_factor <= factors[-1] + 0.125 / 2**HALVINGS
+    load = factors[-1] * 1.2 * LIMIT
+    part = analysis.run([Stage("push", [PointLoad(1, (0, 0, -load))], steps=6)])["push"]
+    assert same_state(failure.last, part)
+    assert failure.last.energy == pytest.approx(part.energy, rel=1e-12)
+    assert failure.last.mast("arch").force == pytest.approx(part.mast("arch").force, rel=1e-9)
+    assert failure.last.equilibrium.residual <= 1e-9 * LIMIT
+    z = 0.3 + failure.last.displacement[1, 2]
+    assert 1e6 * (0.3**2 - z**2) * z / 1.09**1.5 == pytest.approx(load, rel=1e-9)
+
+
+def test_failure_after_moving_supports_keeps_their_position():
+    # With more iterations one of them can land on the shape that has snapped through.
+    analysis = Analysis(arch([Support(0), Support(1, "y")]), Newton(max_iterations=6))
+    hold = Stage("hold", displacements=[PrescribedDisplacement(2, (0, 0, 0))])
+    push = PointLoad(1, (0, 0, -1.2 * LIMIT))
+    spread = PrescribedDisplacement([2], (0.01, 0, 0))
+    with pytest.raises(ConvergenceError) as error:
+        analysis.run([hold, Stage("push", [push], [spread], steps=8, after="hold")])
+    last = error.value.last
+    factor = last.increments[-1].load_factor
+    assert 0 < factor < 1
+    assert last.displacement[2] == pytest.approx([factor * 0.01, 0, 0], rel=1e-14)
+    assert last.loads[1, 2] == pytest.approx(-factor * 1.2 * LIMIT)
+    assert last.equilibrium.residual <= 1e-9 * LIMIT
+
+
+def test_analysis_can_go_on_after_a_failure(analysis):
+    short = Analysis(sheet(), Newton(max_iterations=4))
+    mild = [Stage("mild", [DeadLoad((0, 0, -20.0), "fabric")])]
+    with pytest.raises(ConvergenceError):
+        short.run([Stage("snow", [TOO_MUCH], [LIFT])])
+    assert same_state(short.run(mild)["mild"], analysis.run(mild)["mild"])
+
+
+def test_bad_stage_is_refused_before_anything_is_solved():
+    short = Analysis(sheet(), Newton(max_iterations=1))  # would fail in the first stage
+    with pytest.raises(ValueError, match="node 99"):
+        short.run([Stage("snow", [SNOW]), Stage("wind", [PointLoad(99, (0, 0, 1))])])

@@ -1,0 +1,109 @@
+"""Length of load increments: halved where they fail, growing back afterwards."""
+
+import numpy as np
+import pytest
+
+from fx_membrane import (
+    Analysis,
+    ConvergenceError,
+    Newton,
+    PointLoad,
+    Stage,
+)
+from fx_membrane.solver import Iteration, Solution
+from models import CENTRE, WIND, same_state, sheet
+
+POINT = [PointLoad(CENTRE, (0, 0, -2e4)), WIND]
+
+
+def unwilling(analysis, failing, retry=True):
+    """Makes the solver fail at some of its calls, counted from zero, and leave nonsense behind; gives the targets."""
+    solve, problem, tried = analysis._solve, analysis._problem, []
+
+    def wrapped(x, *monitor):
+        tried.append(float(problem.discretization.gather(problem._loads)[CENTRE, 2]) / -100.0)
+        if len(tried) - 1 not in failing:
+            return solve(x, *monitor)
+        x.set(1e3)
+        return Solution(False, "it is unwilling.", (Iteration(1.0, 2.0, 0.0),), retry=retry)
+
+    analysis._solve = wrapped
+    return tried
+
+
+def pushed(failing, steps, retry=True):
+    """Load factors that are tried and those that are found, and the state."""
+    analysis = Analysis(sheet())
+    tried = unwilling(analysis, failing, retry)
+    result = analysis.run([Stage("push", [PointLoad(CENTRE, (0, 0, -100.0))], steps=steps)])["push"]
+    return tried, [increment.load_factor for increment in result.increments], result
+
+
+@pytest.mark.parametrize(
+    ("steps", "failing", "tried", "found"),
+    [
+        (1, [], [1], [1]),
+        (1, [0], [1, 1 / 2, 1], [1 / 2, 1]),
+        (1, [0, 1], [1, 1 / 2, 1 / 4, 3 / 4, 1], [1 / 4, 3 / 4, 1]),
+        (3, [1], [1 / 3, 2 / 3, 1 / 2, 5 / 6, 1], [1 / 3, 1 / 2, 5 / 6, 1]),
+        (2, [0, 2], [1 / 2, 1 / 4, 3 / 4, 1 / 2, 1], [1 / 4, 1 / 2, 1]),
+        (1, [0, 1, 4], [1, 1 / 2, 1 / 4, 3 / 4, 1, 7 / 8, 1], [1 / 4, 3 / 4, 7 / 8, 1]),
+    ],
+    ids=["none", "first", "first two", "second of three", "one that has grown", "the rest of the stage"],
+)
+def test_failing_increment_is_halved_and_the_next_grows_back(analysis, steps, failing, tried, found):
+    all_tried, all_found, result = pushed(failing, steps)
+    assert all_tried == pytest.approx(tried, rel=1e-14)
+    assert all_found == pytest.approx(found, rel=1e-14)
+    assert all_found[-1] == 1
+    assert same_state(result, analysis.run([Stage("push", [PointLoad(CENTRE, (0, 0, -100.0))])])["push"])
+
+
+def test_history_is_that_of_the_increments_found():
+    _, _, result = pushed([0, 1], 1)
+    assert [factor for factor, entry in result.history if entry.step == 0] == [1 / 4, 3 / 4, 1]
+    assert max(entry.residual for _, entry in result.history) < 1e3
+
+
+@pytest.mark.parametrize("steps", [1, 3])
+def test_gives_up_after_eight_halvings(analysis, steps):
+    stubborn = Analysis(sheet())
+    tried = unwilling(stubborn, range(2, 100))
+    stages = [Stage("rest"), Stage("push", [PointLoad(CENTRE, (0, 0, -100.0))], steps=steps, after="rest")]
+    if steps == 1:
+        stages.insert(1, Stage("other"))
+    with pytest.raises(ConvergenceError, match=r"^Stage 'push' .* it is unwilling\.$") as error:
+        stubborn.run(stages)
+    done = 0 if steps == 1 else 1
+    failure, full = error.value, 1 / steps
+    assert len(tried) == 2 + 1 + 8
+    assert failure.failed.load_factor == pytest.approx(full * (done + 1 / 2**8), rel=1e-14)
+    assert list(failure.results) == [stage.name for stage in stages[:-1]]
+    assert [increment.load_factor for increment in failure.last.increments] == [full] * done
+    part = Stage("push", [PointLoad(CENTRE, (0, 0, -100.0 * full * done))])
+    expected = analysis.run([part])["push"]
+    scale = 1e-9 * np.abs(expected.displacement).max()
+    assert failure.last.displacement == pytest.approx(expected.displacement, abs=scale)
+
+
+def test_increment_that_no_length_helps_is_not_halved():
+    analysis = Analysis(sheet())
+    tried = unwilling(analysis, [0], retry=False)
+    with pytest.raises(ConvergenceError):
+        analysis.run([Stage("push", [PointLoad(CENTRE, (0, 0, -100.0))])])
+    assert len(tried) == 1
+
+
+def test_hard_load_in_one_step_ends_where_many_steps_end(analysis):
+    short = Analysis(sheet(), Newton(max_iterations=4)).run([Stage("hard", POINT)])["hard"]
+    factors = [increment.load_factor for increment in short.increments]
+    sizes = np.diff([0, *factors])
+    assert (sizes > 0).all()
+    assert len(factors) > 2
+    assert factors[-1] == 1
+    assert (sizes[1:] > sizes[:-1]).any()  # it grows back
+    assert (sizes[1:] <= 2 * sizes[:-1]).all()
+    many = analysis.run([Stage("hard", POINT, steps=40)])["hard"]
+    assert [increment.load_factor for increment in many.increments] == [(k + 1) / 40 for k in range(40)]
+    assert same_state(short, many)
+    assert short.energy == pytest.approx(many.energy, rel=1e-12)

@@ -1,0 +1,89 @@
+"""The table of a stage says what the result holds."""
+
+import re
+
+import numpy as np
+import pytest
+
+from fx_membrane import (
+    Analysis,
+    Cable,
+    DeadLoad,
+    Fabric,
+    Mast,
+    Membrane,
+    PrescribedDisplacement,
+    Stage,
+    Structure,
+    Support,
+    boundary,
+    polyline,
+    rectangle,
+    report,
+)
+
+
+@pytest.fixture(scope="module")
+def result():
+    """A sheet that is stretched one way and brought together the other, a slack cable on it, a mast under it."""
+    points, triangles = rectangle(2.0, 2.0, 4, 4)
+    points = np.vstack([points, [[0, 0, -1]]])
+    rim = np.unique(boundary(triangles))
+    parts = {
+        "fabric": Membrane(triangles, Fabric(Et=1e5, nu=0.3), prestress=50.0),
+        "ridge": Cable(polyline(range(10, 15)), 1e6),
+        "mast": Mast([[25, 12]], 1e7),
+    }
+    structure = Structure(points, parts, [Support(25), Support(rim, "z")])
+    moves = PrescribedDisplacement(rim, points[rim] * [-0.01, 0.02, 0], "xy")
+    return Analysis(structure).run([Stage("fold", [DeadLoad((0, 0, -100), "fabric")], [moves], steps=2)])["fold"]
+
+
+def numbers(line):
+    return [float(text) for text in re.findall(r"-?\d+\.?\d*(?:e[+-]\d+)?", line)]
+
+
+def test_table(result):
+    lines = report(result, [0, 25], first=1, force_unit="kN", length_unit="cm").splitlines()
+    fabric, ridge = result.membrane("fabric"), result.cable("ridge")
+    counts = [len(increment.iterations) - 1 for increment in result.increments]
+    assert lines[0] == f"Stage 'fold', iterations per increment: {counts}"
+    labels = ["fabric", "", "", "ridge", "mast"]
+    assert [line[2:10].strip() for line in lines[1:6]] == labels
+    for line, values in zip(lines[1:3], fabric.principal.T, strict=True):
+        assert "kN/cm, principal stress" in line
+        assert numbers(line) == pytest.approx([values.min(), values.max()], rel=1e-5)
+    states = [np.count_nonzero(fabric.state == state) for state in ("taut", "wrinkled", "slack")]
+    assert states[1] > 0
+    assert numbers(lines[3]) == pytest.approx([np.linalg.eigvalsh(fabric.strain).max(), *states], abs=1e-5)
+    slack = np.count_nonzero(ridge.slack)
+    assert slack > 0
+    assert numbers(lines[4]) == pytest.approx([ridge.force.min(), ridge.force.max(), slack, 4], rel=1e-5)
+    force = result.mast("mast").force[0]
+    assert numbers(lines[5]) == pytest.approx([force, force], rel=1e-5)
+    assert "slack" not in lines[5]
+    size = np.linalg.norm(result.displacement, axis=1)
+    assert numbers(lines[6]) == pytest.approx([size.max(), size.argmax() + 1], rel=1e-5)
+    for line, node in zip(lines[7:9], (0, 25), strict=True):
+        assert numbers(line)[0] == node + 1
+        assert numbers(line)[1:] == pytest.approx(result.reactions[node], rel=1e-5, abs=1e-9)
+    assert numbers(lines[9]) == pytest.approx([0, 0, -400, 0, 0, 400], rel=1e-5)
+    assert "moments to" in lines[10]
+    assert max(numbers(lines[10])) < 1e-6
+    assert len(lines) == 11
+
+
+def test_without_nodes_there_are_no_reactions_of_nodes(result):
+    assert "reaction at" not in report(result)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((5,), "^The first argument of report is 5; give a StageResult"),
+        ((None, [26]), "^nodes names node 26, which does"),
+    ],
+)
+def test_refusals(result, arguments, message):
+    with pytest.raises(ValueError, match=message):
+        report(arguments[0] or result, *arguments[1:])

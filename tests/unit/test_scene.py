@@ -1,0 +1,54 @@
+"""Views: what is up, what is to the right, and that lengths across the view are true."""
+
+import numpy as np
+import pytest
+
+from fx_membrane import Analysis, Stage, Support, rectangle, scene
+from models import sheet
+
+SLOPE, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
+SLOPE[:, 2] = 2 * SLOPE[:, 0]
+
+
+@pytest.fixture(scope="module")
+def drawn():
+    """Pictures of an inclined square, in shades of a nodal field."""
+    pytest.importorskip("pyvista")
+    structure = sheet(Support(range(25)), points=SLOPE, triangles=TRIANGLES)
+    (rest,) = Analysis(structure).run([Stage("rest")]).values()
+
+    def draw(field, view):
+        colours = scene.Colours("gray", -1.0, 1.0, 16)
+        return scene.picture(rest, field, colours, scale=1.0, view=view, mirror=None, odd=False)
+
+    return draw
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(("axis", "along"), [(0, 1), (1, 0)], ids=["x to the right", "y up"])
+@pytest.mark.parametrize("view", [(0, 0, 1), (0, 0, 5.0), (1e-6, -2e-6, 1)])
+def test_plan_has_x_to_the_right_and_y_up(drawn, axis, along, view):
+    brightness = drawn(SLOPE[:, axis], view).mean(axis=(1 - along, 2))
+    size = len(brightness) // 4
+    first, last = brightness[size : 2 * size].mean(), brightness[2 * size : 3 * size].mean()
+    assert last > first + 20 if axis == 0 else first > last + 20  # rows of a picture run down
+
+
+@pytest.mark.serial
+def test_plan_of_a_slope_is_not_in_perspective(drawn):
+    ink = (drawn(0.5 * SLOPE[:, 0], (0, 0, 1)) < 250).any(axis=2)
+    low, high = (np.count_nonzero(ink[:, column]) for column in (ink.shape[1] // 10, 9 * ink.shape[1] // 10))
+    assert high == pytest.approx(low, abs=3)
+
+
+@pytest.mark.parametrize(
+    ("view", "axes"),
+    [
+        ((0, 0, 2), [[1, 0, 0], [0, 1, 0]]),
+        ((0, 0, -2), [[-1, 0, 0], [0, 1, 0]]),
+        ((0, -1, 0), [[1, 0, 0], [0, 0, 1]]),
+        ((3, 0, 0), [[0, 1, 0], [0, 0, 1]]),
+    ],
+)
+def test_right_and_up_of_a_picture(view, axes):
+    assert scene.screen_axes(view).tolist() == axes
