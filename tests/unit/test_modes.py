@@ -87,7 +87,7 @@ def test_part_without_mass_that_nothing_holds(prestress):
 
 @pytest.mark.parametrize("function", [natural_frequencies, stability])
 def test_not_a_state(function):
-    with pytest.raises(ValueError, match=f"^{function.__name__} state is of type dict; give a StageResult"):
+    with pytest.raises(ValueError, match=f"^{function.__name__} state is .*; give a StageResult"):
         function({})
 
 
