@@ -18,6 +18,7 @@ from .gmsh import structure_from_gmsh
 from .large_strain import LargeStrainWarning
 from .loads import DeadLoad, PlanLoad, PointLoad, PrescribedDisplacement, Pressure, Stage
 from .material import Fabric, OrthotropicFabric
+from .modes import Modes, Stability, natural_frequencies, stability
 from .parts import Cable, Mast, Membrane
 from .report import report
 from .results import BarResult, Equilibrium, Increment, MembraneResult, StageResult
@@ -44,6 +45,7 @@ __all__ = [
     "Mast",
     "Membrane",
     "MembraneResult",
+    "Modes",
     "Net",
     "Newton",
     "OrthotropicFabric",
@@ -51,6 +53,7 @@ __all__ = [
     "PointLoad",
     "PrescribedDisplacement",
     "Pressure",
+    "Stability",
     "Stage",
     "StageResult",
     "Structure",
@@ -58,10 +61,12 @@ __all__ = [
     "boundary",
     "edges_on",
     "force_density",
+    "natural_frequencies",
     "plot",
     "polyline",
     "rectangle",
     "report",
+    "stability",
     "structure_from_gmsh",
     "updated_reference",
 ]

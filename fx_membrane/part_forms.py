@@ -10,7 +10,7 @@ from dolfinx import fem
 
 from . import _dolfinx, tension_field
 from .discretization import PartMesh
-from .forms import elasticity, kinematics, loads, stress, wrinkling
+from .forms import elasticity, inertia, kinematics, loads, stress, wrinkling
 from .material import Fabric
 from .parts import Cable, Mast, Membrane
 from .structure import Structure
@@ -98,6 +98,14 @@ def part_forms(mesh: PartMesh, structure: Structure, elastic: bool) -> PartForms
         load=_dolfinx.form(loads.dead_load(q, v) * dx),
         pressure=pressure and _dolfinx.form(pressure),
     )
+
+
+def mass_form(mesh: PartMesh) -> Any:
+    """Compiled work of the inertia forces of a part, its consistent mass matrix; the same in every state."""
+    V = mesh.u.function_space
+    m = fem.Constant(mesh.mesh, np.float64(mesh.part.mass))
+    dx = ufl.Measure("dx", domain=mesh.mesh, metadata={"quadrature_degree": 2})  # exact: shape functions are linear
+    return _dolfinx.form(inertia.inertia(m, ufl.TrialFunction(V), ufl.TestFunction(V)) * dx)
 
 
 def _nothing() -> None:

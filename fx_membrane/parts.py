@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar, Self, TypeVar
 
 import numpy as np
@@ -28,10 +28,13 @@ class Membrane:
         compression_stiffness: Share of the stiffness that is kept where the membrane wrinkles or is slack, in (0, 1]
             [-]. It keeps slack nodes in place; above 1e-3 it is seen in results. 1 switches wrinkling off: compression
             is carried like tension, and every cell is called taut.
+        mass: Mass per area of the reference shape, as data sheets give it [kg/m2], for `natural_frequencies`. It is
+            here and not in the material, so that membranes, cables and masts have it in one place. It brings no
+            weight: that is a load, `DeadLoad((0, 0, -9.81 * mass), part)`.
 
     Raises:
         ValueError: Cells, prestress or warp have a wrong shape or values that are not finite; the material or the
-            prestress has a direction and there is no warp.
+            prestress has a direction and there is no warp; the mass is negative.
     """
 
     dimension: ClassVar[int] = 2
@@ -40,12 +43,14 @@ class Membrane:
     prestress: ArrayLike = 0.0
     warp: ArrayLike | None = None
     compression_stiffness: float = 1e-4
+    mass: float = field(default=0.0, kw_only=True)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "cells", validation.cells("Membrane cells", self.cells, 3))
         validation.instance("Membrane material", self.material, Fabric | OrthotropicFabric)
         object.__setattr__(self, "prestress", validation.finite("Membrane prestress", self.prestress))
         validation.share("Membrane compression_stiffness", self.compression_stiffness)
+        validation.not_negative("Membrane mass", self.mass)
         tensors = self.prestress_tensors()
         directed = not np.array_equal(tensors, tensors[:, :1, :1] * np.eye(2))
         if self.warp is not None:
@@ -87,19 +92,23 @@ class _Bar:
     cells: NDArray[np.int64]
     axial_stiffness: float
     prestress: ArrayLike = 0.0
+    mass: float = field(default=0.0, kw_only=True)
 
     def __post_init__(self) -> None:
         kind = type(self).__name__
         object.__setattr__(self, "cells", validation.cells(f"{kind} cells", self.cells, 2))
         validation.positive(f"{kind} axial_stiffness", self.axial_stiffness)
+        validation.not_negative(f"{kind} mass", self.mass)
         object.__setattr__(self, "prestress", validation.finite(f"{kind} prestress", self.prestress))
         self.prestress_tensors()
 
     @classmethod
-    def from_modulus(cls, cells: NDArray[np.int64], E: float, area: float, prestress: ArrayLike = 0.0) -> Self:
-        """Bars of a Young's modulus E [Pa] and a cross-section area [m2]."""
+    def from_modulus(
+        cls, cells: NDArray[np.int64], E: float, area: float, prestress: ArrayLike = 0.0, density: float = 0.0
+    ) -> Self:
+        """Bars of a Young's modulus E [Pa], a cross-section area [m2] and a density [kg/m3]."""
         E, area = validation.positive(f"{cls.__name__} E", E), validation.positive(f"{cls.__name__} area", area)
-        return cls(cells, E * area, prestress)
+        return cls(cells, E * area, prestress, mass=validation.not_negative(f"{cls.__name__} density", density) * area)
 
     def prestress_tensors(self) -> NDArray[np.float64]:
         """Prestress of every cell, shape (n, 1, 1) [N]."""
@@ -120,9 +129,11 @@ class Cable(_Bar):
         prestress: Axial force in the reference shape [N], a number or one per cell, shape (n,).
         compression_stiffness: Share of the stiffness that is kept where the cable is slack, in (0, 1] [-].
             With 1 it carries compression, and is never called slack.
+        mass: Mass per length of the reference shape [kg/m], for `natural_frequencies`; it brings no weight.
 
     Raises:
-        ValueError: Cells or prestress have a wrong shape or values that are not finite; a stiffness is not positive.
+        ValueError: Cells or prestress have a wrong shape or values that are not finite; a stiffness is not positive;
+            the mass is negative.
     """
 
     compression_stiffness: float = 1e-4

@@ -20,7 +20,7 @@ from petsc4py import PETSc
 from .discretization import Discretization
 from .geometry import measures
 from .material import Fabric
-from .part_forms import PartForms, part_forms
+from .part_forms import PartForms, mass_form, part_forms
 from .parts import Membrane
 from .structure import Structure
 
@@ -113,15 +113,11 @@ class Problem:
     def tangent(self, x: PETSc.Vec, A: PETSc.Mat) -> None:
         """Derivative of the residual [N/m], Gil (51)-(53), (57)."""
         self._set(x)
-        A.zeroEntries()
-        for name in self.discretization.structure.parts:
-            if name in self.parts:
-                part = self.parts[name]
-                A.setLGMap(part.mesh.numbering, part.mesh.numbering)
-                fem_petsc.assemble_matrix(A, part.tangent)
-            else:  # what assemble_matrix does at its end, together on all processes
-                A.assemble(PETSc.Mat.AssemblyType.FLUSH)
-        A.assemble()
+        self._assemble_matrix(lambda part: part.tangent, A)
+
+    def mass(self, A: PETSc.Mat) -> None:
+        """Consistent mass matrix [kg]; it does not depend on the state."""
+        self._assemble_matrix(lambda part: mass_form(part.mesh), A)
 
     def hold(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
         """Replaces reactions in the residual by the error of the held components times `stiffness` [N]."""
@@ -138,6 +134,18 @@ class Problem:
         self.discretization.to_meshes(x)
         for part in self.parts.values():
             part.follow()
+
+    def _assemble_matrix(self, form: Callable[[PartForms], Any], A: PETSc.Mat) -> None:
+        """Sum of a bilinear form over the parts, in A."""
+        A.zeroEntries()
+        for name in self.discretization.structure.parts:
+            if name in self.parts:
+                part = self.parts[name]
+                A.setLGMap(part.mesh.numbering, part.mesh.numbering)
+                fem_petsc.assemble_matrix(A, form(part))
+            else:  # what assemble_matrix does at its end, together on all processes
+                A.assemble(PETSc.Mat.AssemblyType.FLUSH)
+        A.assemble()
 
     def _assemble(self, form: Callable[[PartForms], Any], b: PETSc.Vec) -> PETSc.Vec:
         """Sum of a linear form over the parts that have it, in b."""

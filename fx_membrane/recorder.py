@@ -50,6 +50,7 @@ class Recorder:
             name=name,
             structure=discretization.structure,
             displacement=displacement,
+            actions=actions,
             loads=loads,
             reactions=reactions,
             energy=problem.energy(x),

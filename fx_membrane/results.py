@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .parts import Cable, Mast, Membrane
+from .problem import Actions
 from .solver import Iteration
 from .structure import Structure
 
@@ -95,6 +96,7 @@ class StageResult:
         name: Name of the stage.
         structure: The structure.
         displacement: From the reference position, shape (n, 3) [m].
+        actions: What holds and loads the structure: held components, dead loads, pressures of the cells.
         loads: Loads on the nodes, those of pressures in the current shape, shape (n, 3) [N].
         reactions: Forces that hold the supports and the prescribed displacements, shape (n, 3) [N]; zero where free.
         energy: Total potential energy [J].
@@ -106,6 +108,7 @@ class StageResult:
     name: str
     structure: Structure
     displacement: Array
+    actions: Actions
     loads: Array
     reactions: Array
     energy: float

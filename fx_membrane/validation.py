@@ -41,6 +41,14 @@ def positive(name: str, value: Any) -> float:
     return result
 
 
+def not_negative(name: str, value: Any) -> float:
+    """A finite number, zero or above."""
+    result = number(name, value)
+    if result < 0:
+        raise ValueError(f"{name} is {value}; it must not be negative.")
+    return result
+
+
 def whole(name: str, value: Any) -> int:
     """A whole number above zero."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:

@@ -52,6 +52,24 @@ def test_bar_from_modulus():
     mast = Mast.from_modulus([[0, 1]], 2e11, 1e-4, prestress=-5.0)
     assert isinstance(mast, Mast)
     assert (mast.axial_stiffness, mast.prestress_tensors().item()) == (2e7, -5)
+    assert mast.mass == 0
+    assert Cable.from_modulus([[0, 1]], 2e11, 1e-4, density=7850.0).mass == pytest.approx(0.785)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda value: Membrane(TRIANGLES, FABRIC, mass=value), "Membrane mass"),
+        (lambda value: Cable([[0, 1]], 1e6, mass=value), "Cable mass"),
+        (lambda value: Mast([[0, 1]], 1e6, mass=value), "Mast mass"),
+        (lambda value: Mast.from_modulus([[0, 1]], 2e11, 1e-4, density=value), "Mast density"),
+    ],
+)
+def test_mass_must_not_be_negative(make, message):
+    with pytest.raises(ValueError, match=rf"^{message} is -1e-09; it must not be negative"):
+        make(-1e-9)
+    with pytest.raises(ValueError, match=f"^{message} is nan"):
+        make(np.nan)
 
 
 @pytest.mark.parametrize("material", [None, 1e5, {"Et": 1e5}])

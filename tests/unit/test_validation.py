@@ -24,6 +24,12 @@ def test_number_refuses(value, message):
         validation.number("Et", value)
 
 
+def test_not_negative():
+    with pytest.raises(ValueError, match=r"^mass is -0\.5; it must not be negative"):
+        validation.not_negative("mass", -0.5)
+    assert validation.not_negative("mass", 0) == 0
+
+
 @pytest.mark.parametrize("value", [0, -1.5, -1e-300])
 def test_positive_refuses(value):
     with pytest.raises(ValueError, match=f"^area is {value}; it must be positive"):

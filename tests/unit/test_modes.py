@@ -1,0 +1,244 @@
+"""Modes and stiffnesses of states: what is held, massless parts, pressure, the user's order, refusals."""
+
+import os
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fx_membrane import (
+    Analysis,
+    Cable,
+    Fabric,
+    Mast,
+    Membrane,
+    PointLoad,
+    PrescribedDisplacement,
+    Pressure,
+    Stage,
+    Structure,
+    Support,
+    boundary,
+    natural_frequencies,
+    rectangle,
+    stability,
+)
+from fx_membrane.problem import Problem
+
+L, T, EA, MASS = 1.5, 400.0, 9e3, 0.8
+
+
+def rest(structure):
+    return Analysis(structure).run([Stage("rest")])["rest"]
+
+
+def guyed(mass=0.0, prestress=T):
+    """A cable from node 0 to node 1, held on the other side by a guy in two pieces that has no mass by default."""
+    points = [[0.0, 0, 0], [L, 0, 0], [2 * L, 0, 0], [3 * L, 0, 0]]
+    parts = {"cable": Cable([[0, 1]], EA, T, mass=MASS), "guy": Mast([[1, 2], [2, 3]], EA, prestress, mass=mass)}
+    return Structure(points, parts, [Support([0, 3])])
+
+
+def test_parts_without_mass_follow():
+    modes = natural_frequencies(rest(guyed()), 3)
+    across, along = 1.5 * T / L, 1.5 * (EA + T) / L
+    expected = np.sqrt(np.array([across, across, along]) / (MASS * L / 3)) / (2 * np.pi)
+    np.testing.assert_allclose(modes.frequencies, expected, rtol=1e-12)
+    np.testing.assert_allclose(modes.shapes[:, 2], modes.shapes[:, 1] / 2, rtol=0, atol=1e-12)  # half way along the guy
+    assert np.linalg.norm(modes.shapes[:, 1], axis=1) == pytest.approx((MASS * L / 3) ** -0.5, rel=1e-12)
+
+
+def test_more_modes_than_there_are():
+    state = rest(guyed())
+    with pytest.raises(ValueError, match="count is 4, but 3 components with mass can move"):
+        natural_frequencies(state, 4)
+    with pytest.raises(ValueError, match="stability count is 7, but 6 components can move"):
+        stability(state, 7)
+    with pytest.raises(ValueError, match="count is 0; give a whole number"):
+        natural_frequencies(state, 0)
+
+
+def test_without_mass():
+    structure = guyed()
+    massless = replace(structure, parts={"cable": Cable([[0, 1]], EA, T), "guy": structure.parts["guy"]})
+    with pytest.raises(ValueError, match=r"^No part has mass; give mass=... to membranes \[kg/m2\]"):
+        natural_frequencies(rest(massless))
+    assert stability(rest(massless)).negative == 0
+
+
+@pytest.mark.parametrize("prestress", [0.0, -T])
+def test_part_without_mass_that_nothing_holds(prestress):
+    """The guy can be had at rest like that; with a mass it is an unstable state, and zero frequencies at its limit."""
+    structure = guyed(prestress=prestress)
+    loads = [PointLoad(1, (T - prestress, 0, 0))]
+    hold = [PrescribedDisplacement([1, 2], np.zeros(3))]
+    state = Analysis(structure).run([Stage("rest", loads, hold)])["rest"]
+    state = replace(state, actions=replace(state.actions, held=structure.supported))
+    with pytest.raises(ValueError, match="singular or negative where there is no mass"):
+        natural_frequencies(state, 1)
+    heavy = guyed(mass=0.1, prestress=prestress)
+    modes = natural_frequencies(replace(state, structure=heavy), 2)
+    assert modes.frequencies == pytest.approx([0, 0], abs=1e-6)
+    assert (modes.growth > 1).all() == (prestress < 0)
+
+
+@pytest.mark.parametrize("function", [natural_frequencies, stability])
+def test_not_a_state(function):
+    with pytest.raises(ValueError, match=f"^{function.__name__} state is .*; give a StageResult"):
+        function({})
+
+
+# What a state holds
+
+
+def sheet(seed=None):
+    """A prestressed sheet with a cable on its free edge and two nodes that no part uses; its nodes in any order."""
+    points, triangles = rectangle(2.0, 1.5, 5, 4, "right")
+    points = np.vstack([points, [[9.0, 9, 9], [8, 8, 8]]])
+    edge = np.flatnonzero(points[:30, 0] == 1)
+    held = np.flatnonzero(points[:30, 0] == -1)
+    order = np.arange(32) if seed is None else np.random.default_rng(seed).permutation(32)
+    number = np.argsort(order)
+    parts = {
+        "fabric": Membrane(number[triangles], Fabric(2e4, 0.3), (800.0, 1000.0), warp=(1, 0.2, 0), mass=1.1),
+        "edge": Cable(number[np.stack([edge[:-1], edge[1:]], axis=1)], 3e5, 4e3, mass=0.3),
+    }
+    return Structure(points[order], parts, [Support(number[held]), Support(number[edge[[0, -1]]])]), number
+
+
+def pulled(seed=None, comm=MPI.COMM_WORLD):
+    structure, number = sheet(seed)
+    middle = PrescribedDisplacement(number[14], (0.0, 0, 0.1), "z")
+    state = Analysis(structure, comm=comm).run([Stage("pull", [PointLoad(number[16], (0, 0, 40.0))], [middle])])["pull"]
+    return state, number
+
+
+def test_prescribed_components_are_held():
+    state, number = pulled()
+    assert state.actions.held.sum() == state.structure.supported.sum() + 1
+    modes = natural_frequencies(state)
+    assert not modes.shapes[:, state.actions.held].any()
+    assert not modes.shapes[:, ~state.structure.used].any()
+    assert modes.shapes[:, number[14], :2].any()
+    directions = stability(state, 4).directions
+    assert not directions[:, state.actions.held].any()
+    assert np.einsum("ani,bni->ab", directions, directions) == pytest.approx(np.eye(4), abs=1e-9)
+
+
+def test_neither_processes_nor_numbering_matter():
+    """Frequencies are distinct here, so that shapes are known, and their sign by its largest component."""
+    state, _ = pulled(comm=MPI.COMM_SELF)
+    alone, weakest = natural_frequencies(state, comm=MPI.COMM_SELF), stability(state, 3, comm=MPI.COMM_SELF)
+    assert (np.diff(alone.frequencies) > 0.01 * alone.frequencies[:-1]).all()
+    for seed in (None, 1):
+        state, number = pulled(seed)
+        modes, stiffness = natural_frequencies(state), stability(state, 3)
+        np.testing.assert_allclose(modes.frequencies, alone.frequencies, rtol=1e-9)
+        np.testing.assert_allclose(stiffness.stiffnesses, weakest.stiffnesses, rtol=1e-9)
+        for mine, theirs in ((modes.shapes, alone.shapes), (stiffness.directions, weakest.directions)):
+            np.testing.assert_allclose(mine[:, number], theirs, rtol=0, atol=1e-7 * np.abs(theirs).max())
+
+
+# Follower pressure
+
+
+def matrices(state):
+    """Dense tangent and mass matrix of the free components, on this process alone."""
+    problem = Problem(state.structure, MPI.COMM_SELF)
+    problem.apply(state.actions)
+    K, M = problem.discretization.create_matrix(), problem.discretization.create_matrix()
+    problem.tangent(problem.discretization.distribute(state.displacement), K)
+    problem.mass(M)
+    free = problem.discretization.dofs(~state.actions.held)
+    user = np.argsort(problem.discretization.number)
+    place = (3 * user[:, None] + np.arange(3)).ravel()[free]
+    return K.getValues(free, free), M.getValues(free, free), place
+
+
+def inflated(pressure, held=None):
+    """A twisted sheet under a pressure: not an equilibrium, but a tangent."""
+    points, triangles = rectangle(2.0, 1.0, 6, 3, "right")
+    points[:, 2] = 0.1 * points[:, 0] * points[:, 1] + 0.2 * points[:, 0] ** 2
+    fabric = Membrane(triangles, Fabric(1e3, 0.3), 50.0, mass=1.0)
+    all_held = Structure(points, {"fabric": fabric}, [Support(np.arange(len(points)))])
+    state = Analysis(all_held).run([Stage("rest", [Pressure(pressure, "fabric")])])["rest"]
+    edge = np.unique(boundary(triangles)) if held is None else held(points)
+    free = replace(all_held, supports=[Support(edge)])
+    return replace(state, structure=free, actions=replace(state.actions, held=free.supported))
+
+
+def test_pressure_within_held_edges_has_a_potential():
+    state = inflated(100.0)
+    K, M, _ = matrices(state)
+    assert np.abs(K - K.T).max() < 1e-15 * np.abs(K).max()
+    exact = np.sort(np.linalg.eigvals(np.linalg.solve(M, K)).real)[:6]
+    modes = natural_frequencies(state)
+    omega = np.where(modes.growth > 0, 1j * modes.growth, 2 * np.pi * modes.frequencies)
+    np.testing.assert_allclose((omega**2).real, exact, rtol=1e-9)
+
+
+@pytest.mark.parametrize(("pressure", "flutter"), [(50.0, False), (200.0, True)])
+def test_pressure_on_free_edges_has_none(pressure, flutter):
+    state = inflated(pressure, held=lambda points: np.flatnonzero(points[:, 0] == -1))
+    K, M, place = matrices(state)
+    assert np.abs(K - K.T).max() > 1e-3 * np.abs(K).max()
+    modes = natural_frequencies(state)
+    motion = modes.shapes.reshape(6, -1)[:, place]
+    assert (modes.growth[:2] > 1).all() == flutter
+    assert not modes.growth[2:].any()
+    if flutter:  # the motion that grows, and its real and imaginary part
+        assert modes.frequencies[0] == pytest.approx(modes.frequencies[1], rel=1e-12)
+        motion = np.concatenate([[motion[0] + 1j * motion[1]], motion[2:]])
+        omega = 2 * np.pi * modes.frequencies - 1j * modes.growth
+        omega = omega[[0, 2, 3, 4, 5]]
+    else:
+        omega = 2 * np.pi * modes.frequencies
+    left, right = K @ motion.T, M @ motion.T * omega**2
+    np.testing.assert_allclose(left, right, rtol=0, atol=1e-8 * np.abs(left).max())
+    np.testing.assert_allclose(np.einsum("ai,ij,aj->a", motion.conj(), M, motion), 1, rtol=1e-9)
+
+
+def test_stability_under_pressure_is_that_of_the_symmetric_part():
+    state = inflated(200.0, held=lambda points: np.flatnonzero(points[:, 0] == -1))
+    K, _, _ = matrices(state)
+    exact = np.linalg.eigvalsh((K + K.T) / 2)
+    result = stability(state, 3)
+    np.testing.assert_allclose(result.stiffnesses, exact[:3], rtol=1e-9)
+    assert result.negative == np.count_nonzero(exact < 0)
+
+
+# Compilation
+
+COMPILED = """
+import os
+from pathlib import Path
+from fx_membrane import *
+
+def compiled():
+    return len(list(Path(os.environ["XDG_CACHE_HOME"], "fenics").glob("*.so")))
+
+def state(n):
+    points, triangles = rectangle(1.0, 1.0, n, n)
+    edges = boundary(triangles)
+    parts = {"fabric": Membrane(triangles, Fabric(1e5, 0.3), 1e3, mass=n), "cable": Cable(edges, 1e6, 1e3, mass=1.0)}
+    return Analysis(Structure(points, parts, [Support(edges[:, 0])])).run([Stage("rest")])["rest"]
+
+first, other = state(2), state(3)
+counts = [compiled()]
+for result in (first, first, other):
+    natural_frequencies(result, 3)
+    counts.append(compiled())
+print(*counts)
+"""
+
+
+@pytest.mark.serial
+def test_mass_matrix_is_compiled_once_and_when_asked_for(tmp_path):
+    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path)}
+    command = [sys.executable, "-c", COMPILED]
+    run = subprocess.run(command, env=environment, capture_output=True, text=True, check=True, timeout=120)
+    statics, *dynamics = [int(count) for count in run.stdout.split()]
+    assert dynamics == [statics + 2] * 3  # of triangles and of segments
