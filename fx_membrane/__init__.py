@@ -19,10 +19,11 @@ from .large_strain import LargeStrainWarning
 from .loads import DeadLoad, PlanLoad, PointLoad, PrescribedDisplacement, Pressure, Stage
 from .material import Fabric, OrthotropicFabric
 from .modes import Modes, Stability, natural_frequencies, stability
+from .newton import Newton
 from .parts import Cable, Mast, Membrane
 from .report import report
 from .results import BarResult, Equilibrium, Increment, MembraneResult, StageResult
-from .solver import Iteration, Newton
+from .solver import Iteration
 from .structure import Structure, Support
 from .updated_reference import Form, updated_reference
 

@@ -17,11 +17,12 @@ from . import checkpoint, load_case, loads, validation
 from .checkpoint import Progress
 from .large_strain import warn_of_large_strains
 from .loads import Stage
+from .newton import Newton
 from .problem import Actions, Problem
 from .recorder import Recorder
 from .results import Increment, StageResult
 from .rigid_motion import check_supports
-from .solver import Iteration, Newton
+from .solver import Iteration
 from .structure import Structure
 
 HALVINGS = 8
@@ -126,7 +127,7 @@ class Analysis:
                 factor = min(state.factor + state.size, Fraction(1))
                 self._problem.apply(load_case.between(start, end, float(factor)))
                 solution = self._solve(x, bar.iteration)
-                increment = Increment(float(factor), solution.iterations)
+                increment = Increment(float(factor), solution.iterations, solution.drawn_smooth)
                 if solution.converged:
                     shape = self._problem.discretization.gather(x)
                     state = Progress(shape, factor, min(2 * state.size, full), (*state.increments, increment))

@@ -49,7 +49,7 @@ def save(path: Path, structure: Structure, stages: Sequence[Stage], progress: Ma
         name: {
             "factor": str(state.factor),
             "size": str(state.size),
-            "increments": [[increment.load_factor, increment.iterations] for increment in state.increments],
+            "increments": [list(increment) for increment in state.increments],
         }
         for name, state in progress.items()
     }
@@ -91,8 +91,8 @@ def load(path: Path, structure: Structure, stages: Sequence[Stage]) -> dict[str,
             factor=Fraction(entry["factor"]),
             size=min(Fraction(entry["size"]), longest.get(name, Fraction(1))),
             increments=tuple(
-                Increment(factor, tuple(Iteration(*values) for values in iterations))
-                for factor, iterations in entry["increments"]
+                Increment(factor, tuple(Iteration(*values) for values in iterations), drawn)
+                for factor, iterations, drawn in entry["increments"]
             ),
         )
         for name, entry in document["progress"].items()

@@ -12,7 +12,7 @@ from . import _dolfinx, tension_field
 from .discretization import PartMesh
 from .forms import elasticity, inertia, kinematics, loads, stress, wrinkling
 from .material import Fabric
-from .parts import Cable, Mast, Membrane
+from .parts import Cable, Mast, Membrane, Part
 from .structure import Structure
 
 
@@ -106,6 +106,23 @@ def mass_form(mesh: PartMesh) -> Any:
     m = fem.Constant(mesh.mesh, np.float64(mesh.part.mass))
     dx = ufl.Measure("dx", domain=mesh.mesh, metadata={"quadrature_degree": 2})  # exact: shape functions are linear
     return _dolfinx.form(inertia.inertia(m, ufl.TrialFunction(V), ufl.TestFunction(V)) * dx)
+
+
+def tension_form(part: PartForms) -> Any:
+    """Compiled stiffness against displacement gradients of a tension that equals the part's own stiffness."""
+    V = part.mesh.u.function_space
+    k = fem.Constant(part.mesh.mesh, np.float64(stiffness(part.mesh.part)))
+    dx = ufl.Measure("dx", domain=part.mesh.mesh, metadata={"quadrature_degree": 1})  # exact: constant per cell
+    gradients = [kinematics.displacement_gradient(v, part.T) for v in (ufl.TrialFunction(V), ufl.TestFunction(V))]
+    return _dolfinx.form(k * ufl.inner(*gradients) * dx)
+
+
+def stiffness(part: Part) -> float:
+    """Stiffness of a part: of fabric Et, the larger one [N/m]; of cables and masts EA [N]."""
+    if not isinstance(part, Membrane):
+        return part.axial_stiffness
+    material = part.material
+    return material.Et if isinstance(material, Fabric) else max(material.Et_warp, material.Et_weft)
 
 
 def _nothing() -> None:

@@ -19,9 +19,7 @@ from petsc4py import PETSc
 
 from .discretization import Discretization
 from .geometry import measures
-from .material import Fabric
-from .part_forms import PartForms, mass_form, part_forms
-from .parts import Membrane
+from .part_forms import PartForms, mass_form, part_forms, stiffness, tension_form
 from .structure import Structure
 
 
@@ -56,6 +54,9 @@ class Problem:
         symmetric: Whether the tangent is symmetric: without follower pressure.
         prestress_forces: 2-norm of the prestress forces of all cells, before they balance each other [N].
         stiffness: A typical stiffness [N/m], the diagonal entry of held components: it makes their error a force.
+        rounding: 2-norm of nodal forces that is left by rounding, in size [N].
+        tension: Artificial tension in all parts, as a strain: times the stiffness of each. It is in the energy, the
+            residual and the tangent, and draws everything smooth; zero but where a solver looks for a start.
     """
 
     def __init__(self, structure: Structure, comm: MPI.Intracomm = MPI.COMM_WORLD, elastic: bool = True):
@@ -63,6 +64,10 @@ class Problem:
         self.parts = {name: part_forms(mesh, structure, elastic) for name, mesh in self.discretization.parts.items()}
         self.prestress_forces = float(np.sqrt(sum(_prestress_forces(structure, name) for name in structure.parts)))
         self.stiffness = max(_typical_stiffness(structure, name) for name in structure.parts)
+        self.rounding = 1e-15 * max(self.prestress_forces, self.stiffness * np.ptp(structure.points, axis=0).max())
+        self.tension = 0.0
+        self._tension_stiffness: PETSc.Mat | None = None
+        self._points = self.discretization.distribute(structure.points)
         self.apply(Actions(np.zeros(structure.points.shape), structure.supported, np.zeros(structure.points.shape)))
 
     def apply(self, actions: Actions) -> None:
@@ -103,17 +108,53 @@ class Problem:
         """Strain energy less the work of the dead loads [J], Gil (70); pressures are not in it."""
         self._set(x)
         stored = sum(float(fem.assemble_scalar(part.energy)) for part in self.parts.values())
-        return float(self.discretization.comm.allreduce(stored)) - float(self._loads.dot(x))
+        energy = float(self.discretization.comm.allreduce(stored)) - float(self._loads.dot(x))
+        if self.tension:
+            position = self._position(x)
+            energy += 0.5 * self.tension * float(position.dot(self._tension() * position))
+        return energy
+
+    def energy_along(self, x: PETSc.Vec, step: PETSc.Vec) -> Callable[[float], float]:
+        """Energy at x + length step, as a function of the length, pressures included: their work along the step [J].
+
+        The force of a pressure is quadratic in the displacement, so that its power along a straight line is known from
+        three points, and its work is exact, whether it has a potential or not.
+        """
+        trial = x.duplicate()
+
+        def at(length: float) -> PETSc.Vec:
+            x.copy(trial)
+            trial.axpy(length, step)
+            return trial
+
+        if self.symmetric:
+            return lambda length: self.energy(at(length))
+
+        def power(length: float) -> float:
+            self._set(at(length))
+            return float(self._assemble(lambda part: part.pressure, x.duplicate()).dot(step))
+
+        p0, p1, p2 = power(0.0), power(0.5), power(1.0)
+        linear, square = 4 * p1 - 3 * p0 - p2, 2 * (p0 + p2) - 4 * p1
+
+        def work(length: float) -> float:
+            return length * (p0 + length * (linear / 2 + length * square / 3))
+
+        return lambda length: self.energy(at(length)) - work(length)
 
     def residual(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
         """Internal minus external nodal forces [N], Gil (50); at held components, the reaction."""
         self._set(x)
         self._assemble(lambda part: part.residual, b).axpy(-1.0, self._loads)
+        if self.tension:
+            b.axpy(self.tension, self._tension() * self._position(x))
 
     def tangent(self, x: PETSc.Vec, A: PETSc.Mat) -> None:
         """Derivative of the residual [N/m], Gil (51)-(53), (57)."""
         self._set(x)
         self._assemble_matrix(lambda part: part.tangent, A)
+        if self.tension:
+            A.axpy(self.tension, self._tension(), PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
 
     def mass(self, A: PETSc.Mat) -> None:
         """Consistent mass matrix [kg]; it does not depend on the state."""
@@ -124,11 +165,39 @@ class Problem:
         gap = x.array_r[self._held_here] - self._prescribed.array_r[self._held_here]
         b.array[self._held_here] = self.stiffness * gap
 
+    def bring(self, x: PETSc.Vec) -> bool:
+        """Sets the held components to their prescribed displacements; whether any of them was elsewhere."""
+        prescribed = self._prescribed.array_r[self._held_here]
+        elsewhere = bool((x.array_r[self._held_here] != prescribed).any())
+        x.array[self._held_here] = prescribed
+        return bool(self.discretization.comm.allreduce(elsewhere, MPI.LOR))
+
+    def release(self, v: PETSc.Vec) -> None:
+        """Sets the entries of held components to zero."""
+        v.array[self._held_here] = 0.0
+
     def hold_tangent(self, x: PETSc.Vec, A: PETSc.Mat, b: PETSc.Vec) -> None:
         """Makes A dx = b close the error of the held components exactly, and b hold its effect on the others."""
         gap = x.copy()
         gap.axpy(-1.0, self._prescribed)
         A.zeroRowsColumns(self._held, diag=self.stiffness, x=gap, b=b)
+
+    def stiffen(self, x: PETSc.Vec, A: PETSc.Mat, b: PETSc.Vec, tension: float) -> None:
+        """Adds the stiffness of an artificial tension, given as a strain, to a tangent that is held."""
+        A.axpy(tension, self._tension(), PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+        self.hold_tangent(x, A, b)
+
+    def _tension(self) -> PETSc.Mat:
+        """Stiffness of an artificial tension of strain one; made when it is first asked for."""
+        if self._tension_stiffness is None:
+            self._tension_stiffness = self.discretization.create_matrix()
+            self._assemble_matrix(tension_form, self._tension_stiffness)
+        return self._tension_stiffness
+
+    def _position(self, x: PETSc.Vec) -> PETSc.Vec:
+        position = x.copy()
+        position.axpy(1.0, self._points)
+        return position
 
     def _set(self, x: PETSc.Vec) -> None:
         self.discretization.to_meshes(x)
@@ -171,7 +240,5 @@ def _prestress_forces(structure: Structure, name: str) -> float:
 
 def _typical_stiffness(structure: Structure, name: str) -> float:
     part = structure.parts[name]
-    if not isinstance(part, Membrane):
-        return float(part.axial_stiffness / measures(structure.points, part.cells).mean())
-    material = part.material
-    return material.Et if isinstance(material, Fabric) else max(material.Et_warp, material.Et_weft)
+    length = measures(structure.points, part.cells).mean() if part.dimension == 1 else 1.0
+    return stiffness(part) / float(length)

@@ -23,10 +23,13 @@ class Increment(NamedTuple):
     Attributes:
         load_factor: Share of the stage's own loads and displacements, in (0, 1].
         iterations: The iterates of the solver, the start first.
+        drawn_smooth: Whether these begin with what an artificial tension in the structure came to while it was faded
+            out, since the solver found no way from the last increment.
     """
 
     load_factor: float
     iterations: tuple[Iteration, ...]
+    drawn_smooth: bool = False
 
 
 @dataclass(frozen=True, eq=False)

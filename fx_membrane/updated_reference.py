@@ -23,12 +23,12 @@ from numpy.typing import NDArray
 from . import load_case, loads, validation
 from .geometry import boundary, measures, normals
 from .loads import DeadLoad, PointLoad, Pressure, Stage
+from .newton import Newton
 from .parts import Mast, Membrane, Part
 from .problem import Problem
 from .recorder import Recorder
 from .results import BarResult, MembraneResult
 from .rigid_motion import check_supports
-from .solver import Newton
 from .structure import Structure
 
 
@@ -97,7 +97,7 @@ def updated_reference(
     check_supports(structure, structure.supported)
     _check_prestress(structure)
     problem = Problem(structure, comm, elastic=False)
-    solve, record = Newton().prepare(problem), Recorder(problem)
+    solve, record = Newton(line_search=False).prepare(problem), Recorder(problem)
     points = structure.points
     steps: list[Step] = []
     parts: dict[str, Part] = dict(structure.parts)

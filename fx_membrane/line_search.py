@@ -1,0 +1,77 @@
+"""Backtracking line search by polynomial interpolation, the step length in (0, 1], for Gil (72).
+
+A full step is kept where it lowers the energy enough and does not end on a steep rise; otherwise the length is found
+between zero and one, first by a parabola, then by cubics through energies and slopes.
+
+Source: J. Nocedal, S. J. Wright, Numerical optimization (2006), algorithm 3.6, (3.57)-(3.59). Near the solution
+energies differ by rounding only, and slopes decide, as in W. W. Hager, H. Zhang, A new conjugate gradient method with
+guaranteed descent and an efficient line search, SIAM J. Optimization 16 (2005) 170-192.
+"""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+DECREASE = 1e-4  # least part of the linearly predicted decrease
+MARGIN = 0.05  # of an interval, at both ends, in which no trial is made
+SHORTEST = 1e-10
+
+
+class Point(NamedTuple):
+    """Energy [J] and its derivative by the length [J], at a length of step."""
+
+    length: float
+    energy: float
+    slope: float
+
+
+def search(along: Callable[[float], Point], rounding: float, flatness: float = 0.3) -> float | None:
+    """Length of a step along which an energy decreases.
+
+    Args:
+        along: What is found at a length of step; at zero the slope is negative. Energies that are not numbers count as
+            too high.
+        rounding: Difference of energies that means nothing [J].
+        flatness: Accepted slope at the end, as part of that at zero; a full step may also end on a descent.
+
+    Returns:
+        The length; None where no length lowers the energy.
+    """
+    start = low = along(0.0)
+    trial = high = along(1.0)
+    interpolate = _parabola
+    while True:
+        limit = min(low.energy, start.energy + DECREASE * trial.length * start.slope) + rounding
+        # Written so that an energy that is not a number is too high.
+        if not trial.energy <= limit:
+            high = trial
+        elif abs(trial.slope) <= -flatness * start.slope or (trial.length == 1 and trial.slope < 0):
+            return trial.length
+        else:  # the minimum is where the slope leads down to, from the lower end
+            high = low if trial.slope * (high.length - low.length) >= 0 else high
+            low = trial
+        if abs(high.length - low.length) < SHORTEST:
+            return low.length or None
+        share = (interpolate(low, high) - low.length) / (high.length - low.length)
+        share = min(max(share, MARGIN), 1 - MARGIN) if math.isfinite(share) else 0.5
+        trial = along(low.length + share * (high.length - low.length))
+        interpolate = _cubic
+
+
+def _parabola(low: Point, high: Point) -> float:
+    """Where the parabola through two energies and the slope at the lower end is least."""
+    span = high.length - low.length
+    curvature = (high.energy - low.energy - low.slope * span) / span**2
+    return low.length - low.slope / (2 * curvature) if curvature > 0 else math.nan
+
+
+def _cubic(low: Point, high: Point) -> float:
+    """Where the cubic through two energies and two slopes is least, N&W (3.59)."""
+    span = high.length - low.length
+    d1 = low.slope + high.slope - 3 * (high.energy - low.energy) / span
+    radicand = d1**2 - low.slope * high.slope
+    if not radicand >= 0:
+        return _parabola(low, high)
+    d2 = math.copysign(math.sqrt(radicand), span)
+    divisor = high.slope - low.slope + 2 * d2
+    return high.length - span * (high.slope + d2 - d1) / divisor if divisor else math.nan

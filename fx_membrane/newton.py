@@ -1,0 +1,312 @@
+"""Newton-Raphson, Gil (74), that goes downhill: line search on the energy, artificial tension where that is not enough.
+
+Prestressed nets and membranes are stiff along themselves and soft across, they slacken and wrinkle, and a flat one
+without prestress has no stiffness across at all. Three things make Newton's method find its way all the same:
+
+- a line search on the total potential energy shortens steps that overshoot;
+- where the tangent has negative curvature or none (the signs of the pivots tell) or steps are short, an artificial
+  tension is added to it, as little as helps; it changes the way, not the goal;
+- where that does not get there either, an artificial tension in the structure itself draws it smooth, and is faded out.
+"""
+
+import math
+import weakref
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import cast
+
+import numpy as np
+from petsc4py import PETSc
+
+from . import _dolfinx, factorization, validation
+from .diagnosis import linear_failure, stalled
+from .line_search import Point, search
+from .problem import Problem
+from .solver import Iteration, Monitor, Solution, Solve, silent
+
+ROUNDING = 1e-14
+
+# Artificial tension added to the tangent, as a strain.
+FIRST, LEAST, LARGEST = 1e-4, 1e-8, 1e4
+GROWTH, DECAY = 8.0, 0.2
+SHORT = 0.3  # a step that asks for more of it
+
+# Artificial tension in the structure, as a strain, from one solve to the next.
+FADING = tuple(10.0**-i for i in range(2, 9))
+ROUGH, FEW = 1e-3, 40  # tolerance and iterations of these solves
+
+FAR = 1e3  # displacements beyond so many sizes of the structure are no solution
+
+
+@dataclass(frozen=True)
+class Newton:
+    """Newton-Raphson, Gil (74), by dolfinx's `NewtonSolver` with a direct factorization (MUMPS).
+
+    Raises:
+        ValueError: rtol is not a positive number; max_iterations is not a whole number above zero.
+
+    Args:
+        rtol: Converged when the 2-norm of the unbalanced forces is below rtol times that of all nodal forces,
+            reactions and loads included, or at rounding. A start passes only at rounding.
+        max_iterations: Most iterations for one load increment, before the structure is drawn smooth and after.
+        line_search: False is the method of the textbook: each step in full, with the tangent as it is. For loads
+            without a potential (follower pressure in general) the energy is that of the work along the step, which is
+            known exactly.
+    """
+
+    rtol: float = 1e-10
+    max_iterations: int = 100
+    line_search: bool = True
+
+    def __post_init__(self) -> None:
+        validation.positive("Newton rtol", self.rtol)
+        validation.whole("Newton max_iterations", self.max_iterations)
+        validation.instance("Newton line_search", self.line_search, bool)
+
+    def prepare(self, problem: Problem) -> Solve:
+        """A function that brings a vector to equilibrium; it keeps matrix and symbolic factorization between calls."""
+        return _NewtonRaphson(self, problem)
+
+
+class _Stop(Exception):  # noqa: N818  (not an error but a message from callback to caller)
+    """Ends the iteration from inside a callback, with the reason in words."""
+
+
+Driver = tuple[Callable[[PETSc.Vec], bool], PETSc.KSP]  # runs the iteration; its linear solver
+
+
+class _NewtonRaphson:
+    """The iteration: callbacks for residual, tangent and step, and what drives them.
+
+    Attributes:
+        length: Length of the last step.
+        added: Tension added to the tangent for it, as a strain.
+    """
+
+    def __init__(self, settings: Newton, problem: Problem):
+        self.settings, self.problem = settings, problem
+        self.A = problem.discretization.create_matrix()
+        self.b = problem.discretization.create_vector()
+        self.work = self.b.duplicate()
+        self.history: list[Iteration] = []
+        self.monitor: Monitor = silent
+        self.rtol = self.tolerance = self.length = self.added = 0.0
+        self.most = settings.max_iterations
+        self.size = float(np.ptp(problem.discretization.structure.points, axis=0).max())
+        self.newton = _dolfinx.newton_solver(problem.discretization.comm)
+        # The drivers hold their callbacks in C and C++, where Python's garbage collector does not look: a weak
+        # reference keeps the problem from living as long as the program.
+        owner = cast(_NewtonRaphson, weakref.proxy(self))
+        self.iterate, self.ksp = _by_snes(owner) if self.newton is None else _by_dolfinx(owner)
+        factorization.keep_until_all_are_done(self, problem.discretization.comm, self.ksp)
+
+    def __call__(self, x: PETSc.Vec, monitor: Monitor = silent) -> Solution:
+        self.monitor = monitor
+        start = x.copy()
+        solution = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
+        if solution.converged or not self.settings.line_search:
+            return solution
+        start.copy(x)
+        self.draw_smooth(x)
+        second = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
+        return replace(second, drawn_smooth=True) if second.converged else solution
+
+    def draw_smooth(self, x: PETSc.Vec) -> None:
+        """Equilibrium under an artificial tension that is faded out."""
+        try:
+            for tension in FADING:
+                self.problem.tension = tension
+                before = x.copy()
+                self.attempt(x, ROUGH, FEW)
+                if not x.norm(PETSc.NormType.NORM_INFINITY) <= FAR * self.size:
+                    before.copy(x)
+                    return
+        finally:
+            self.problem.tension = 0.0
+
+    def attempt(self, x: PETSc.Vec, rtol: float, most: int) -> Solution:
+        """Runs the iteration once."""
+        self.history, self.rtol, self.most = [], rtol, most
+        self.length = self.added = 0.0
+        factorization.choose(self.ksp, self.A, self.problem.symmetric)
+        try:
+            with _dolfinx.quiet_log():
+                converged = self.iterate(x)
+        except _Stop as stop:
+            # A tangent that is singular at the start of the increment is so for any length of it.
+            retry = self.settings.line_search or len(self.history) > 1
+            return Solution(False, str(stop), tuple(self.history), retry)
+        reason = "converged" if converged else self.stalled(x)
+        return Solution(converged, reason, tuple(self.history), retry=True)
+
+    def stalled(self, x: PETSc.Vec) -> str:
+        """Why there is no solution after the last iterate."""
+        last = self.history[-1].residual
+        at_rounding = len(self.history) > 2 and last < 1e3 * self.tolerance
+        return stalled(self.problem, x, len(self.history) - 1, last, at_rounding)
+
+    def residual(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
+        """Residual with held components; notes the iterate and the tolerance for its 2-norm."""
+        self.problem.residual(x, b)
+        # The start passes only at rounding: loads far below the prestress take their step too.
+        forces = b.norm() + self.problem.load_norm(x)
+        self.tolerance = max((self.rtol if self.history else ROUNDING) * forces, self.problem.rounding, 1e-300)
+        self.problem.hold(x, b)
+        largest = b.norm(PETSc.NormType.NORM_INFINITY)
+        self.history.append(Iteration(self.problem.energy(x), largest, self.length, self.added))
+        self.monitor(len(self.history) - 1, self.history[-1])
+        if not (math.isfinite(largest) and x.norm(PETSc.NormType.NORM_INFINITY) <= FAR * self.size):
+            raise _Stop(self.stalled(x))
+
+    def tangent(self, x: PETSc.Vec, A: PETSc.Mat) -> None:
+        """Tangent and right-hand side with held components."""
+        A.setOption(PETSc.Mat.Option.SYMMETRIC, self.problem.symmetric)
+        self.problem.tangent(x, A)
+        self.problem.hold_tangent(x, A, self.b)
+        damping = self.damping()
+        self.added = 0.0
+        if damping:
+            self.add_tension(x, damping)
+
+    def damping(self) -> float:
+        """Tension to begin a step with: more after a short step, less after a full one, in pace with the residual.
+
+        So the last steps converge quadratically, with tension or without.
+        """
+        if len(self.history) > 1 and self.length < SHORT:
+            return max(FIRST, GROWTH * self.added)
+        if self.length < 1 or not self.added:
+            return self.added
+        before, now = (max(entry.residual, 1e-300) for entry in self.history[-2:])
+        damping = min(DECAY, now / before) * self.added
+        return damping if damping > LEAST else 0.0
+
+    def step(self, x: PETSc.Vec, dx: PETSc.Vec) -> None:
+        """Makes the solution dx of the linear system the step itself: the next iterate is x - dx."""
+        self.length = 1.0
+        if not self.settings.line_search:
+            if not self.solved(dx):
+                raise _Stop(linear_failure(self.problem, self.A))
+            return
+        start = x.copy()
+        moved = self.problem.bring(start)
+        length = None
+        while length is None:
+            while not self.descends(dx):
+                self.solve_with_more_tension(x, dx)
+            self.problem.release(dx)
+            length = self.search(start, dx, moved)
+            if length is None:
+                self.solve_with_more_tension(x, dx)
+        self.length = length
+        dx.scale(length)
+        dx.axpy(1.0, x)
+        dx.axpy(-1.0, start)
+
+    def descends(self, dx: PETSc.Vec) -> bool:
+        """Whether dx solves the linear system, and -dx leads downhill for sure: there is no negative curvature."""
+        if not self.solved(dx):
+            return False
+        if self.problem.symmetric:
+            return factorization.pivots(self.ksp) == (0, 0)
+        return float(self.b.dot(dx)) > 0
+
+    def solved(self, dx: PETSc.Vec) -> bool:
+        """Whether dx solves the linear system."""
+        self.A.mult(dx, self.work)
+        self.work.axpy(-1.0, self.b)
+        # Written so that a norm that is not a number counts as a failure.
+        return bool(self.work.norm() <= 1e-6 * self.b.norm())
+
+    def solve_with_more_tension(self, x: PETSc.Vec, dx: PETSc.Vec) -> None:
+        """Adds more tension to the tangent than there is, and solves again."""
+        if self.added > LARGEST:
+            raise _Stop(linear_failure(self.problem, self.A))
+        self.add_tension(x, max(FIRST, GROWTH * self.added))
+        self.ksp.solve(self.b, dx)
+
+    def add_tension(self, x: PETSc.Vec, tension: float) -> None:
+        """Brings the tension in the tangent to a value."""
+        self.problem.stiffen(x, self.A, self.b, tension - self.added)
+        self.added = tension
+
+    def search(self, start: PETSc.Vec, dx: PETSc.Vec, moved: bool) -> float | None:
+        """Length of the step -dx from a start at which the held components are in place; None where none is good.
+
+        Where they were moved to it, the linear step was not meant for this start, and no step is better than a bad one.
+        """
+        downhill = dx.copy()
+        downhill.scale(-1.0)
+        energy = self.problem.energy_along(start, downhill)
+
+        def along(length: float) -> Point:
+            start.copy(self.work)
+            self.work.axpy(length, downhill)
+            b = start.duplicate()
+            self.problem.residual(self.work, b)
+            return Point(length, energy(length), float(b.dot(downhill)))
+
+        first = along(0.0)
+        if moved and first.slope >= 0:
+            return 1.0 if energy(1.0) <= first.energy else 0.0
+        rounding = 10 * ROUNDING * (abs(first.energy) + self.problem.prestress_forces * downhill.norm())
+        length = search(along, rounding)
+        return 0.0 if length is None and moved else length
+
+
+def _by_dolfinx(owner: _NewtonRaphson) -> Driver:
+    """dolfinx's NewtonSolver drives the iteration."""
+    newton = owner.newton
+
+    def residual(x: PETSc.Vec, b: PETSc.Vec) -> None:
+        owner.residual(x, b)
+        owner.newton.atol = owner.tolerance
+
+    def update(_: object, dx: PETSc.Vec, x: PETSc.Vec) -> None:
+        owner.step(x, dx)
+        x.axpy(-1.0, dx)
+
+    newton.setF(residual, owner.b)
+    newton.setJ(lambda x, A: owner.tangent(x, A), owner.A)  # noqa: PLW0108  (a bound method would be a strong reference)
+    newton.set_form(lambda x: None)
+    newton.set_update(update)
+    newton.convergence_criterion = "residual"
+    newton.error_on_nonconvergence = False
+    newton.rtol = 0.0  # `atol` follows the forces at hand
+
+    def solve(x: PETSc.Vec) -> bool:
+        owner.newton.max_it = owner.most
+        return bool(owner.newton.solve(x)[1])
+
+    return solve, newton.krylov_solver
+
+
+def _by_snes(owner: _NewtonRaphson) -> Driver:
+    """PETSc's SNES drives the same iteration, where dolfinx has no NewtonSolver."""
+    reasons = PETSc.SNES.ConvergedReason
+
+    def shorten(x: PETSc.Vec, dx: PETSc.Vec) -> bool:
+        owner.step(x, dx)
+        return True
+
+    def test(_: PETSc.SNES, iteration: int, norms: tuple[float, float, float]) -> int:
+        if norms[2] < owner.tolerance:
+            return reasons.CONVERGED_FNORM_ABS
+        return reasons.DIVERGED_MAX_IT if iteration == owner.most else reasons.ITERATING
+
+    snes = PETSc.SNES().create(owner.problem.discretization.comm)
+    snes.setType("newtonls")
+    snes.setOptionsPrefix("fx_membrane_")
+    PETSc.Options("fx_membrane_")["snes_linesearch_type"] = "basic"
+    snes.setFromOptions()
+    snes.setMaxLinearSolveFailures(1_000_000_000)  # `step` judges them
+    snes.setFunction(lambda _, x, b: owner.residual(x, b), owner.b)
+    snes.setJacobian(lambda _, x, A, P: owner.tangent(x, A), owner.A)
+    snes.setLineSearchPreCheck(shorten)
+    snes.setConvergenceTest(test)
+
+    def solve(x: PETSc.Vec) -> bool:
+        snes.solve(None, x)
+        return bool(snes.getConvergedReason() > 0)
+
+    return solve, snes.getKSP()

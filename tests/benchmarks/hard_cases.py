@@ -1,0 +1,248 @@
+"""Structures whose first equilibrium is hard to find, and what it takes to find it.
+
+    .venv/bin/python tests/benchmarks/hard_cases.py [part of a name] [--plain]
+
+Flat and curved, prestress from none to large, loads from everyday to a hundred times that, slack cables, wrinkles,
+coarse meshes and one of 1e5 unknowns. For each: whether equilibrium was found, the unbalanced force over the largest
+nodal force, increments, iterations, those with artificial tension in the tangent, those with a shortened step,
+increments that began with the structure drawn smooth, factorizations, time. With
+`--plain`, Newton's method takes its steps as they come.
+"""
+
+import sys
+import warnings
+from collections.abc import Callable, Iterator
+from time import perf_counter
+
+import numpy as np
+from petsc4py import PETSc
+
+from fx_membrane import (
+    Analysis,
+    Cable,
+    ConvergenceError,
+    DeadLoad,
+    Fabric,
+    LargeStrainWarning,
+    Mast,
+    Membrane,
+    Newton,
+    OrthotropicFabric,
+    PlanLoad,
+    PointLoad,
+    PrescribedDisplacement,
+    Pressure,
+    Stage,
+    Structure,
+    Support,
+    boundary,
+    rectangle,
+)
+
+Case = tuple[Structure, list[Stage]]
+FABRIC = Fabric(Et=500e3, nu=0.3)
+WOVEN = OrthotropicFabric(Et_warp=800e3, Et_weft=500e3, nu=0.3, Gt=20e3)
+SNOW = 1e3  # [N/m2]
+
+
+def path(nodes: np.ndarray) -> np.ndarray:
+    """Segments between consecutive nodes."""
+    return np.column_stack([nodes[:-1], nodes[1:]])
+
+
+def sheet(prestress: float, load: float, n: int = 8, fabric: Fabric | OrthotropicFabric = FABRIC) -> Case:
+    """Flat, 6 m by 6 m, held all around."""
+    points, triangles = rectangle(6.0, 6.0, n, n)
+    parts = {"fabric": Membrane(triangles, fabric, prestress=prestress, warp=(1, 0, 0))}
+    supports = [Support(np.unique(boundary(triangles)))]
+    return Structure(points, parts, supports), [Stage("snow", [PlanLoad((0, 0, -load), "fabric")])]
+
+
+def poked(prestress: float, force: float, n: int = 8) -> Case:
+    """The flat sheet under a point load."""
+    structure, _ = sheet(prestress, 0.0, n)
+    return structure, [Stage("point load", [PointLoad(len(structure.points) // 2, (0, 0, -force))])]
+
+
+def cushion(prestress: float, pressure: float, n: int = 8) -> Case:
+    """The flat sheet, blown up."""
+    structure, _ = sheet(prestress, 0.0, n)
+    return structure, [Stage("inflation", [Pressure(pressure, "fabric")])]
+
+
+def hypar(prestress: float, force: float, rise: float, stages: list[Stage], n: int = 12) -> Case:
+    """Sail of 8 m by 6 m between four corners, two of them high, with straight edge cables: far from its form."""
+    points, triangles = rectangle(8.0, 6.0, n, n)
+    x, y = points[:, 0] / 4, points[:, 1] / 3
+    points = np.column_stack([points[:, :2], rise * (x * y)])
+    corners = np.flatnonzero((np.abs(np.abs(x) - 1) < 1e-9) & (np.abs(np.abs(y) - 1) < 1e-9))
+    parts = {
+        "fabric": Membrane(triangles, FABRIC, prestress=prestress),
+        "edge cables": Cable(boundary(triangles), axial_stiffness=12e6, prestress=force),
+    }
+    return Structure(points, parts, [Support(corners)]), stages
+
+
+def cone(prestress: float, lift: float, load: float, n: int = 16) -> Case:
+    """Flat ring between two rings, the inner one pulled up, then snow."""
+    angles, radii = np.meshgrid(np.linspace(0, 2 * np.pi, 2 * n, endpoint=False), np.linspace(0.5, 4, n // 2 + 1))
+    points = np.column_stack([(radii * np.cos(angles)).ravel(), (radii * np.sin(angles)).ravel(), np.zeros(radii.size)])
+    node = np.arange(radii.size).reshape(radii.shape)
+    a, b = node[:-1], node[1:]
+    c, d = np.roll(b, -1, axis=1), np.roll(a, -1, axis=1)
+    triangles = np.concatenate([np.stack(t, axis=-1).reshape(-1, 3) for t in ([a, b, c], [a, c, d])])
+    fabric = {"fabric": Membrane(triangles, FABRIC, prestress=prestress)}
+    supports = [Support(node[0]), Support(node[-1])]
+    up = Stage("pulling up", displacements=[PrescribedDisplacement(node[0], (0, 0, lift), "z")])
+    return Structure(points, fabric, [supports[1], Support(node[0], "xy")]), [
+        up,
+        Stage("snow", [PlanLoad((0, 0, -load), "fabric")], after="pulling up"),
+    ]
+
+
+def cable_net(prestress: float, load: float, n: int = 8) -> Case:
+    """Flat net of cables, held around, with a point load on each node."""
+    points, _ = rectangle(6.0, 6.0, n, n)
+    grid = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
+    lines = np.concatenate([path(row) for row in [*grid[1:-1], *grid.T[1:-1]]])
+    inner = grid[1:-1, 1:-1].ravel()
+    edge = np.setdiff1d(lines, inner)
+    structure = Structure(points, {"net": Cable(lines, 5e6, prestress)}, [Support(edge)])
+    return structure, [Stage("loads", [PointLoad(inner, (0, 0, -load))])]
+
+
+def hanging(sag: float, load: float, n: int = 20) -> Case:
+    """Cable without prestress under its weight: straight, or longer than its span and crumpled."""
+    x = np.linspace(0, 10, n + 1)
+    points = np.column_stack([x, 0 * x, sag * np.sin(np.pi * x / 10 * 4)])
+    structure = Structure(points, {"cable": Cable(path(np.arange(n + 1)), 1e6)}, [Support([0, n])])
+    return structure, [Stage("weight", [DeadLoad((0, 0, -load), "cable")])]
+
+
+def pulled(along: float, across: float, shear: float, fabric: Fabric | OrthotropicFabric, n: int = 12) -> Case:
+    """Flat sheet of 2 m by 1 m between two clamps that are moved: shear and slackness."""
+    points, triangles = rectangle(2.0, 1.0, 2 * n, n)
+    low, high = (np.flatnonzero(np.abs(points[:, 0] - x) < 1e-9) for x in (-1.0, 1.0))
+    parts = {"fabric": Membrane(triangles, fabric, prestress=10.0, warp=(1, 1, 0))}
+    moved = PrescribedDisplacement(high, (along, shear, across))
+    return Structure(points, parts, [Support(low)]), [Stage("pull", displacements=[moved])]
+
+
+def tent(force: float, fabric_prestress: float, load: float, n: int = 12) -> Case:
+    """Square sail with two masts that stand on hinges, held by guys."""
+    structure, _ = hypar(fabric_prestress, force, 1.2, [], n)
+    corners = structure.supports[0].nodes
+    high = corners[structure.points[corners, 2] > 0]
+    low = np.setdiff1d(corners, high)
+    out = structure.points[high] * [1.6, 1.6, 0] - [0, 0, 2.0]
+    feet = structure.points[high] * [1.1, 1.1, 0] - [0, 0, 2.0]
+    first = len(structure.points)
+    side = np.cross(structure.points[high] * [1, 1, 0], [0, 0, 0.3])
+    points = np.vstack([structure.points, feet, out + side, out - side])
+    guys = np.concatenate(
+        [np.column_stack([high, first + 2 + np.arange(2)]), np.column_stack([high, first + 4 + np.arange(2)])]
+    )
+    parts = {
+        **structure.parts,
+        "guys": Cable(guys, 12e6, prestress=force),
+        "masts": Mast(np.column_stack([first + np.arange(2), high]), 200e6),
+    }
+    supports = [Support(low), Support(np.arange(first, len(points)))]
+    snow = Stage("snow", [PlanLoad((0, 0, -load), "fabric")], after="prestress")
+    wind = Stage("wind", [Pressure(load, "fabric")], after="prestress")
+    return Structure(points, parts, supports), [Stage("prestress"), snow, wind]
+
+
+def service(load: float) -> list[Stage]:
+    """Prestress, then snow, wind suction and a point load."""
+    return [
+        Stage("prestress"),
+        Stage("snow", [PlanLoad((0, 0, -load), "fabric")], after="prestress"),
+        Stage("wind", [Pressure(load, "fabric")], after="prestress"),
+    ]
+
+
+def cases() -> Iterator[tuple[str, Callable[[], Case]]]:
+    """Names and makers of all cases."""
+    for prestress in (0.0, 1.0, 1e3, 2e4):
+        for times in (1, 10, 100):
+            yield f"sheet, prestress {prestress:g}, snow x {times}", lambda p=prestress, t=times: sheet(p, t * SNOW)
+    for times in (1, 100):
+        yield f"woven sheet, unstressed, snow x {times}", lambda t=times: sheet(0.0, t * SNOW, fabric=WOVEN)
+    for n in (32, 182):
+        yield f"sheet, prestress 1000, snow, {n} x {n}", lambda n=n: sheet(1e3, SNOW, n)
+        yield f"sheet, unstressed, snow, {n} x {n}", lambda n=n: sheet(0.0, SNOW, n)
+    for prestress in (0.0, 1e3):
+        for force in (1e2, 1e4):
+            yield f"sheet, prestress {prestress:g}, point load {force:g}", lambda p=prestress, f=force: poked(p, f)
+        for times in (1, 10, 100):
+            name = f"cushion, prestress {prestress:g}, pressure x {times}"
+            yield name, lambda p=prestress, t=times: cushion(p, t * SNOW / 5)
+    yield "cushion, unstressed, 48 x 48", lambda: cushion(0.0, SNOW, 48)
+    for rise in (0.0, 0.3, 1.5):
+        for prestress, force in ((0.0, 1e3), (2e3, 2e4), (2e3, 4e4), (1e4, 5e3)):
+            for times in (1, 10):
+                name = f"hypar, rise {rise:g}, {prestress:g} N/m, {force:g} N, service x {times}"
+                yield name, lambda r=rise, p=prestress, f=force, t=times: hypar(p, f, r, service(0.3 * t * SNOW))
+    yield "hypar, rise 1.5, 48 x 48", lambda: hypar(2e3, 2e4, 1.5, service(0.3 * SNOW), 48)
+    for prestress in (0.0, 1e3):
+        for lift in (0.5, 2.0):
+            yield f"cone, prestress {prestress:g}, lift {lift:g}", lambda p=prestress, h=lift: cone(p, h, SNOW)
+    for prestress in (0.0, 1e3):
+        for load in (1e2, 1e4):
+            yield f"cable net, prestress {prestress:g}, load {load:g}", lambda p=prestress, q=load: cable_net(p, q)
+    for sag in (0.0, 0.5, 2.0):
+        for load in (1.0, 1e3):
+            yield f"hanging cable, waves of {sag:g}, weight {load:g}", lambda s=sag, q=load: hanging(s, q)
+    for fabric, name in ((FABRIC, "sheet"), (WOVEN, "woven sheet")):
+        yield f"{name}, sheared", lambda f=fabric: pulled(0.01, 0.0, 0.15, f)
+        yield f"{name}, sheared and shortened", lambda f=fabric: pulled(-0.02, 0.0, 0.3, f)
+        yield f"{name}, twisted out of its plane", lambda f=fabric: pulled(-0.1, 0.6, 0.0, f)
+    for times in (1, 10):
+        yield f"tent on masts, service x {times}", lambda t=times: tent(2e4, 1e3, 0.3 * t * SNOW)
+        yield f"tent on masts, slack guys, service x {times}", lambda t=times: tent(1e2, 1e3, 0.3 * t * SNOW)
+
+
+def factorizations() -> int:
+    """Number of numeric factorizations since the start."""
+    events = ("MatCholFctrNum", "MatLUFactorNum")
+    return int(sum(PETSc.Log.Event(name).getPerfInfo()["count"] for name in events))
+
+
+def measure(make: Callable[[], Case], solver: Newton) -> str:
+    """A line of the table."""
+    structure, stages = make()
+    start, before = perf_counter(), factorizations()
+    words = ""
+    try:
+        states = list(Analysis(structure, solver).run(stages).values())
+    except ConvergenceError as failure:
+        states = [*failure.results.values(), failure.last]
+        words = f"\n    {failure}"
+    time = perf_counter() - start
+    increments = [increment for state in states for increment in state.increments]
+    steps = [entry for increment in increments for entry in increment.iterations[1:]]
+    largest = max((np.abs(state.reactions).max() + np.abs(state.loads).max() for state in states), default=0.0)
+    error = max(state.equilibrium.residual for state in states) / max(largest, 1e-300)
+    tense, short = sum(step.tension > 0 for step in steps), sum(step.step < 1 for step in steps)
+    smooth = sum(increment.drawn_smooth for increment in increments)
+    counts = f"{len(increments):5}{len(steps):6}{tense:6}{short:6}{smooth:6}{factorizations() - before:6}{time:8.1f}"
+    return f"{'NO' if words else 'yes':4}{error:9.0e}{counts}{words}"
+
+
+def main() -> None:
+    """Prints the table."""
+    words = [word for word in sys.argv[1:] if not word.startswith("--")]
+    solver = Newton(line_search=False) if "--plain" in sys.argv else Newton()
+    PETSc.Log.begin()
+    warnings.simplefilter("ignore", LargeStrainWarning)  # a hundred times the snow is meant to strain
+    print(
+        f"{'case':58}{'':4}{'balance':>9}{'incr':>5}{'iter':>6}{'tense':>6}{'short':>6}{'drawn':>6}{'fact':>6}{'time':>8}"
+    )
+    for name, make in cases():
+        if not words or any(word in name for word in words):
+            print(f"{name:58}{measure(make, solver)}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
