@@ -133,7 +133,7 @@ class Analysis:
                     state = Progress(shape, factor, min(2 * state.size, full), (*state.increments, increment))
                     save(stage.name, state)
                     bar.increment(factor)
-                elif solution.retry and state.size > full / 2**HALVINGS:
+                elif solution.retry and (stage.loads or stage.displacements) and state.size > full / 2**HALVINGS:
                     state = replace(state, size=(factor - state.factor) / 2)
                     self._problem.discretization.distribute(state.displacement).copy(x)
                 else:

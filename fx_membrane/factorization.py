@@ -1,4 +1,4 @@
-"""Direct factorization of the tangent by MUMPS: L D L^T where it is symmetric, L U where pressure follows the surface."""
+"""Direct factorization of the tangent by MUMPS: L D L^T where it is symmetric, L U where it is not (pressure)."""
 
 import weakref
 from typing import NamedTuple

@@ -25,7 +25,7 @@ class Point(NamedTuple):
     slope: float
 
 
-def search(along: Callable[[float], Point], rounding: float, flatness: float = 0.3) -> float | None:
+def search(along: Callable[[float], Point], rounding: float, flatness: float = 0.1) -> float | None:
     """Length of a step along which an energy decreases.
 
     Args:

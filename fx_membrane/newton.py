@@ -28,7 +28,7 @@ ROUNDING = 1e-14
 
 # Artificial tension added to the tangent, as a strain.
 FIRST, LEAST, LARGEST = 1e-4, 1e-8, 1e4
-GROWTH, DECAY = 8.0, 0.2
+GROWTH, DECAY = 4.0, 0.3
 SHORT = 0.3  # a step that asks for more of it
 
 # Artificial tension in the structure, as a strain, from one solve to the next.
@@ -55,7 +55,7 @@ class Newton:
     """
 
     rtol: float = 1e-10
-    max_iterations: int = 100
+    max_iterations: int = 200
     line_search: bool = True
 
     def __post_init__(self) -> None:
