@@ -10,7 +10,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 from mpi4py import MPI as _MPI  # noqa: F401  (before dolfinx: its wheel from PyPI needs the MPI library loaded)
 
 from . import plot
-from .analysis import Analysis, ConvergenceError
+from .analysis import Analysis, ConvergenceError, UnstableStateWarning
 from .edges import edges_on
 from .form_finding import Net, force_density
 from .geometry import boundary, polyline, rectangle
@@ -59,6 +59,7 @@ __all__ = [
     "StageResult",
     "Structure",
     "Support",
+    "UnstableStateWarning",
     "boundary",
     "edges_on",
     "force_density",

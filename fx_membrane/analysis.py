@@ -2,6 +2,7 @@
 
 import os
 import sys
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -11,6 +12,7 @@ from typing import Self
 import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
+from petsc4py import PETSc
 from tqdm import tqdm
 
 from . import checkpoint, load_case, loads, validation
@@ -22,6 +24,7 @@ from .problem import Actions, Problem
 from .recorder import Recorder
 from .results import Increment, StageResult
 from .rigid_motion import check_supports
+from .slackness import slack_parts
 from .solver import Iteration
 from .structure import Structure
 
@@ -41,6 +44,10 @@ class ConvergenceError(RuntimeError):
     def __init__(self, message: str, results: dict[str, StageResult], last: StageResult, failed: Increment):
         super().__init__(message)
         self.results, self.last, self.failed = results, last, failed
+
+
+class UnstableStateWarning(UserWarning):
+    """An equilibrium that is not stable: the least disturbance makes the structure leave it."""
 
 
 class Analysis:
@@ -127,7 +134,15 @@ class Analysis:
                 factor = min(state.factor + state.size, Fraction(1))
                 self._problem.apply(load_case.between(start, end, float(factor)))
                 solution = self._solve(x, bar.iteration)
-                increment = Increment(float(factor), solution.iterations, solution.drawn_smooth)
+                increment = Increment(float(factor), solution.iterations, solution.drawn_smooth, solution.unstable)
+                if solution.unstable:
+                    warnings.warn(
+                        f"Stage {stage.name!r} is in equilibrium at load factor {float(factor):.6g}, but not stable, and "
+                        "no stable state was found from there; stability(state) shows the motion. Add supports, members "
+                        "or prestress against it.",
+                        UnstableStateWarning,
+                        stacklevel=3,
+                    )
                 if solution.converged:
                     shape = self._problem.discretization.gather(x)
                     state = Progress(shape, factor, min(2 * state.size, full), (*state.increments, increment))
@@ -137,13 +152,18 @@ class Analysis:
                     state = replace(state, size=(factor - state.factor) / 2)
                     self._problem.discretization.distribute(state.displacement).copy(x)
                 else:
+                    slack = self._slack(stage, x, load_case.between(start, end, float(factor)))
                     last = self._result(stage, start, end, state)
                     message = (
                         f"Stage {stage.name!r} found no equilibrium at load factor {float(factor):.6g} "
-                        f"(the last found is at {float(state.factor):.6g}): {solution.reason}"
+                        f"(the last found is at {float(state.factor):.6g}): {solution.reason}{slack}"
                     )
                     raise ConvergenceError(message, results, last, increment)
         return self._result(stage, start, end, state)
+
+    def _slack(self, stage: Stage, x: PETSc.Vec, actions: Actions) -> str:
+        """What is slack in a state that is no equilibrium, in words."""
+        return slack_parts(self._record(stage.name, x, actions, ())) if np.isfinite(x.norm()) else ""
 
     def _result(self, stage: Stage, start: Actions, end: Actions, state: Progress) -> StageResult:
         actions = load_case.between(start, end, float(state.factor))

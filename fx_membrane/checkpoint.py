@@ -91,8 +91,8 @@ def load(path: Path, structure: Structure, stages: Sequence[Stage]) -> dict[str,
             factor=Fraction(entry["factor"]),
             size=min(Fraction(entry["size"]), longest.get(name, Fraction(1))),
             increments=tuple(
-                Increment(factor, tuple(Iteration(*values) for values in iterations), drawn)
-                for factor, iterations, drawn in entry["increments"]
+                Increment(factor, tuple(Iteration(*values) for values in iterations), *remarks)
+                for factor, iterations, *remarks in entry["increments"]
             ),
         )
         for name, entry in document["progress"].items()

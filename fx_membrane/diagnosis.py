@@ -4,6 +4,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from .curvature import WEAK, softest
 from .problem import Problem
 
 
@@ -22,6 +23,35 @@ def linear_failure(problem: Problem, A: PETSc.Mat) -> str:
     return (
         "the tangent stiffness is singular: parts of the structure can move without resistance (a mechanism, or the "
         "point where it buckles). Add prestress, supports or members, or apply less load per step (steps=...)."
+    )
+
+
+def mechanism(problem: Problem, x: PETSc.Vec) -> str:
+    """Which nodes move freely in a state, in words; nothing where none does."""
+    found = softest(problem, x, WEAK)
+    # Written so that a number that is not one is no mechanism.
+    if not abs(found.stiffness) < WEAK:
+        return ""
+    motion = problem.discretization.gather(found.motion)
+    sizes = np.linalg.norm(motion, axis=1)
+    most = int(sizes.argmax())
+    direction = ", ".join(f"{component + 0.0:.3g}" for component in motion[most] / sizes[most])
+    also = int((sizes > 0.1 * sizes[most]).sum()) - 1
+    return (
+        f"the structure is a mechanism: node {most} moves freely in the direction ({direction})"
+        + (f", and {also} more nodes with it" if also else "")
+        + ". Add supports, members or prestress that hold it."
+    )
+
+
+def unlikely_units(problem: Problem, x: PETSc.Vec) -> str:
+    """Words where the loads would strain the structure out of all proportion."""
+    share = problem.load_norm(x) / (problem.stiffness * np.ptp(problem.discretization.structure.points, axis=0).max())
+    if not share > 1:
+        return ""
+    return (
+        f" The loads are {share:.2g} times what doubles its length: check that loads, stiffness and lengths are in the "
+        "same system of units."
     )
 
 

@@ -13,6 +13,8 @@ from typing import NamedTuple
 from petsc4py import PETSc
 from slepc4py import SLEPc
 
+from . import factorization
+
 PREFIX = "fx_membrane_eigenvalues_"
 FIRST_SHIFT, LAST_SHIFT = 1e-12, 1e8  # below zero, as shares of a typical eigenvalue
 SPREAD = 1e4  # most by which distances from the shift differ; the larger ones lose as many digits
@@ -65,22 +67,13 @@ def lowest_unsymmetric(K: PETSc.Mat, M: PETSc.Mat, count: int) -> list[Eigenpair
     No real part is below the lowest eigenvalue of the symmetric part of K (Bendixson): the shift is found with that.
     Args and Raises as for `lowest`.
     """
-    part = symmetric_part(K)
+    part = factorization.symmetric_part(K)
     with _solver(part, M, symmetric=True) as eps:
         shift, _ = _below_all(eps)
     part.destroy()
     with _solver(K, M, symmetric=False) as eps:
         eps.setTarget(shift)
         return _solve(eps, count)
-
-
-def symmetric_part(K: PETSc.Mat) -> PETSc.Mat:
-    """(K + K^T) / 2."""
-    part = K.copy()
-    part.transpose()
-    part.axpy(1.0, K, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-    part.scale(0.5)
-    return part
 
 
 @contextmanager

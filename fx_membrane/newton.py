@@ -11,7 +11,6 @@ without prestress has no stiffness across at all. Three things make Newton's met
 
 import math
 import weakref
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import cast
 
@@ -19,7 +18,9 @@ import numpy as np
 from petsc4py import PETSc
 
 from . import _dolfinx, factorization, validation
-from .diagnosis import linear_failure, stalled
+from .curvature import softest, tolerated
+from .diagnosis import linear_failure, mechanism, stalled, unlikely_units
+from .drivers import by_dolfinx, by_snes
 from .line_search import Point, search
 from .problem import Problem
 from .solver import Iteration, Monitor, Solution, Solve, silent
@@ -34,6 +35,9 @@ SHORT = 0.3  # a step that asks for more of it
 # Artificial tension in the structure, as a strain, from one solve to the next.
 FADING = tuple(10.0**-i for i in range(2, 9))
 ROUGH, FEW = 1e-3, 40  # tolerance and iterations of these solves
+
+# Equilibrium at a saddle of the energy.
+NUDGE, NUDGES = 1e-3, 3  # step off it, in sizes of the structure, and how often it is tried
 
 FAR = 1e3  # displacements beyond so many sizes of the structure are no solution
 
@@ -72,9 +76,6 @@ class _Stop(Exception):  # noqa: N818  (not an error but a message from callback
     """Ends the iteration from inside a callback, with the reason in words."""
 
 
-Driver = tuple[Callable[[PETSc.Vec], bool], PETSc.KSP]  # runs the iteration; its linear solver
-
-
 class _NewtonRaphson:
     """The iteration: callbacks for residual, tangent and step, and what drives them.
 
@@ -92,24 +93,53 @@ class _NewtonRaphson:
         self.monitor: Monitor = silent
         self.rtol = self.tolerance = self.length = self.added = 0.0
         self.most = settings.max_iterations
+        self.symmetric = True
         self.size = float(np.ptp(problem.discretization.structure.points, axis=0).max())
         self.newton = _dolfinx.newton_solver(problem.discretization.comm)
         # The drivers hold their callbacks in C and C++, where Python's garbage collector does not look: a weak
         # reference keeps the problem from living as long as the program.
         owner = cast(_NewtonRaphson, weakref.proxy(self))
-        self.iterate, self.ksp = _by_snes(owner) if self.newton is None else _by_dolfinx(owner)
+        self.iterate, self.ksp = by_snes(owner) if self.newton is None else by_dolfinx(owner)
         factorization.keep_until_all_are_done(self, problem.discretization.comm, self.ksp)
 
     def __call__(self, x: PETSc.Vec, monitor: Monitor = silent) -> Solution:
         self.monitor = monitor
         start = x.copy()
         solution = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
-        if solution.converged or not self.settings.line_search:
+        if not self.settings.line_search:
             return solution
+        if solution.converged:
+            return self.made_stable(x, solution)
         start.copy(x)
         self.draw_smooth(x)
         second = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
-        return replace(second, drawn_smooth=True) if second.converged else solution
+        if second.converged:
+            return replace(self.made_stable(x, second), drawn_smooth=True)
+        reason = mechanism(self.problem, start) or solution.reason
+        return replace(solution, reason=reason + unlikely_units(self.problem, start))
+
+    def made_stable(self, x: PETSc.Vec, solution: Solution) -> Solution:
+        """Goes on from an equilibrium that is not stable, downhill along its softest motion, to one that is.
+
+        Where the last tangent did without artificial tension it had no negative curvature, and nothing is to be done.
+        """
+        for _ in range(NUDGES):
+            if len(solution.iterations) == 1 or (self.symmetric and self.added == 0):
+                return solution
+            found = softest(self.problem, x, tolerated(self.problem))
+            if found.negative == 0:
+                return solution
+            before = x.copy()
+            step = found.motion
+            step.scale(NUDGE * self.size / step.norm(PETSc.NormType.NORM_INFINITY))
+            energy = self.problem.energy_along(x, step)
+            x.axpy(1.0 if energy(1.0) < energy(-1.0) else -1.0, step)
+            onward = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
+            if not onward.converged:
+                before.copy(x)
+                break
+            solution = replace(onward, iterations=solution.iterations + onward.iterations)
+        return replace(solution, unstable=True)
 
     def draw_smooth(self, x: PETSc.Vec) -> None:
         """Equilibrium under an artificial tension that is faded out."""
@@ -128,7 +158,8 @@ class _NewtonRaphson:
         """Runs the iteration once."""
         self.history, self.rtol, self.most = [], rtol, most
         self.length = self.added = 0.0
-        factorization.choose(self.ksp, self.A, self.problem.symmetric)
+        self.symmetric = self.problem.symmetric or self.conservative(x)
+        factorization.choose(self.ksp, self.A, self.symmetric)
         try:
             with _dolfinx.quiet_log():
                 converged = self.iterate(x)
@@ -138,6 +169,12 @@ class _NewtonRaphson:
             return Solution(False, str(stop), tuple(self.history), retry)
         reason = "converged" if converged else self.stalled(x)
         return Solution(converged, reason, tuple(self.history), retry=True)
+
+    def conservative(self, x: PETSc.Vec) -> bool:
+        """Whether the pressures have a potential here, as within held edges: the tangent is symmetric all the same."""
+        self.problem.tangent(x, self.A)
+        self.problem.hold_tangent(x, self.A, self.b)
+        return factorization.is_symmetric(self.A)
 
     def stalled(self, x: PETSc.Vec) -> str:
         """Why there is no solution after the last iterate."""
@@ -160,7 +197,7 @@ class _NewtonRaphson:
 
     def tangent(self, x: PETSc.Vec, A: PETSc.Mat) -> None:
         """Tangent and right-hand side with held components."""
-        A.setOption(PETSc.Mat.Option.SYMMETRIC, self.problem.symmetric)
+        A.setOption(PETSc.Mat.Option.SYMMETRIC, self.symmetric)
         self.problem.tangent(x, A)
         self.problem.hold_tangent(x, A, self.b)
         damping = self.damping()
@@ -207,7 +244,7 @@ class _NewtonRaphson:
         """Whether dx solves the linear system, and -dx leads downhill for sure: there is no negative curvature."""
         if not self.solved(dx):
             return False
-        if self.problem.symmetric:
+        if self.symmetric:
             return factorization.pivots(self.ksp) == (0, 0)
         return float(self.b.dot(dx)) > 0
 
@@ -240,6 +277,8 @@ class _NewtonRaphson:
         energy = self.problem.energy_along(start, downhill)
 
         def along(length: float) -> Point:
+            if length == 0 and not moved:  # known already
+                return Point(0.0, self.history[-1].energy, float(self.b.dot(downhill)))
             start.copy(self.work)
             self.work.axpy(length, downhill)
             b = start.duplicate()
@@ -252,61 +291,3 @@ class _NewtonRaphson:
         rounding = 10 * ROUNDING * (abs(first.energy) + self.problem.prestress_forces * downhill.norm())
         length = search(along, rounding)
         return 0.0 if length is None and moved else length
-
-
-def _by_dolfinx(owner: _NewtonRaphson) -> Driver:
-    """dolfinx's NewtonSolver drives the iteration."""
-    newton = owner.newton
-
-    def residual(x: PETSc.Vec, b: PETSc.Vec) -> None:
-        owner.residual(x, b)
-        owner.newton.atol = owner.tolerance
-
-    def update(_: object, dx: PETSc.Vec, x: PETSc.Vec) -> None:
-        owner.step(x, dx)
-        x.axpy(-1.0, dx)
-
-    newton.setF(residual, owner.b)
-    newton.setJ(lambda x, A: owner.tangent(x, A), owner.A)  # noqa: PLW0108  (a bound method would be a strong reference)
-    newton.set_form(lambda x: None)
-    newton.set_update(update)
-    newton.convergence_criterion = "residual"
-    newton.error_on_nonconvergence = False
-    newton.rtol = 0.0  # `atol` follows the forces at hand
-
-    def solve(x: PETSc.Vec) -> bool:
-        owner.newton.max_it = owner.most
-        return bool(owner.newton.solve(x)[1])
-
-    return solve, newton.krylov_solver
-
-
-def _by_snes(owner: _NewtonRaphson) -> Driver:
-    """PETSc's SNES drives the same iteration, where dolfinx has no NewtonSolver."""
-    reasons = PETSc.SNES.ConvergedReason
-
-    def shorten(x: PETSc.Vec, dx: PETSc.Vec) -> bool:
-        owner.step(x, dx)
-        return True
-
-    def test(_: PETSc.SNES, iteration: int, norms: tuple[float, float, float]) -> int:
-        if norms[2] < owner.tolerance:
-            return reasons.CONVERGED_FNORM_ABS
-        return reasons.DIVERGED_MAX_IT if iteration == owner.most else reasons.ITERATING
-
-    snes = PETSc.SNES().create(owner.problem.discretization.comm)
-    snes.setType("newtonls")
-    snes.setOptionsPrefix("fx_membrane_")
-    PETSc.Options("fx_membrane_")["snes_linesearch_type"] = "basic"
-    snes.setFromOptions()
-    snes.setMaxLinearSolveFailures(1_000_000_000)  # `step` judges them
-    snes.setFunction(lambda _, x, b: owner.residual(x, b), owner.b)
-    snes.setJacobian(lambda _, x, A, P: owner.tangent(x, A), owner.A)
-    snes.setLineSearchPreCheck(shorten)
-    snes.setConvergenceTest(test)
-
-    def solve(x: PETSc.Vec) -> bool:
-        snes.solve(None, x)
-        return bool(snes.getConvergedReason() > 0)
-
-    return solve, snes.getKSP()

@@ -25,11 +25,13 @@ class Increment(NamedTuple):
         iterations: The iterates of the solver, the start first.
         drawn_smooth: Whether these begin with what an artificial tension in the structure came to while it was faded
             out, since the solver found no way from the last increment.
+        unstable: Whether the equilibrium is not stable, as far as the solver looked (see `stability`).
     """
 
     load_factor: float
     iterations: tuple[Iteration, ...]
     drawn_smooth: bool = False
+    unstable: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -38,6 +38,7 @@ class Solution:
         retry: Whether a smaller load increment may succeed where this one failed.
         drawn_smooth: Whether the start of the iterates is not the one given, but what an artificial tension in the
             structure came to while it was faded out.
+        unstable: Whether the equilibrium found is not stable, and no stable one was found from there.
     """
 
     converged: bool
@@ -45,6 +46,7 @@ class Solution:
     iterations: tuple[Iteration, ...]
     retry: bool = False
     drawn_smooth: bool = False
+    unstable: bool = False
 
 
 Monitor = Callable[[int, Iteration], None]

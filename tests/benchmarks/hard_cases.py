@@ -225,9 +225,10 @@ def measure(make: Callable[[], Case], solver: Newton) -> str:
     largest = max((np.abs(state.reactions).max() + np.abs(state.loads).max() for state in states), default=0.0)
     error = max(state.equilibrium.residual for state in states) / max(largest, 1e-300)
     tense, short = sum(step.tension > 0 for step in steps), sum(step.step < 1 for step in steps)
+    words += " (unstable)" * any(increment.unstable for increment in increments)
     smooth = sum(increment.drawn_smooth for increment in increments)
     counts = f"{len(increments):5}{len(steps):6}{tense:6}{short:6}{smooth:6}{factorizations() - before:6}{time:8.1f}"
-    return f"{'NO' if words else 'yes':4}{error:9.0e}{counts}{words}"
+    return f"{'NO' if words.startswith(chr(10)) else 'yes':4}{error:9.0e}{counts}{words}"
 
 
 def main() -> None:
