@@ -10,7 +10,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from . import _dolfinx, validation
-from .diagnosis import linear_failure, stalled
+from .diagnosis import largest, linear_failure, stalled
 from .problem import Problem
 
 
@@ -161,10 +161,10 @@ class _NewtonRaphson:
         relative = (self.settings.rtol if self.history else ROUNDING) * forces
         self.tolerance = max(relative, 0.1 * ROUNDING * self.problem.prestress_forces, 1e-300)
         self.problem.hold(x, b)
-        largest = b.norm(PETSc.NormType.NORM_INFINITY)
-        self.history.append(Iteration(self.problem.energy(x), largest, self.next_step))
+        unbalanced = largest(b)
+        self.history.append(Iteration(self.problem.energy(x), unbalanced, self.next_step))
         self.monitor(len(self.history) - 1, self.history[-1])
-        if not math.isfinite(largest):
+        if not math.isfinite(unbalanced):
             raise _Stop(self.stalled(x))
 
     def tangent(self, x: PETSc.Vec, A: PETSc.Mat) -> None:
