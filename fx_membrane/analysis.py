@@ -136,13 +136,7 @@ class Analysis:
                 solution = self._solve(x, bar.iteration)
                 increment = Increment(float(factor), solution.iterations, solution.drawn_smooth, solution.unstable)
                 if solution.unstable:
-                    warnings.warn(
-                        f"Stage {stage.name!r} is in equilibrium at load factor {float(factor):.6g}, but not stable, and "
-                        "no stable state was found from there; stability(state) shows the motion. Add supports, members "
-                        "or prestress against it.",
-                        UnstableStateWarning,
-                        stacklevel=3,
-                    )
+                    _warn_of_unstable_state(stage.name, factor)
                 if solution.converged:
                     shape = self._problem.discretization.gather(x)
                     state = Progress(shape, factor, min(2 * state.size, full), (*state.increments, increment))
@@ -170,6 +164,15 @@ class Analysis:
         self._problem.apply(actions)
         x = self._problem.discretization.distribute(state.displacement)
         return self._record(stage.name, x, actions, state.increments)
+
+
+def _warn_of_unstable_state(name: str, factor: Fraction) -> None:
+    warnings.warn(
+        f"Stage {name!r}: the equilibrium found at load factor {float(factor):.6g} is not stable, and none that is was "
+        "found from there; stability(state) shows how it gives way. Add supports, members or prestress against that.",
+        UnstableStateWarning,
+        stacklevel=4,
+    )
 
 
 class _ProgressBar:

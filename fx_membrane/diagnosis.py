@@ -1,5 +1,7 @@
 """Why a solve failed, in words, and what to try."""
 
+import math
+
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -72,17 +74,25 @@ def stalled(problem: Problem, x: PETSc.Vec, iterations: int, residual: float, at
             "(Newton(max_iterations=...))."
         )
     size = np.ptp(problem.discretization.structure.points, axis=0).max()
-    largest = x.norm(PETSc.NormType.NORM_INFINITY)
+    displacement = largest(x)
     advice = (
         "apply the loads in more steps (steps=...), give more prestress, start from a shape in which the prestress "
         "is nearer to balance, or allow more iterations (Newton(max_iterations=...))"
     )
-    if not largest <= 10 * size:
+    if not displacement <= 10 * size:
         return (
-            f"the iteration diverged: displacements of {largest:.3g} in a structure of size {size:.3g}. "
+            f"the iteration diverged: displacements of {displacement:.3g} in a structure of size {size:.3g}. "
             f"Check that loads, stiffness and lengths are in the same system of units; then {advice}."
         )
     return f"after {iterations} iterations the largest unbalanced force is still {residual:.3g}; {advice}."
+
+
+def largest(vector: PETSc.Vec) -> float:
+    """Largest absolute value; not a number where there is one that is not a number, on every process.
+
+    MPI's maximum leaves open what becomes of them: some processes get the largest of the others, and go on.
+    """
+    return math.nan if math.isnan(vector.sum()) else float(vector.norm(PETSc.NormType.NORM_INFINITY))
 
 
 def loose_nodes(problem: Problem, A: PETSc.Mat) -> list[tuple[int, list[float]]]:

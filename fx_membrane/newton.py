@@ -19,7 +19,7 @@ from petsc4py import PETSc
 
 from . import _dolfinx, factorization, validation
 from .curvature import softest, tolerated
-from .diagnosis import linear_failure, mechanism, stalled, unlikely_units
+from .diagnosis import largest, linear_failure, mechanism, stalled, unlikely_units
 from .drivers import by_dolfinx, by_snes
 from .line_search import Point, search
 from .problem import Problem
@@ -148,7 +148,7 @@ class _NewtonRaphson:
                 self.problem.tension = tension
                 before = x.copy()
                 self.attempt(x, ROUGH, FEW)
-                if not x.norm(PETSc.NormType.NORM_INFINITY) <= FAR * self.size:
+                if not largest(x) <= FAR * self.size:
                     before.copy(x)
                     return
         finally:
@@ -189,10 +189,10 @@ class _NewtonRaphson:
         forces = b.norm() + self.problem.load_norm(x)
         self.tolerance = max((self.rtol if self.history else ROUNDING) * forces, self.problem.rounding, 1e-300)
         self.problem.hold(x, b)
-        largest = b.norm(PETSc.NormType.NORM_INFINITY)
-        self.history.append(Iteration(self.problem.energy(x), largest, self.length, self.added))
+        unbalanced = largest(b)
+        self.history.append(Iteration(self.problem.energy(x), unbalanced, self.length, self.added))
         self.monitor(len(self.history) - 1, self.history[-1])
-        if not (math.isfinite(largest) and x.norm(PETSc.NormType.NORM_INFINITY) <= FAR * self.size):
+        if not (math.isfinite(unbalanced) and largest(x) <= FAR * self.size):
             raise _Stop(self.stalled(x))
 
     def tangent(self, x: PETSc.Vec, A: PETSc.Mat) -> None:

@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from mpi4py import MPI
+from petsc4py import PETSc
 
 from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, Support, boundary, rectangle
-from fx_membrane.diagnosis import linear_failure, loose_nodes, stalled
+from fx_membrane.diagnosis import largest, linear_failure, loose_nodes, stalled
 from fx_membrane.problem import Problem
 
 POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
@@ -88,3 +90,13 @@ def test_stalled_at_rounding_advises_another_tolerance():
     message = stalled(problem, problem.discretization.create_vector(), iterations=30, residual=1e-9, at_rounding=True)
     assert "Newton(rtol=...)" in message
     assert "steps" not in message
+
+
+@pytest.mark.parametrize("process", range(3))
+def test_every_process_sees_what_is_not_a_number_on_one(process):
+    comm = MPI.COMM_WORLD
+    vector = PETSc.Vec().createMPI((2, PETSc.DECIDE), comm=comm)
+    vector.array[:] = -1.0 - comm.rank
+    assert largest(vector) == comm.size
+    vector.array[0] = np.nan if comm.rank == process % comm.size else 0.0
+    assert all(comm.allgather(np.isnan(largest(vector))))

@@ -1,0 +1,76 @@
+"""The softest motion of a state, and what counts as stable."""
+
+import numpy as np
+import pytest
+
+from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, Support, boundary, rectangle
+from fx_membrane.curvature import WEAK, softest, tolerated
+from fx_membrane.problem import Actions, Problem
+
+POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
+EDGE = np.unique(boundary(TRIANGLES))
+
+
+def sheet(prestress, **data):
+    membrane = Membrane(TRIANGLES, Fabric(Et=1e5, nu=0.3), prestress=prestress, **data)
+    return Structure(POINTS, {"fabric": membrane}, [Support(EDGE)])
+
+
+def frame():
+    """Three hinged bars in a row, held in their plane: they sway."""
+    points = [[0.0, 0, 0], [0, 1, 0], [1, 1, 0], [1, 0, 0]]
+    bars = Mast([[0, 1], [1, 2], [2, 3]], 1e6)
+    return Structure(points, {"frame": bars}, [Support([0, 3]), Support([1, 2], "z")])
+
+
+def found(structure, tension=WEAK, displacement=None):
+    problem = Problem(structure)
+    x = problem.discretization.create_vector()
+    if displacement is not None:
+        problem.discretization.distribute(displacement).copy(x)
+    result = softest(problem, x, tension)
+    return result, problem.discretization.gather(result.motion)
+
+
+def test_frame_sways_to_the_side():
+    result, motion = found(frame())
+    assert abs(result.stiffness) < WEAK
+    assert motion[1] == pytest.approx(motion[2], abs=1e-7)
+    assert np.abs(motion[1]) == pytest.approx([0.5**0.5, 0, 0], abs=1e-7)
+    assert not motion[[0, 3]].any()
+
+
+def test_taut_sheet_is_softest_across():
+    # T is Et times what the prestress N gives: a motion across has the stiffness N / Et.
+    result, motion = found(sheet(1e3))
+    assert result.negative == 0
+    assert result.stiffness == pytest.approx(1e3 / 1e5, rel=1e-9)
+    assert np.linalg.norm(motion[:, 2]) == pytest.approx(1, abs=1e-6)
+
+
+def test_compressed_mast_in_the_middle_of_a_weak_cable_is_unstable():
+    # Two struts in a row under 10 N, held across by nothing: each direction across is negative.
+    struts = Mast([[0, 1], [1, 2]], 1e6, prestress=-10.0)
+    structure = Structure([[0, 0, 0], [1, 0, 0], [2, 0, 0]], {"struts": struts}, [Support([0, 2])])
+    result, motion = found(structure)
+    assert result.negative == 2
+    assert result.stiffness == pytest.approx(-10 / 1e6, rel=1e-6)
+    assert abs(motion[1, 0]) < 1e-6
+
+
+def test_pressure_counts_by_its_symmetric_part():
+    structure = Structure(POINTS, sheet(1e3).parts, [Support(EDGE[POINTS[EDGE, 0] < -0.9])])
+    problem = Problem(structure)
+    zero = np.zeros(POINTS.shape)
+    problem.apply(Actions(zero, structure.supported, zero, {"fabric": np.full(len(TRIANGLES), 100.0)}))
+    x = problem.discretization.create_vector()
+    assert np.isfinite(softest(problem, x, 1e-3).stiffness)
+
+
+def test_what_wrinkles_keep_is_tolerated():
+    assert tolerated(Problem(sheet(1e3))) == pytest.approx(1e-5)
+    assert tolerated(Problem(sheet(1e3, compression_stiffness=1e-3))) == pytest.approx(1e-4)
+    assert tolerated(Problem(sheet(1e3, compression_stiffness=1.0))) == WEAK
+    assert tolerated(Problem(frame())) == WEAK
+    both = Structure(POINTS, {**sheet(1e3).parts, "edge": Cable(boundary(TRIANGLES), 1e6)}, [Support(EDGE)])
+    assert tolerated(Problem(both)) == pytest.approx(1e-5)
