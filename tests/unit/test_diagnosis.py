@@ -6,8 +6,8 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, Support, boundary, rectangle
-from fx_membrane.diagnosis import largest, linear_failure, loose_nodes, stalled
-from fx_membrane.problem import Problem
+from fx_membrane.diagnosis import largest, linear_failure, loose_nodes, mechanism, stalled, unlikely_units
+from fx_membrane.problem import Actions, Problem
 
 POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
 EDGE = np.unique(boundary(TRIANGLES))
@@ -100,3 +100,27 @@ def test_every_process_sees_what_is_not_a_number_on_one(process):
     assert largest(vector) == comm.size
     vector.array[0] = np.nan if comm.rank == process % comm.size else 0.0
     assert all(comm.allgather(np.isnan(largest(vector))))
+
+
+def test_mechanism_names_the_node_that_moves_and_where():
+    points = [[0.0, 0, 0], [0, 1, 0], [1, 1, 0], [1, 0, 0]]
+    frame = Structure(points, {"frame": Mast([[0, 1], [1, 2], [2, 3]], 1e6)}, [Support([0, 3]), Support([1, 2], "z")])
+    problem = Problem(frame)
+    words = mechanism(problem, problem.discretization.create_vector())
+    assert "node 1 moves freely" in words or "node 2 moves freely" in words
+    assert "and 1 more nodes with it" in words
+
+
+def test_taut_sheet_is_no_mechanism():
+    problem = Problem(sheet(1e3))
+    assert mechanism(problem, problem.discretization.create_vector()) == ""
+
+
+@pytest.mark.parametrize(("load", "said"), [(1e3, False), (1e9, True)])
+def test_loads_out_of_proportion_point_to_the_units(load, said):
+    problem = Problem(sheet(1e3))
+    loads = np.zeros(POINTS.shape)
+    loads[12, 2] = load
+    problem.apply(Actions(loads, problem.discretization.structure.supported, np.zeros(POINTS.shape)))
+    words = unlikely_units(problem, problem.discretization.create_vector())
+    assert ("system of units" in words) == said

@@ -81,13 +81,28 @@ SADDLES = {
 )
 def test_newton_is_quadratic(name, load):
     stages = [Stage("prestress"), Stage("load", loads=[load], after="prestress")]
-    state = Analysis(SADDLES[name]).run(stages)["load"]
+    state = Analysis(SADDLES[name], Newton(line_search=False)).run(stages)["load"]
     residuals = np.array([iteration.residual for _, iteration in state.history])
     residuals = residuals[residuals > 1e-12 * np.abs(state.reactions).max()]  # below is rounding
     orders = np.log(residuals[2:] / residuals[1:-1]) / np.log(residuals[1:-1] / residuals[:-2])
     assert residuals[-1] < 1e-6
     assert residuals[-1] < residuals[-2] / 40 < residuals[-3] / 40**2
     assert orders[-1] == pytest.approx(2, abs=0.3)
+
+
+@pytest.mark.parametrize("name", SADDLES)
+def test_line_search_and_artificial_tension_leave_a_fast_end(name):
+    """Ten times the load, whose first steps are short: at the end each gains more digits than the one before."""
+    load = PointLoad(CENTRE, (40.0, 20.0, -150.0))
+    stages = [Stage("prestress"), Stage("load", loads=[load], after="prestress")]
+    state = Analysis(SADDLES[name], Newton(rtol=1e-12)).run(stages)["load"]
+    steps = [iteration for _, iteration in state.history]
+    assert any(iteration.step < 1 for iteration in steps[1:])
+    assert (steps[-1].step, steps[-1].tension) == (1, 0)
+    residuals = np.array([iteration.residual for iteration in steps])
+    residuals = residuals[residuals > 1e-12 * np.abs(state.reactions).max()]  # below is rounding
+    digits = -np.diff(np.log10(residuals))
+    assert digits[-1] > max(3, 1.3 * digits[-2])
 
 
 @pytest.fixture(scope="module", params=list(SADDLES))
