@@ -25,7 +25,9 @@ def linear_failure(problem: Problem, A: PETSc.Mat) -> str:
     )
 
 
-def stalled(problem: Problem, x: PETSc.Vec, iterations: int, residual: float, at_rounding: bool) -> str:
+def stalled(
+    problem: Problem, x: PETSc.Vec, iterations: int, residual: float, at_rounding: bool, solver: str = "Newton"
+) -> str:
     """Why the iteration did not come to an end.
 
     Args:
@@ -34,18 +36,19 @@ def stalled(problem: Problem, x: PETSc.Vec, iterations: int, residual: float, at
         iterations: Their number.
         residual: The largest unbalanced force [N].
         at_rounding: Whether the residual is small, but above the tolerance.
+        solver: Name of its settings.
     """
     if at_rounding:
         return (
             f"the unbalanced forces ({residual:.3g}) are small but do not fall below the tolerance, which may ask for "
-            "more digits than rounding leaves; allow a larger one (Newton(rtol=...)) or more iterations "
-            "(Newton(max_iterations=...))."
+            f"more digits than rounding leaves; allow a larger one ({solver}(rtol=...)) or more iterations "
+            f"({solver}(max_iterations=...))."
         )
     size = np.ptp(problem.discretization.structure.points, axis=0).max()
     largest = x.norm(PETSc.NormType.NORM_INFINITY)
     advice = (
         "apply the loads in more steps (steps=...), give more prestress, start from a shape in which the prestress "
-        "is nearer to balance, or allow more iterations (Newton(max_iterations=...))"
+        f"is nearer to balance, or allow more iterations ({solver}(max_iterations=...))"
     )
     if not largest <= 10 * size:
         return (
