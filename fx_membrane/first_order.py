@@ -155,12 +155,12 @@ class _Descent:
         for _ in range(self.settings.max_iterations):
             length = self.step(x, divide(self.g))
             if length is None:
-                return self.failure(x, no_way=True)
+                return self.failure(x, slow=False)
             if self.arrived(x, length, monitor):
                 return Solution(True, "converged", tuple(self.history))
             if lost(self.problem, x, self.history[-1].residual):
-                return self.failure(x, no_way=True)
-        return self.failure(x, no_way=False)
+                return self.failure(x, slow=False)
+        return self.failure(x, slow=True)
 
     def arrived(self, x: PETSc.Vec, length: float, monitor: Monitor) -> bool:
         """Whether an iterate is the solution; notes it, and its gradient."""
@@ -227,13 +227,15 @@ class _Descent:
         self.problem.release(free)
         return int(free.sum())
 
-    def failure(self, x: PETSc.Vec, no_way: bool) -> Solution:
-        """Why there is no solution after the last iterate; whether for the reason that no step was found."""
+    def failure(self, x: PETSc.Vec, slow: bool) -> Solution:
+        """Why there is no solution after the last iterate; slow where the iterations were too few.
+
+        Smaller increments of load would hardly need less, and are no remedy for that.
+        """
         name, last = type(self.settings).__name__, self.history[-1].residual
-        at_rounding = no_way and last < 1e3 * self.tolerance
-        reason = stalled(self.problem, x, len(self.history) - 1, last, at_rounding, name)
-        if not no_way:
+        reason = stalled(self.problem, x, len(self.history) - 1, last, at_rounding=False, solver=name)
+        if slow:
             reason += (
                 ' First-order methods are slow; Newton() needs fewer iterations, and so does preconditioner="tangent".'
             )
-        return Solution(False, reason, tuple(self.history), retry=no_way)
+        return Solution(False, reason, tuple(self.history), retry=not slow)
