@@ -21,6 +21,10 @@ from .problem import Problem
 from .solver import ROUNDING, Iteration, Monitor, Solution, Solve, lost, silent, tolerance
 
 FLATNESS = 0.1  # accepted slope at the end of a step: directions are conjugate only to steps that end at the minimum
+INDEFINITE = (
+    "the tangent at the start cannot be made positive definite, not even by artificial tension, and is no "
+    "preconditioner; do without (preconditioner=None)."
+)
 DIFFERENCE = 1e-7  # displacement, in sizes of the structure, from which the curvature of the energy is taken
 
 
@@ -152,6 +156,8 @@ class _Descent:
         if self.arrived(x, 0.0, monitor):
             return Solution(True, "converged", tuple(self.history))
         divide = self.preconditioner(x)
+        if divide is None:
+            return Solution(False, INDEFINITE, tuple(self.history))
         for _ in range(self.settings.max_iterations):
             length = self.step(x, divide(self.g))
             if length is None:

@@ -17,17 +17,17 @@ TENSIONS = (0.0, *(1e-4 * 8.0**i for i in range(10)))
 ZERO = 1e-13  # entries of the diagonal, in parts of the largest, that count as none
 
 
-def preconditioner(problem: Problem, kind: Kind) -> Callable[[PETSc.Vec], Divide]:
+def preconditioner(problem: Problem, kind: Kind) -> Callable[[PETSc.Vec], Divide | None]:
     """A function that makes the preconditioner M of a state whose held components are in place.
 
-    It keeps its workspace from state to state.
+    It keeps its workspace from state to state; it returns None where M cannot be made positive definite.
     """
     if kind is None:
         return lambda x: PETSc.Vec.copy
     divide_by = _diagonal if kind == "jacobi" else _Factors(problem)
     A, b = problem.discretization.create_matrix(), problem.discretization.create_vector()
 
-    def at(x: PETSc.Vec) -> Divide:
+    def at(x: PETSc.Vec) -> Divide | None:
         problem.tangent(x, A)
         if not problem.symmetric:
             _symmetrize(A)
@@ -38,7 +38,7 @@ def preconditioner(problem: Problem, kind: Kind) -> Callable[[PETSc.Vec], Divide
                 break
             problem.stiffen(x, A, b, more - less)
             divide = divide_by(A)
-        return divide or PETSc.Vec.copy
+        return divide
 
     return at
 
@@ -68,6 +68,7 @@ class _Factors:
 
     def __call__(self, A: PETSc.Mat) -> Divide | None:
         factorization.choose(self.ksp, A, symmetric=True)
+        self.ksp.setOperators(A)  # or `setUp` would keep the last factorization
         self.ksp.setUp()
         return self.solve if factorization.pivots(self.ksp) == (0, 0) else None
 
