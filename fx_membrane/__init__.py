@@ -12,6 +12,7 @@ from mpi4py import MPI as _MPI  # noqa: F401  (before dolfinx: its wheel from Py
 from . import plot
 from .analysis import Analysis, ConvergenceError, UnstableStateWarning
 from .edges import edges_on
+from .first_order import ConjugateGradient, SteepestDescent
 from .form_finding import Net, force_density
 from .geometry import boundary, polyline, rectangle
 from .gmsh import structure_from_gmsh
@@ -35,6 +36,7 @@ __all__ = [
     "Analysis",
     "BarResult",
     "Cable",
+    "ConjugateGradient",
     "ConvergenceError",
     "DeadLoad",
     "Equilibrium",
@@ -57,6 +59,7 @@ __all__ = [
     "Stability",
     "Stage",
     "StageResult",
+    "SteepestDescent",
     "Structure",
     "Support",
     "UnstableStateWarning",

@@ -17,6 +17,7 @@ from tqdm import tqdm
 
 from . import checkpoint, load_case, loads, validation
 from .checkpoint import Progress
+from .first_order import ConjugateGradient, SteepestDescent
 from .large_strain import warn_of_large_strains
 from .loads import Stage
 from .newton import Newton
@@ -29,6 +30,8 @@ from .solver import Iteration
 from .structure import Structure
 
 HALVINGS = 8
+
+AnySolver = Newton | ConjugateGradient | SteepestDescent
 
 
 class ConvergenceError(RuntimeError):
@@ -62,9 +65,9 @@ class Analysis:
         comm: The processes that share the work; each must give the same structure and stages.
     """
 
-    def __init__(self, structure: Structure, solver: Newton = Newton(), comm: MPI.Intracomm = MPI.COMM_WORLD):
+    def __init__(self, structure: Structure, solver: AnySolver = Newton(), comm: MPI.Intracomm = MPI.COMM_WORLD):
         validation.instance("Analysis structure", structure, Structure)
-        validation.instance("Analysis solver", solver, Newton)
+        validation.instance("Analysis solver", solver, AnySolver)
         self.structure = structure
         self._comm = comm
         self._problem = Problem(structure, comm)

@@ -1,13 +1,12 @@
 """Why a solve failed, in words, and what to try."""
 
-import math
-
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
 from .curvature import WEAK, softest
 from .problem import Problem
+from .solver import largest
 
 
 def linear_failure(problem: Problem, A: PETSc.Mat) -> str:
@@ -57,7 +56,9 @@ def unlikely_units(problem: Problem, x: PETSc.Vec) -> str:
     )
 
 
-def stalled(problem: Problem, x: PETSc.Vec, iterations: int, residual: float, at_rounding: bool) -> str:
+def stalled(
+    problem: Problem, x: PETSc.Vec, iterations: int, residual: float, at_rounding: bool, solver: str = "Newton"
+) -> str:
     """Why the iteration did not come to an end.
 
     Args:
@@ -66,18 +67,19 @@ def stalled(problem: Problem, x: PETSc.Vec, iterations: int, residual: float, at
         iterations: Their number.
         residual: The largest unbalanced force [N].
         at_rounding: Whether the residual is small, but above the tolerance.
+        solver: Name of its settings.
     """
     if at_rounding:
         return (
             f"the unbalanced forces ({residual:.3g}) are small but do not fall below the tolerance, which may ask for "
-            "more digits than rounding leaves; allow a larger one (Newton(rtol=...)) or more iterations "
-            "(Newton(max_iterations=...))."
+            f"more digits than rounding leaves; allow a larger one ({solver}(rtol=...)) or more iterations "
+            f"({solver}(max_iterations=...))."
         )
     size = np.ptp(problem.discretization.structure.points, axis=0).max()
     displacement = largest(x)
     advice = (
         "apply the loads in more steps (steps=...), give more prestress, start from a shape in which the prestress "
-        "is nearer to balance, or allow more iterations (Newton(max_iterations=...))"
+        f"is nearer to balance, or allow more iterations ({solver}(max_iterations=...))"
     )
     if not displacement <= 10 * size:
         return (
@@ -85,14 +87,6 @@ def stalled(problem: Problem, x: PETSc.Vec, iterations: int, residual: float, at
             f"Check that loads, stiffness and lengths are in the same system of units; then {advice}."
         )
     return f"after {iterations} iterations the largest unbalanced force is still {residual:.3g}; {advice}."
-
-
-def largest(vector: PETSc.Vec) -> float:
-    """Largest absolute value; not a number where there is one that is not a number, on every process.
-
-    MPI's maximum leaves open what becomes of them: some processes get the largest of the others, and go on.
-    """
-    return math.nan if math.isnan(vector.sum()) else float(vector.norm(PETSc.NormType.NORM_INFINITY))
 
 
 def loose_nodes(problem: Problem, A: PETSc.Mat) -> list[tuple[int, list[float]]]:

@@ -28,12 +28,19 @@ def choose(ksp: PETSc.KSP, A: PETSc.Mat, symmetric: bool) -> None:
     factor.setMumpsIcntl(14, 50)  # per cent of workspace more than estimated
 
 
+def symmetrize(A: PETSc.Mat) -> None:
+    """Replaces a matrix by its symmetric part, (A + A^T) / 2."""
+    other = A.copy()
+    other.transpose()
+    A.axpy(1.0, other, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+    A.scale(0.5)
+    other.destroy()
+
+
 def symmetric_part(A: PETSc.Mat) -> PETSc.Mat:
     """(A + A^T) / 2."""
     part = A.copy()
-    part.transpose()
-    part.axpy(1.0, A, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-    part.scale(0.5)
+    symmetrize(part)
     return part
 
 

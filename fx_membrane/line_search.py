@@ -10,7 +10,13 @@ guaranteed descent and an efficient line search, SIAM J. Optimization 16 (2005) 
 
 import math
 from collections.abc import Callable
+from functools import cache
 from typing import NamedTuple
+
+from petsc4py import PETSc
+
+from .problem import Problem
+from .solver import ROUNDING
 
 DECREASE = 1e-4  # least part of the linearly predicted decrease
 MARGIN = 0.05  # of an interval, at both ends, in which no trial is made
@@ -56,6 +62,28 @@ def search(along: Callable[[float], Point], rounding: float, flatness: float = 0
         share = min(max(share, MARGIN), 1 - MARGIN) if math.isfinite(share) else 0.5
         trial = along(low.length + share * (high.length - low.length))
         interpolate = _cubic
+
+
+def line(problem: Problem, start: PETSc.Vec, step: PETSc.Vec, first: Point | None = None) -> Callable[[float], Point]:
+    """Energy and slope along a step from a start, the work of pressures included; first, if known, is at the start."""
+    energy = problem.energy_along(start, step)
+    x, b = start.duplicate(), start.duplicate()
+
+    @cache
+    def along(length: float) -> Point:
+        if first is not None and length == first.length:
+            return first
+        start.copy(x)
+        x.axpy(length, step)
+        problem.residual(x, b)
+        return Point(length, energy(length), float(b.dot(step)))
+
+    return along
+
+
+def rounding(problem: Problem, first: Point, step: PETSc.Vec) -> float:
+    """Difference of energies that means nothing along a step [J]."""
+    return 10 * ROUNDING * (abs(first.energy) + problem.prestress_forces * float(step.norm()))
 
 
 def _parabola(low: Point, high: Point) -> float:

@@ -9,7 +9,6 @@ without prestress has no stiffness across at all. Three things make Newton's met
 - where that does not get there either, an artificial tension in the structure itself draws it smooth, and is faded out.
 """
 
-import math
 import weakref
 from dataclasses import dataclass, replace
 from typing import cast
@@ -19,13 +18,11 @@ from petsc4py import PETSc
 
 from . import _dolfinx, factorization, validation
 from .curvature import softest, tolerated
-from .diagnosis import largest, linear_failure, mechanism, stalled, unlikely_units
+from .diagnosis import linear_failure, mechanism, stalled, unlikely_units
 from .drivers import by_dolfinx, by_snes
-from .line_search import Point, search
+from .line_search import Point, line, rounding, search
 from .problem import Problem
-from .solver import Iteration, Monitor, Solution, Solve, silent
-
-ROUNDING = 1e-14
+from .solver import FAR, ROUNDING, Iteration, Monitor, Solution, Solve, largest, lost, silent, tolerance
 
 # Artificial tension added to the tangent, as a strain.
 FIRST, LEAST, LARGEST = 1e-4, 1e-8, 1e4
@@ -38,8 +35,6 @@ ROUGH, FEW = 1e-3, 40  # tolerance and iterations of these solves
 
 # Equilibrium at a saddle of the energy.
 NUDGE, NUDGES = 1e-3, 3  # step off it, in sizes of the structure, and how often it is tried
-
-FAR = 1e3  # displacements beyond so many sizes of the structure are no solution
 
 
 @dataclass(frozen=True)
@@ -185,14 +180,12 @@ class _NewtonRaphson:
     def residual(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
         """Residual with held components; notes the iterate and the tolerance for its 2-norm."""
         self.problem.residual(x, b)
-        # The start passes only at rounding: loads far below the prestress take their step too.
-        forces = b.norm() + self.problem.load_norm(x)
-        self.tolerance = max((self.rtol if self.history else ROUNDING) * forces, self.problem.rounding, 1e-300)
+        self.tolerance = tolerance(self.problem, x, b, self.rtol if self.history else ROUNDING)
         self.problem.hold(x, b)
         unbalanced = largest(b)
         self.history.append(Iteration(self.problem.energy(x), unbalanced, self.length, self.added))
         self.monitor(len(self.history) - 1, self.history[-1])
-        if not (math.isfinite(unbalanced) and largest(x) <= FAR * self.size):
+        if lost(self.problem, x, unbalanced):
             raise _Stop(self.stalled(x))
 
     def tangent(self, x: PETSc.Vec, A: PETSc.Mat) -> None:
@@ -274,20 +267,10 @@ class _NewtonRaphson:
         """
         downhill = dx.copy()
         downhill.scale(-1.0)
-        energy = self.problem.energy_along(start, downhill)
-
-        def along(length: float) -> Point:
-            if length == 0 and not moved:  # known already
-                return Point(0.0, self.history[-1].energy, float(self.b.dot(downhill)))
-            start.copy(self.work)
-            self.work.axpy(length, downhill)
-            b = start.duplicate()
-            self.problem.residual(self.work, b)
-            return Point(length, energy(length), float(b.dot(downhill)))
-
+        here = None if moved else Point(0.0, self.history[-1].energy, float(self.b.dot(downhill)))
+        along = line(self.problem, start, downhill, here)
         first = along(0.0)
         if moved and first.slope >= 0:
-            return 1.0 if energy(1.0) <= first.energy else 0.0
-        rounding = 10 * ROUNDING * (abs(first.energy) + self.problem.prestress_forces * downhill.norm())
-        length = search(along, rounding)
+            return 1.0 if along(1.0).energy <= first.energy else 0.0
+        length = search(along, rounding(self.problem, first, downhill))
         return 0.0 if length is None and moved else length

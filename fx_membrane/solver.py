@@ -1,12 +1,17 @@
 """What every solver keeps to: a problem and a start go in; the state, its history and a reason in words come out."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
+import numpy as np
 from petsc4py import PETSc
 
 from .problem import Problem
+
+ROUNDING = 1e-14
+FAR = 1e3  # displacements beyond so many sizes of the structure are no solution
 
 
 class Iteration(NamedTuple):
@@ -70,3 +75,30 @@ class Solver(Protocol):
 
 def silent(number: int, iterate: Iteration) -> None:
     """A monitor that does nothing."""
+
+
+def tolerance(problem: Problem, x: PETSc.Vec, b: PETSc.Vec, rtol: float) -> float:
+    """What the 2-norm of the unbalanced forces must be below [N], for the residual b in x, reactions included.
+
+    Args:
+        problem: The problem.
+        x: The iterate.
+        b: Its residual, with the reactions at held components.
+        rtol: Part of the norm of all nodal forces; at the start `ROUNDING`, so that loads far below the prestress
+            take their step too.
+    """
+    return max(rtol * (float(b.norm()) + problem.load_norm(x)), problem.rounding, 1e-300)
+
+
+def lost(problem: Problem, x: PETSc.Vec, residual: float) -> bool:
+    """Whether an iterate is so far off, or no number at all, that there is no way back."""
+    size = np.ptp(problem.discretization.structure.points, axis=0).max()
+    return not (math.isfinite(residual) and largest(x) <= FAR * size)
+
+
+def largest(vector: PETSc.Vec) -> float:
+    """Largest absolute value; not a number where there is one that is not a number, on every process.
+
+    MPI's maximum leaves open what becomes of them: some processes get the largest of the others, and go on.
+    """
+    return math.nan if math.isnan(vector.sum()) else float(vector.norm(PETSc.NormType.NORM_INFINITY))

@@ -6,8 +6,9 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, Support, boundary, rectangle
-from fx_membrane.diagnosis import largest, linear_failure, loose_nodes, mechanism, stalled, unlikely_units
+from fx_membrane.diagnosis import linear_failure, loose_nodes, mechanism, stalled, unlikely_units
 from fx_membrane.problem import Actions, Problem
+from fx_membrane.solver import largest
 
 POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
 EDGE = np.unique(boundary(TRIANGLES))
