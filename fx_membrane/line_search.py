@@ -97,7 +97,7 @@ def _cubic(low: Point, high: Point) -> float:
     """Where the cubic through two energies and two slopes is least, N&W (3.59)."""
     span = high.length - low.length
     d1 = low.slope + high.slope - 3 * (high.energy - low.energy) / span
-    radicand = d1**2 - low.slope * high.slope
+    radicand = d1 * d1 - low.slope * high.slope  # d1**2 would raise OverflowError
     if not radicand >= 0:
         return _parabola(low, high)
     d2 = math.copysign(math.sqrt(radicand), span)
