@@ -11,7 +11,9 @@ from mpi4py import MPI as _MPI  # noqa: F401  (before dolfinx: its wheel from Py
 
 from . import plot
 from .analysis import Analysis, ConvergenceError
+from .arc_length import ContinuationError, trace
 from .edges import edges_on
+from .equilibrium_path import EquilibriumPath, PathPoint
 from .form_finding import Net, force_density
 from .geometry import boundary, polyline, rectangle
 from .gmsh import structure_from_gmsh
@@ -35,9 +37,11 @@ __all__ = [
     "Analysis",
     "BarResult",
     "Cable",
+    "ContinuationError",
     "ConvergenceError",
     "DeadLoad",
     "Equilibrium",
+    "EquilibriumPath",
     "Fabric",
     "Form",
     "Increment",
@@ -50,6 +54,7 @@ __all__ = [
     "Net",
     "Newton",
     "OrthotropicFabric",
+    "PathPoint",
     "PlanLoad",
     "PointLoad",
     "PrescribedDisplacement",
@@ -69,5 +74,6 @@ __all__ = [
     "report",
     "stability",
     "structure_from_gmsh",
+    "trace",
     "updated_reference",
 ]

@@ -6,6 +6,8 @@ from typing import NamedTuple
 from mpi4py import MPI
 from petsc4py import PETSc
 
+ROUNDING = 1e-12  # an antisymmetric part below this share of a matrix is none
+
 _kept: list[tuple[MPI.Intracomm, "weakref.ref[object]", PETSc.KSP]] = []
 
 
@@ -24,6 +26,14 @@ def choose(ksp: PETSc.KSP, A: PETSc.Mat, symmetric: bool) -> None:
     factor.setMumpsIcntl(24, 1)  # finds pivots that are zero: without, each is put off, and the workspace runs over
     factor.setMumpsIcntl(13, 1)  # counts negative pivots right on several processes
     factor.setMumpsIcntl(14, 50)  # per cent of workspace more than estimated
+
+
+def symmetric(A: PETSc.Mat) -> bool:
+    """Whether a matrix is symmetric, but for rounding."""
+    antisymmetric = A.copy()
+    antisymmetric.transpose()
+    antisymmetric.axpy(-1.0, A, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+    return bool(antisymmetric.norm() <= 2 * ROUNDING * A.norm())
 
 
 class Pivots(NamedTuple):

@@ -16,14 +16,12 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from . import eigenvalues, validation
+from . import eigenvalues, factorization, validation
 from .eigenvalues import Eigenpair
 from .problem import Problem
 from .results import StageResult
 
 Array = NDArray[np.float64]
-
-ROUNDING = 1e-12  # an antisymmetric part below this share of the tangent is none
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +89,7 @@ def natural_frequencies(state: StageResult, count: int = 6, comm: MPI.Intracomm 
     full = problem.discretization.create_matrix()
     problem.mass(full)
     M = _free(problem, full, state)
-    if _symmetric(K):
+    if factorization.symmetric(K):
         pairs, _ = eigenvalues.lowest(K, M, count)
     else:
         pairs = eigenvalues.lowest_unsymmetric(K, M, count)
@@ -114,7 +112,9 @@ def stability(state: StageResult, count: int = 1, comm: MPI.Intracomm = MPI.COMM
     validation.instance("stability state", state, StageResult)
     _check_count("stability", count, state.structure.used[:, None] & ~state.actions.held, "components")
     problem, K = _tangent(state, comm)
-    pairs, negative = eigenvalues.lowest(K if _symmetric(K) else eigenvalues.symmetric_part(K), None, count)
+    pairs, negative = eigenvalues.lowest(
+        K if factorization.symmetric(K) else eigenvalues.symmetric_part(K), None, count
+    )
     return Stability(np.array([pair.value.real for pair in pairs]), _shapes(problem, state, pairs), negative)
 
 
@@ -139,13 +139,6 @@ def _free(problem: Problem, A: PETSc.Mat, state: StageResult) -> PETSc.Mat:
     part = A.createSubMatrix(free, free)
     A.destroy()
     return part
-
-
-def _symmetric(K: PETSc.Mat) -> bool:
-    antisymmetric = K.copy()
-    antisymmetric.transpose()
-    antisymmetric.axpy(-1.0, K, structure=PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-    return bool(antisymmetric.norm() <= 2 * ROUNDING * K.norm())
 
 
 def _shapes(problem: Problem, state: StageResult, pairs: list[Eigenpair]) -> Array:
