@@ -34,6 +34,7 @@ from .structure import Structure
 FEW = 4  # a point that takes more is followed by a shorter step
 TURN = 0.2  # angle between a step and the tangent at its end [rad]; a larger one is followed by a shorter step
 SHARP = 0.6  # a step with a larger angle is taken back and halved,
+COARSE = 1.5  # and so is one over which the load factor changes by more than so many times what it should,
 KINK = 4  # but not more often than that: where cables or cells slacken the path has a kink
 HALVINGS = 12
 
@@ -62,12 +63,13 @@ def trace(
     """Equilibrium states of a stage in the order in which they follow from each other, by arc length.
 
     The load factor, which multiplies the stage's own loads and prescribed displacements, grows from 0, falls where the
-    structure snaps through, and so on. From point to point it changes by about 1 / `stage.steps` at most; where the
-    path turns, points are closer. At a bifurcation the path goes straight on, and only `negative_pivots` tells.
+    structure snaps through, and so on. From point to point it changes by 1 / `stage.steps`, seldom by up to half as
+    much more; where the path turns, points are closer. At a bifurcation the path goes straight on, and only
+    `negative_pivots` tells.
 
     Args:
-        start: The structure, if its reference shape is in equilibrium; or the final state of the stage that this one
-            comes after.
+        start: The structure, if its reference shape is in equilibrium or nearly so; or the final state of the stage
+            that this one comes after.
         stage: What is applied.
         load_factor: Where the path ends, whatever way it takes there; None: nowhere.
         displacement: A node, one of the components "x", "y" and "z", and its displacement [m]: where the path ends too.
@@ -98,7 +100,7 @@ def trace(
     x = problem.discretization.distribute(shape)
     newton = BorderedNewton(problem, path.start, path.end, x, rtol)
     try:
-        return _Tracer(newton, path).run(x, ends, 1 / stage.steps, max_points)
+        return _Tracer(newton, path, 1 / stage.steps).run(x, ends, max_points)
     finally:
         newton.free()
 
@@ -152,24 +154,25 @@ class _Tracer:
 
     Attributes:
         path: What was found.
+        share: Largest change of the load factor from point to point, as predicted.
         psi: Weight of the load factor.
     """
 
-    def __init__(self, newton: BorderedNewton, path: EquilibriumPath):
-        self.newton, self.path = newton, path
+    def __init__(self, newton: BorderedNewton, path: EquilibriumPath, share: float):
+        self.newton, self.path, self.share = newton, path, share
         self.psi = 1.0
 
-    def run(self, x: PETSc.Vec, ends: list[Plane], share: float, max_points: int) -> EquilibriumPath:
-        """The path from a shape on; share is the largest change of the load factor."""
+    def run(self, x: PETSc.Vec, ends: list[Plane], max_points: int) -> EquilibriumPath:
+        """The path from a shape on."""
         point = self.start(x)
         self.record(point)
         direction = self.direction(Step(self.newton.zero, 1.0))
-        length = share / direction.factor
+        length = self.share / direction.factor
         while not self.path.complete and len(self.path.points) < max_points:
             point, direction, turn, length, complete = self.next(point, direction, length, ends)
             self.record(point, complete)
             pace = min(math.sqrt(FEW / len(point.iterations)), TURN / max(turn, 1e-300))
-            length = min(length * min(max(pace, 0.5), 2.0), share / max(abs(direction.factor), 1e-300))
+            length = min(length * min(max(pace, 0.5), 2.0), self.share / max(abs(direction.factor), 1e-300))
         return self.path
 
     def start(self, x: PETSc.Vec) -> Point:
@@ -202,7 +205,8 @@ class _Tracer:
                 onward = self.direction(step) if self.newton.linearize(point.x) else self.unit(step)
                 cosine = self.product(step, onward) / math.sqrt(self.product(step, step))
                 turn = math.acos(min(max(cosine, -1.0), 1.0))
-                if turn <= SHARP or halvings >= KINK:
+                fine = turn <= SHARP and abs(step.factor) <= COARSE * self.share
+                if fine or halvings >= KINK:
                     return _Arrival(point, onward, turn, length, end is not None)
             length /= 2
         raise ContinuationError(

@@ -3,8 +3,9 @@
     R(u, factor) = 0,    across . u + share factor = distance
 
 The two are solved by elimination. An iteration takes one factorization of K and two solutions with it: of R, and of
-its derivative by the factor, which is minus the stage's own loads, those of pressures in the present shape. Convergence is
-quadratic wherever the path is smooth and crosses the plane, also about limit points of the load, where K is singular.
+its derivative by the factor, which is minus the stage's own loads, those of pressures in the present shape. It
+converges quadratically wherever the path is smooth and crosses the plane, also at limit points of the load, where K
+is singular.
 
 Source: E. Ramm, Strategies for tracing the nonlinear response near limit points, in: W. Wunderlich, E. Stein,
 K.-J. Bathe (eds.), Nonlinear finite element analysis in structural mechanics, Springer (1981) 63-89.
