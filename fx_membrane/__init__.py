@@ -11,7 +11,9 @@ from mpi4py import MPI as _MPI  # noqa: F401  (before dolfinx: its wheel from Py
 
 from . import plot
 from .analysis import Analysis, ConvergenceError, UnstableStateWarning
+from .arc_length import ContinuationError, trace
 from .edges import edges_on
+from .equilibrium_path import EquilibriumPath, PathPoint
 from .first_order import ConjugateGradient, SteepestDescent
 from .form_finding import Net, force_density
 from .geometry import boundary, polyline, rectangle
@@ -37,9 +39,11 @@ __all__ = [
     "BarResult",
     "Cable",
     "ConjugateGradient",
+    "ContinuationError",
     "ConvergenceError",
     "DeadLoad",
     "Equilibrium",
+    "EquilibriumPath",
     "Fabric",
     "Form",
     "Increment",
@@ -52,6 +56,7 @@ __all__ = [
     "Net",
     "Newton",
     "OrthotropicFabric",
+    "PathPoint",
     "PlanLoad",
     "PointLoad",
     "PrescribedDisplacement",
@@ -73,5 +78,6 @@ __all__ = [
     "report",
     "stability",
     "structure_from_gmsh",
+    "trace",
     "updated_reference",
 ]

@@ -1,5 +1,6 @@
 """What the loads and prescribed displacements of a stage come to, as actions on nodes and cells."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -82,16 +83,21 @@ def taking_hold(start: Actions, end: Actions, displacement: Array) -> Actions:
 
 def between(start: Actions, end: Actions, factor: float) -> Actions:
     """Actions between start and end."""
+    return _combined(start, end, lambda a, b: a + factor * (b - a))
 
-    def blend(a: Array, b: Array) -> Array:
-        return a + factor * (b - a)
 
-    def pressure(actions: Actions, name: str) -> Array:
-        return actions.pressures.get(name, np.zeros_like(end.pressures[name]))
+def change(start: Actions, end: Actions) -> Actions:
+    """What comes on top of the actions at the start, for a factor of one."""
+    return _combined(start, end, lambda a, b: b - a)
+
+
+def _combined(start: Actions, end: Actions, combine: Callable[[Array, Array], Array]) -> Actions:
+    def pressure(name: str) -> Array:
+        return start.pressures.get(name, np.zeros_like(end.pressures[name]))
 
     return Actions(
-        loads=blend(start.loads, end.loads),
+        loads=combine(start.loads, end.loads),
         held=end.held,
-        displacement=blend(start.displacement, end.displacement),
-        pressures={name: blend(pressure(start, name), pressure(end, name)) for name in end.pressures},
+        displacement=combine(start.displacement, end.displacement),
+        pressures={name: combine(pressure(name), end.pressures[name]) for name in end.pressures},
     )

@@ -96,6 +96,13 @@ class Problem:
         self._set(x)
         return self.discretization.gather(self._assemble(lambda part: part.pressure, x.duplicate()))
 
+    def loads(self, x: PETSc.Vec) -> PETSc.Vec:
+        """Nodal loads in the shape x, dead loads and pressures [N]."""
+        self._set(x)
+        total = self._assemble(lambda part: part.pressure, x.duplicate())
+        total.axpy(1.0, self._loads)
+        return total
+
     def load_norm(self, x: PETSc.Vec) -> float:
         """2-norm of the nodal loads in the shape x, dead loads and pressures [N]."""
         dead = float(self._loads.norm())

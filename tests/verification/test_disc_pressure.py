@@ -37,6 +37,7 @@ from fx_membrane import (
     Support,
     boundary,
 )
+from surfaces import half_disc
 
 A, EH, NU = 0.1425, 311488.0, 0.34
 MESHES = (8, 16, 32)
@@ -86,30 +87,6 @@ def exact(p, follower, Eh=EH, nu=NU):
     guess = 0.5 * (p * A / Eh) ** (2 / 3)
     stretch = brentq(lambda s: shoot(s)[0] - A, 1 + 0.2 * guess, 1 + 2 * guess, xtol=1e-13)
     return np.array([shoot(stretch)[2], centre(stretch) / stretch, shoot(stretch)[3]])
-
-
-def half_disc(n):
-    """Half of a unit disc, y >= 0: n rings, equilateral triangles in the middle that become circular outwards.
-
-    Circular rings all the way in have a kink at the centre: nodes there do not get their share of the load, which
-    costs a factor log(1/h).
-    """
-    corners = np.stack([np.cos(np.pi / 3 * np.arange(4)), np.sin(np.pi / 3 * np.arange(4))], axis=-1)
-    rings, points = [np.array([0])], [np.zeros((1, 2))]
-    for k in range(1, n + 1):
-        share = np.arange(3 * k + 1) / k
-        hexagon = np.stack([np.interp(share, np.arange(4), corners[:, i]) for i in range(2)], axis=-1)
-        circle = np.stack([np.cos(np.pi / 3 * share), np.sin(np.pi / 3 * share)], axis=-1)
-        points.append(k / n * (hexagon + (k / n) ** 3 * (circle - hexagon)))
-        rings.append(rings[-1][-1] + 1 + np.arange(3 * k + 1))
-    cells = []
-    for k, sector in np.ndindex(n, 3):
-        inner, outer = rings[k][sector * k :], rings[k + 1][sector * (k + 1) :]
-        cells += [(inner[j], outer[j], outer[j + 1]) for j in range(k + 1)]
-        cells += [(inner[j], outer[j + 1], inner[j + 1]) for j in range(k)]
-    flat = np.concatenate(points)
-    flat[np.abs(flat) < 1e-15] = 0.0
-    return np.column_stack([flat, np.zeros(len(flat))]), np.array(cells), rings[-1]
 
 
 def solve(p, follower, n, Eh=EH, nu=NU):

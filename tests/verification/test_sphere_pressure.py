@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 from fx_membrane import Analysis, Fabric, Membrane, Newton, Pressure, Stage, Structure, Support
+from surfaces import octant
 
 R, EH, NU, N0 = 2.0, 1e5, 0.3, 4e3
 MESHES = (8, 16, 32)
@@ -26,23 +27,9 @@ def pressure(stretch):
     return 2 * (N0 + EH * (stretch**2 - 1) / (2 * (1 - NU))) / (stretch * R)
 
 
-def octant(n):
-    """One eighth of a sphere: a face of an octahedron in n^2 triangles, blown up; normals outwards."""
-    i, j = (index.ravel() for index in np.mgrid[: n + 1, : n + 1])
-    inside = i + j <= n
-    number = np.cumsum(inside).reshape(n + 1, n + 1) - 1
-    flat = np.stack([n - i - j, i, j], axis=-1)[inside] / n
-    # Equal angles along the edges, so that triangles are of nearly the same size.
-    bent = np.sin(np.pi / 2 * flat)
-    cells = [(number[a, b], number[a + 1, b], number[a, b + 1]) for a in range(n) for b in range(n - a)]
-    cells += [(number[a + 1, b], number[a + 1, b + 1], number[a, b + 1]) for a in range(n) for b in range(n - 1 - a)]
-    points = R * bent / np.linalg.norm(bent, axis=1, keepdims=True)
-    return points, np.array(cells)
-
-
 def sphere(n):
     """All eight of them, joined."""
-    points, cells = octant(n)
+    points, cells = octant(n, R)
     signs = np.array(list(np.ndindex(2, 2, 2))) * -2 + 1
     all_points = np.concatenate([points * sign for sign in signs])
     mirrored = np.concatenate([cells[:, :: int(np.prod(sign))] + k * len(points) for k, sign in enumerate(signs)])
@@ -59,7 +46,7 @@ def inflate(structure, stretch):
 
 
 def eighth(n, stretch):
-    points, cells = octant(n)
+    points, cells = octant(n, R)
     supports = [Support(np.flatnonzero(points[:, i] == 0), "xyz"[i]) for i in range(3)]
     return inflate(Structure(points, {"balloon": Membrane(cells, Fabric(EH, NU), N0)}, supports), stretch)
 

@@ -1,0 +1,256 @@
+"""Continuation by arc length: equilibrium paths past limit points, as in snap-through, snap-back and inflation.
+
+The load factor is one more unknown. One more equation says how far along the path the next point is: it lies in the
+plane across the tangent of the path at the last point, at a given length from it,
+
+    t_u . (u - u_n) + psi^2 t_f (factor - factor_n) = length.
+
+psi, the weight of the load factor, is the norm of the first du/dfactor: at the start displacement and load count alike.
+The path goes on in the sense of the last step. Steps become shorter where Newton's method takes many iterations or the
+path turns, and longer elsewhere.
+
+Source: E. Riks, An incremental approach to the solution of snapping and buckling problems, Int. J. Solids Structures
+15 (1979) 529-551.
+"""
+
+import math
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from . import load_case, loads, validation
+from .bordered_newton import BorderedNewton, Plane, Point, Step
+from .diagnosis import linear_failure
+from .equilibrium_path import EquilibriumPath, PathPoint
+from .loads import Stage
+from .problem import Problem
+from .results import StageResult
+from .rigid_motion import check_supports
+from .structure import Structure
+
+FEW = 4  # a point that takes more is followed by a shorter step
+TURN = 0.2  # angle between a step and the tangent at its end [rad]; a larger one is followed by a shorter step
+SHARP = 0.6  # a step with a larger angle is taken back and halved,
+COARSE = 1.5  # and so is one over which the load factor changes by more than so many times what it should,
+KINK = 4  # but not more often than that: where cables or cells slacken the path has a kink
+HALVINGS = 12
+
+
+class ContinuationError(RuntimeError):
+    """A path has no start, or no further point was found.
+
+    Attributes:
+        path: The path as far as it was found.
+    """
+
+    def __init__(self, message: str, path: EquilibriumPath):
+        super().__init__(message)
+        self.path = path
+
+
+def trace(
+    start: Structure | StageResult,
+    stage: Stage,
+    load_factor: float | None = 1.0,
+    displacement: tuple[int, str, float] | None = None,
+    max_points: int = 200,
+    rtol: float = 1e-10,
+    comm: MPI.Intracomm = MPI.COMM_WORLD,
+) -> EquilibriumPath:
+    """Equilibrium states of a stage in the order in which they follow from each other, by arc length.
+
+    The load factor, which multiplies the stage's own loads and prescribed displacements, grows from 0, falls where the
+    structure snaps through, and so on. From point to point it changes by 1 / `stage.steps`, seldom by up to half as
+    much more; where the path turns, points are closer. At a bifurcation the path goes straight on, and only
+    `negative_pivots` tells.
+
+    Args:
+        start: The structure, if its reference shape is in equilibrium or nearly so; or the final state of the stage
+            that this one comes after.
+        stage: What is applied.
+        load_factor: Where the path ends, whatever way it takes there; None: nowhere.
+        displacement: A node, one of the components "x", "y" and "z", and its displacement [m]: where the path ends too.
+        max_points: Most points, the start included.
+        rtol: Converged when the 2-norm of the unbalanced forces is below rtol times that of all nodal forces,
+            reactions and loads included, or at rounding.
+        comm: The processes that share the work; each must give the same start and stage.
+
+    Raises:
+        ValueError: The stage does not fit the structure or the start, or moves nothing; the structure is not
+            supported; an argument is out of its range.
+        ContinuationError: The start is not in equilibrium or has a singular tangent, or no next point was found; what
+            was found is on the exception.
+    """
+    validation.instance("trace start", start, Structure | StageResult)
+    validation.instance("trace stage", stage, Stage)
+    validation.whole("trace max_points", max_points)
+    validation.positive("trace rtol", rtol)
+    structure = start if isinstance(start, Structure) else start.structure
+    _check_stage(structure, start, stage)
+    shape = np.zeros(structure.points.shape) if isinstance(start, Structure) else start.displacement
+    before = load_case.unloaded(structure) if isinstance(start, Structure) else start.actions
+    problem = Problem(structure, comm)
+    after = load_case.target(problem, stage, before)
+    check_supports(structure, after.held)
+    ends = _ends(problem, load_factor, displacement)
+    path = EquilibriumPath(stage.name, structure, load_case.taking_hold(before, after, shape), after, (), False)
+    x = problem.discretization.distribute(shape)
+    newton = BorderedNewton(problem, path.start, path.end, x, rtol)
+    try:
+        return _Tracer(newton, path, 1 / stage.steps).run(x, ends, max_points)
+    finally:
+        newton.free()
+
+
+def _check_stage(structure: Structure, start: Structure | StageResult, stage: Stage) -> None:
+    name = None if isinstance(start, Structure) else start.name
+    if stage.after != name:
+        given = "a structure" if name is None else f"the final state of {name!r}"
+        raise ValueError(
+            f"Stage {stage.name!r} has after={stage.after!r}, but the path starts from {given}; "
+            f"start from what the stage comes after, or give it after={name!r}."
+        )
+    loads.check(structure, [replace(stage, after=None)])
+
+
+def _ends(problem: Problem, load_factor: float | None, displacement: tuple[int, str, float] | None) -> list[Plane]:
+    """Where a path ends."""
+    ends = []
+    if load_factor is not None:
+        value = validation.number("trace load_factor", load_factor)
+        ends.append(Plane(problem.discretization.create_vector(), 1.0, value))
+    if displacement is not None:
+        if not isinstance(displacement, tuple) or len(displacement) != 3:
+            shown = validation.shown(displacement)
+            raise ValueError(f'trace displacement is {shown}; give (node, component, value), like (7, "z", -0.4).')
+        node = validation.rows("trace displacement node", displacement[0])
+        component = validation.components("trace displacement component", displacement[1])
+        if len(node) * len(component) > 1:
+            raise ValueError("trace displacement names several components; give one node and one of x, y and z.")
+        structure = problem.discretization.structure
+        structure.check_nodes("trace displacement", node)
+        chosen = np.zeros(structure.points.shape)
+        chosen[node, component] = 1.0
+        value = validation.number("trace displacement value", displacement[2])
+        ends.append(Plane(problem.discretization.distribute(chosen), 0.0, value))
+    return ends
+
+
+class _Arrival(NamedTuple):
+    """A point, the direction of the path there, its angle to the way from the last point, how far that was, the end."""
+
+    point: Point
+    direction: Step
+    turn: float
+    length: float
+    complete: bool
+
+
+class _Tracer:
+    """Follows a path.
+
+    Attributes:
+        path: What was found.
+        share: Largest change of the load factor from point to point, as predicted.
+        psi: Weight of the load factor.
+    """
+
+    def __init__(self, newton: BorderedNewton, path: EquilibriumPath, share: float):
+        self.newton, self.path, self.share = newton, path, share
+        self.psi = 1.0
+
+    def run(self, x: PETSc.Vec, ends: list[Plane], max_points: int) -> EquilibriumPath:
+        """The path from a shape on."""
+        point = self.start(x)
+        self.record(point)
+        direction = self.direction(Step(self.newton.zero, 1.0))
+        length = self.share / direction.factor
+        while not self.path.complete and len(self.path.points) < max_points:
+            point, direction, turn, length, complete = self.next(point, direction, length, ends)
+            self.record(point, complete)
+            pace = min(math.sqrt(FEW / len(point.iterations)), TURN / max(turn, 1e-300))
+            length = min(length * min(max(pace, 0.5), 2.0), self.share / max(abs(direction.factor), 1e-300))
+        return self.path
+
+    def start(self, x: PETSc.Vec) -> Point:
+        """Equilibrium at the load factor 0, and the tangent there."""
+        newton = self.newton
+        point = newton.find(Point(x, 0.0), Plane(newton.zero, 1.0, 0.0))
+        if point is None or not newton.linearize(point.x):
+            reason = "it is not in equilibrium." if point is None else linear_failure(newton.problem, newton.A)
+            raise ContinuationError(
+                f"The path of stage {self.path.name!r} has no start: {reason} Bring the structure to equilibrium by a "
+                "stage of an `Analysis`, and start from its result.",
+                self.path,
+            )
+        self.psi = float(newton.along.norm())
+        if not self.psi > 1e-14 * newton.size:
+            raise ValueError(f"Stage {self.path.name!r} moves nothing; give it loads or prescribed displacements.")
+        return point
+
+    def next(self, last: Point, direction: Step, length: float, ends: list[Plane]) -> _Arrival:
+        """The next point, about a length from the last one, or less."""
+        for halvings in range(HALVINGS + 1):
+            point = self.newton.find(last.moved(direction, length), self.across(last, direction, length))
+            end = point and _passed(last, point, ends)
+            if end:
+                point = self.newton.find(*end)
+                if point and not 0 <= self.product(direction, point.since(last)) <= length * (1 + 1e-6):
+                    point = None  # not between the two
+            if point:
+                step = point.since(last)
+                onward = self.direction(step) if self.newton.linearize(point.x) else self.unit(step)
+                cosine = self.product(step, onward) / math.sqrt(self.product(step, step))
+                turn = math.acos(min(max(cosine, -1.0), 1.0))
+                fine = turn <= SHARP and abs(step.factor) <= COARSE * self.share
+                if fine or halvings >= KINK:
+                    return _Arrival(point, onward, turn, length, end is not None)
+            length /= 2
+        raise ContinuationError(
+            f"The path of stage {self.path.name!r} was lost after {len(self.path.points)} points, at load factor "
+            f"{last.factor:.6g}: no next point, however near. Give the stage more steps (steps=...), so that "
+            "points are closer; where the structure wrinkles or slackens, a larger compression_stiffness; a larger "
+            "rtol if that asks for more digits than rounding leaves.",
+            self.path,
+        )
+
+    def across(self, last: Point, direction: Step, length: float) -> Plane:
+        """The plane across a direction at a length from a point."""
+        plane = Plane(direction.x, self.psi**2 * direction.factor, 0.0)
+        return plane._replace(distance=plane.beyond(last) + length)
+
+    def direction(self, step: Step) -> Step:
+        """The tangent of the path, of unit length, on from a step."""
+        tangent = Step(self.newton.along, 1.0)
+        return self.unit(tangent, backwards=self.product(tangent, step) < 0)
+
+    def unit(self, step: Step, backwards: bool = False) -> Step:
+        scale = (-1 if backwards else 1) / math.sqrt(self.product(step, step))
+        x = step.x.copy()
+        x.scale(scale)
+        return Step(x, scale * step.factor)
+
+    def product(self, a: Step, b: Step) -> float:
+        return float(a.x.dot(b.x)) + self.psi**2 * a.factor * b.factor
+
+    def record(self, point: Point, complete: bool = False) -> None:
+        """Adds a point whose tangent was factored last."""
+        shape = self.newton.problem.discretization.gather(point.x)
+        found = PathPoint(point.factor, shape, self.newton.negative_pivots(), point.iterations)
+        self.path = replace(self.path, points=(*self.path.points, found), complete=complete)
+
+
+def _passed(last: Point, point: Point, ends: list[Plane]) -> tuple[Point, Plane] | None:
+    """The first end on the way from one point to another, and about where; None if there is none."""
+    found = []
+    for end in ends:
+        before, after = end.beyond(last), end.beyond(point)
+        if before and before * after <= 0:
+            found.append((before / (before - after), end))
+    if not found:
+        return None
+    share, end = min(found, key=lambda entry: entry[0])
+    return last.moved(point.since(last), share), end

@@ -1,0 +1,106 @@
+"""Equilibrium states that follow from each other along a path: load factors, displacements, stability."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from . import load_case, validation
+from .large_strain import warn_of_large_strains
+from .problem import Actions, Problem
+from .recorder import Recorder
+from .results import Increment, StageResult
+from .solver import Iteration
+from .structure import Structure
+
+
+class PathPoint(NamedTuple):
+    """One equilibrium state.
+
+    Attributes:
+        load_factor: Multiplier of the stage's own loads and prescribed displacements.
+        displacement: From the reference position, shape (n, 3) [m].
+        negative_pivots: Number of negative eigenvalues of the tangent under the loads at this point; None where the
+            tangent is not symmetric: under a pressure without a potential.
+        iterations: The iterates of the corrector, what was predicted first.
+    """
+
+    load_factor: float
+    displacement: NDArray[np.float64]
+    negative_pivots: int | None
+    iterations: tuple[Iteration, ...]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class EquilibriumPath:
+    """Equilibrium states of a stage, each near the one before.
+
+    Attributes:
+        name: Name of the stage.
+        structure: The structure.
+        start: What acts on it at the load factor 0.
+        end: What acts on it at the load factor 1.
+        points: The states; the first is the start.
+        complete: Whether the path ends where it was to end; else there were as many points as it was to have at most.
+    """
+
+    name: str
+    structure: Structure
+    start: Actions
+    end: Actions
+    points: tuple[PathPoint, ...]
+    complete: bool
+
+    def __repr__(self) -> str:
+        last = f", load factor {self.points[-1].load_factor:.4g}" if self.points else ""
+        return f"EquilibriumPath({self.name!r}, {len(self.points)} points{last}, complete={self.complete})"
+
+    @property
+    def load_factors(self) -> NDArray[np.float64]:
+        """Load factors of the points, shape (points,)."""
+        return np.array([point.load_factor for point in self.points])
+
+    @property
+    def displacements(self) -> NDArray[np.float64]:
+        """Displacements at the points, shape (points, n, 3) [m]."""
+        return np.array([point.displacement for point in self.points]).reshape(-1, *self.structure.points.shape)
+
+    @property
+    def negative_pivots(self) -> NDArray[np.int64] | None:
+        """Numbers of negative eigenvalues at the points, shape (points,): 0 where stable; None as for the points."""
+        counts = [point.negative_pivots for point in self.points]
+        return None if None in counts else np.array(counts, dtype=np.int64)
+
+    @property
+    def limit_points(self) -> NDArray[np.int64]:
+        """Points with a load factor above or below that of both neighbours; limit points are within a step of them."""
+        steps = np.diff(self.load_factors)
+        return np.flatnonzero(steps[1:] * steps[:-1] < 0) + 1
+
+    def state(self, point: int, comm: MPI.Intracomm = MPI.COMM_WORLD) -> StageResult:
+        """All results at a point: stresses, forces, reactions.
+
+        Args:
+            point: Number of the point; negative numbers count from the last.
+            comm: The processes that share the work; all of them ask for the same point.
+
+        Raises:
+            ValueError: There is no such point.
+
+        Warns:
+            LargeStrainWarning: Strains are above 5 %.
+        """
+        count = len(self.points)
+        if not isinstance(point, int | np.integer) or not -count <= point < count:
+            raise ValueError(f"Point {validation.shown(point)} of the path is not there; it has {count} points.")
+        factor, displacement, _, iterations = self.points[point]
+        problem = Problem(self.structure, comm)
+        actions = load_case.between(self.start, self.end, factor)
+        problem.apply(actions)
+        x = problem.discretization.distribute(displacement)
+        result = Recorder(problem)(self.name, x, actions, (Increment(factor, iterations),))
+        if comm.rank == 0:
+            warn_of_large_strains(result, stacklevel=3)
+        return result

@@ -1,0 +1,215 @@
+"""Equilibrium paths: where they start and end, what they refuse, what is left when they are lost."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fx_membrane import (
+    Analysis,
+    Cable,
+    ContinuationError,
+    DeadLoad,
+    Newton,
+    PointLoad,
+    PrescribedDisplacement,
+    Pressure,
+    Stage,
+    Structure,
+    Support,
+    stability,
+    trace,
+)
+from fx_membrane import arc_length as module
+from models import LIFT, LIMIT, POINTS, SNOW, arch, close, inclined_sheet, same_state, sheet
+
+PUSH = Stage("push", [PointLoad(1, (0, 0, -1.2 * LIMIT))], steps=8)
+PART = Pressure(400.0, "fabric", range(9))  # not uniform: it has no potential
+
+
+@pytest.mark.parametrize(
+    "loads",
+    [([SNOW], []), ([Pressure(400.0, "fabric")], []), ([PART], []), ([SNOW, PART], [LIFT]), ([], [LIFT])],
+    ids=["dead", "pressure", "pressure without potential", "all", "displacement"],
+)
+def test_ends_where_an_analysis_does(loads):
+    structure, stage = inclined_sheet(), Stage("load", *loads, steps=3, after="rest")
+    rest = Stage("rest")
+    results = Analysis(structure, Newton(rtol=1e-13)).run([rest, stage])
+    path = trace(results["rest"], stage, rtol=1e-13)
+    assert path.complete
+    assert same_state(path.state(-1), results["load"])
+    assert np.array_equal(path.points[0].displacement, results["rest"].displacement)
+    assert (path.negative_pivots is None) == (PART in loads[0])
+
+
+def test_goes_on_from_a_loaded_state_and_keeps_its_loads():
+    structure = inclined_sheet()
+    first = Stage("first", [SNOW, PART], [LIFT])
+    wind = DeadLoad((30.0, 0, 250.0), "fabric")
+    second = Stage("second", [wind], steps=2, after="first")
+    results = Analysis(structure, Newton(rtol=1e-13)).run([first, second])
+    path = trace(results["first"], second, rtol=1e-13)
+    assert same_state(path.state(0), results["first"])
+    assert close(path.state(-1).displacement, results["second"].displacement)
+
+
+def test_same_path_on_any_number_of_processes():
+    stage = Stage("air", [Pressure(400.0, "fabric"), SNOW], steps=5, after="rest")
+    paths = []
+    for comm in (MPI.COMM_WORLD, MPI.COMM_SELF):
+        start = Analysis(inclined_sheet(), comm=comm).run([Stage("rest")])["rest"]
+        paths.append(trace(start, stage, comm=comm))
+    together, alone = paths
+    assert np.array_equal(together.negative_pivots, alone.negative_pivots)
+    assert together.load_factors == pytest.approx(alone.load_factors, rel=1e-9)
+    assert close(together.displacements, alone.displacements)
+    every = MPI.COMM_WORLD.allgather(together.displacements)
+    assert all(np.array_equal(other, together.displacements) for other in every)
+    assert close(together.state(-1).reactions, alone.state(-1, MPI.COMM_SELF).reactions)
+
+
+def test_negative_pivots_are_negative_eigenvalues():
+    path = trace(arch(), PUSH)
+    assert set(path.negative_pivots) == {0, 1}
+    for number in range(0, len(path.points), 5):
+        assert stability(path.state(number)).negative == path.negative_pivots[number]
+
+
+def test_steps_are_the_largest_change_of_the_load_factor():
+    changes = np.abs(np.diff(trace(arch(), PUSH).load_factors))
+    assert changes[0] == pytest.approx(1 / 8, rel=0.1)
+    assert changes.max() <= 1.5 / 8
+
+
+def test_ends_with_the_last_point_allowed():
+    path = trace(arch(), PUSH, max_points=6)
+    assert len(path.points) == 6
+    assert not path.complete
+    assert repr(path) == f"EquilibriumPath('push', 6 points, load factor {path.load_factors[-1]:.4g}, complete=False)"
+
+
+def test_ends_at_what_comes_first():
+    both = trace(arch(), PUSH, 0.5, (1, "z", -0.2))
+    assert both.load_factors[-1] == pytest.approx(0.5, rel=1e-15)
+    assert both.displacements[-1, 1, 2] > -0.2
+    both = trace(arch(), PUSH, 0.5, (1, "z", -0.01))
+    assert both.displacements[-1, 1, 2] == pytest.approx(-0.01, rel=1e-12)
+    assert both.load_factors[-1] < 0.5
+
+
+def test_a_coarse_path_does_not_miss_the_limit_points():
+    path = trace(arch(), Stage("push", PUSH.loads))
+    assert len(path.limit_points) == 2
+    assert 1 in path.negative_pivots
+
+
+def test_cables_that_slacken():
+    """A kink: two stays hold a node, and a load across slackens one of them."""
+    parts = {"stays": Cable([[0, 1], [1, 2]], 1e5, 100.0), "spring": Cable([[1, 3]], 1e3, 1.0)}
+    points = [[-1.0, 0, 0], [0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    structure = Structure(points, parts, [Support([0, 2, 3]), Support(1, "z")])
+    pull = Stage("pull", [PointLoad(1, (500.0, 0, 0))], steps=4, after="rest")
+    expected = Analysis(structure, Newton(rtol=1e-13)).run([Stage("rest"), pull])
+    path = trace(expected["rest"], pull, rtol=1e-13)
+    last = path.state(-1)
+    assert path.complete
+    assert last.cable("stays").slack.tolist() == [False, True]
+    assert close(last.displacement, expected["pull"].displacement)
+
+
+# Refusals
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("arch", PUSH), r"^trace start is 'arch'; give a Structure or StageResult"),
+        ((arch(), "push"), r"^trace stage is 'push'; give a Stage"),
+        ((arch(), Stage("push", PUSH.loads, after="rest")), r"after='rest', but the path starts from a structure"),
+        ((arch(), Stage("push", [PointLoad(9, (0, 0, 1.0))])), r"names node 9, which does not exist"),
+        ((sheet(Support(12)), Stage("snow", [SNOW])), r"not supported enough"),
+        ((arch(), Stage("nothing")), r"^Stage 'nothing' moves nothing; give it loads"),
+        ((arch(), PUSH, "all"), r"^trace load_factor is the text 'all'"),
+        ((arch(), PUSH, 1.0, 3), r"^trace displacement is 3; give \(node, component, value\)"),
+        ((arch(), PUSH, 1.0, (9, "z", 0.1)), r"^trace displacement names node 9, which does not exist"),
+        ((arch(), PUSH, 1.0, (1, "w", 0.1)), r"^trace displacement component is 'w'"),
+        ((arch(), PUSH, 1.0, (1, "xz", 0.1)), r"^trace displacement names several components"),
+        ((arch(), PUSH, 1.0, (1, "z", np.nan)), r"^trace displacement value is nan"),
+        ((arch(), PUSH, 1.0, None, 0), r"^trace max_points is 0"),
+        ((arch(), PUSH, 1.0, None, 9, -1.0), r"^trace rtol is -1.0"),
+    ],
+)
+def test_bad_input(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        trace(*arguments)
+
+
+def test_stage_that_comes_after_another():
+    rest = Analysis(arch()).run([Stage("rest")])["rest"]
+    with pytest.raises(ValueError, match=r"after=None, but the path starts from the final state of 'rest'; .*'rest'"):
+        trace(rest, PUSH)
+
+
+def test_points_that_are_not_there():
+    path = trace(arch(), PUSH, max_points=3)
+    for number in (3, -4, 0.5):
+        with pytest.raises(ValueError, match=rf"^Point {number} of the path is not there; it has 3 points"):
+            path.state(number)
+
+
+# Failures
+
+
+def test_start_that_is_singular():
+    flat = sheet(prestress=0.0)
+    with pytest.raises(ContinuationError, match=r"has no start: the tangent stiffness is singular: nothing") as error:
+        trace(flat, Stage("snow", [SNOW]))
+    assert error.value.path.points == ()
+
+
+def test_start_that_is_not_in_equilibrium():
+    rest = Analysis(sheet()).run([Stage("rest")])["rest"]
+    shape = np.where(rest.actions.held, 0, np.random.default_rng(1).normal(size=POINTS.shape))
+    with pytest.raises(ContinuationError, match=r"'snow' has no start: it is not in equilibrium\. Bring the") as error:
+        trace(replace(rest, displacement=shape), Stage("snow", [SNOW], after="rest"))
+    assert error.value.path.points == ()
+
+
+def test_path_that_is_lost_is_kept(monkeypatch):
+    find, calls = module.BorderedNewton.find, []
+
+    def only_some(self, guess, plane):
+        calls.append(guess)
+        return find(self, guess, plane) if len(calls) < 5 else None
+
+    monkeypatch.setattr(module.BorderedNewton, "find", only_some)
+    with pytest.raises(
+        ContinuationError, match=r"'push' was lost after 4 points, at load factor 0\.36.* more steps"
+    ) as error:
+        trace(arch(), PUSH)
+    path = error.value.path
+    assert len(calls) == 4 + module.HALVINGS + 1
+    assert len(path.points) == 4
+    assert path.state(-1).equilibrium.residual < 1e-8 * LIMIT
+
+
+def test_factorizations_are_one_for_each_iteration_and_one_for_each_point(monkeypatch):
+    """The tangent of a point gives its pivots and the direction to the next one."""
+    count = []
+    linearize = module.BorderedNewton.linearize
+    monkeypatch.setattr(module.BorderedNewton, "linearize", lambda *args: count.append(1) or linearize(*args))
+    path = trace(arch(), Stage("push", PUSH.loads, steps=40), 0.5, max_points=10)
+    iterations = sum(len(point.iterations) - 1 for point in path.points)
+    assert len(count) == iterations + len(path.points)
+
+
+def test_displacement_driven_stage_holds_what_it_moves():
+    drive = Stage("drive", displacements=[PrescribedDisplacement(1, (0, 0, -0.6), "z")], steps=5)
+    path = trace(arch(), drive)
+    assert path.displacements[:, 1, 2] == pytest.approx(-0.6 * path.load_factors, rel=1e-13)
+    reactions = [path.state(number).reactions[1, 2] for number in range(len(path.points))]
+    z = 0.3 + path.displacements[:, 1, 2]
+    assert -np.array(reactions) == pytest.approx(1e6 * z * (0.3**2 - z**2) / 1.09**1.5, abs=1e-9 * LIMIT)
+    assert (path.negative_pivots == 0).all()

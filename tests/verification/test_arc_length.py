@@ -1,0 +1,144 @@
+"""Snap-through and snap-back: a von Mises truss pushed down directly, and through a softer post on its apex.
+
+Reference: closed form. With the feet at x = -a and a, the apex at the height h at rest and z when pushed, struts of the
+length L at rest carry, by the Saint Venant-Kirchhoff law, a cubic in z, with limit points at z = +-h / sqrt(3),
+
+    P(z) = EA z (h^2 - z^2) / L^3.
+
+A post of the length l and the stiffness EA', shortened to d between the apex and the load, carries
+Q(d) = EA' d (l^2 - d^2) / (2 l^3). Equilibrium is P(z) = Q(d) = load, with the top of the post at z + d. The tangent at
+apex and top is [[P' + Q', -Q'], [-Q', Q']] with derivatives counted as stiffnesses, -dP/dz and -dQ/dd. Where the struts
+unload faster than the post can follow, -dP/dz < -(-dQ/dd), the top goes back up: snap-back.
+Claim: every point that the arc length finds is on these curves, in its whole course: over both limit points of the
+load; with the post, under a load, over four turns of the path; and with the top driven down, when the load factor,
+which is now the displacement, turns back. Negative pivots are as many as negative eigenvalues of the closed tangent.
+The limit points of the load lie between neighbours of the points that are named as such.
+Tolerance: the solver's, 1e-10 of the 2-norm of all nodal forces. That of reactions and loads is below 8 times the
+largest load: struts carry at most EA h^2 / (2 L^2) each, 3.5 times that load. On forces: 1e-9 of the largest load.
+"""
+
+import numpy as np
+import pytest
+
+from fx_membrane import Mast, PointLoad, PrescribedDisplacement, Stage, Structure, Support, trace
+
+A, H, EA = 1.0, 0.4, 1e5
+L = np.hypot(A, H)
+LENGTH, POST = 4.0, 2e4
+APEX, TOP = 2, 3
+SNAP = H / np.sqrt(3)
+
+
+def struts(z):
+    """Force and stiffness."""
+    return EA * z * (H**2 - z**2) / L**3, -EA * (H**2 - 3 * z**2) / L**3
+
+
+def post(d):
+    """Force and stiffness."""
+    return POST * d * (LENGTH**2 - d**2) / (2 * LENGTH**3), -POST * (LENGTH**2 - 3 * d**2) / (2 * LENGTH**3)
+
+
+LIMIT = struts(SNAP)[0]
+WITHIN = 1e-9 * LIMIT
+
+
+def truss():
+    points = [[-A, 0, 0], [A, 0, 0], [0, 0, H]]
+    return Structure(points, {"struts": Mast([[0, APEX], [1, APEX]], EA)}, [Support([0, 1]), Support(APEX, "y")])
+
+
+def truss_with_post():
+    points = [[-A, 0, 0], [A, 0, 0], [0, 0, H], [0, 0, H + LENGTH]]
+    parts = {"struts": Mast([[0, APEX], [1, APEX]], EA), "post": Mast([[APEX, TOP]], POST)}
+    return Structure(points, parts, [Support([0, 1]), Support([APEX, TOP], "xy")])
+
+
+def turns(values):
+    """Numbers of the values that are above or below both neighbours."""
+    steps = np.diff(values)
+    return np.flatnonzero(steps[1:] * steps[:-1] < 0) + 1
+
+
+def brackets(points, z, limits):
+    """Whether each limit is between the neighbours of its point."""
+    return all(min(z[i - 1], z[i + 1]) < at < max(z[i - 1], z[i + 1]) for i, at in zip(points, limits, strict=True))
+
+
+@pytest.mark.parametrize("steps", [3, 10, 50])
+def test_snap_through(steps):
+    path = trace(truss(), Stage("push", [PointLoad(APEX, (0, 0, -1.5 * LIMIT))], steps=steps))
+    z = H + path.displacements[:, APEX, 2]
+    force, stiffness = struts(z)
+    assert path.complete
+    assert path.load_factors[0] == 0
+    assert path.load_factors[-1] == pytest.approx(1, rel=1e-15)
+    np.testing.assert_allclose(1.5 * LIMIT * path.load_factors, force, rtol=0, atol=WITHIN)
+    assert (np.diff(z) < 0).all()
+    assert np.array_equal(path.negative_pivots, np.where(stiffness < 0, 1, 0))
+    assert brackets(path.limit_points, z, [SNAP, -SNAP])
+
+
+def test_limit_loads():
+    """The largest load among many points: near its summit the cubic is a parabola."""
+    path = trace(truss(), Stage("push", [PointLoad(APEX, (0, 0, -LIMIT))], steps=200), 1.5, max_points=1000)
+    z = H + path.displacements[:, APEX, 2]
+    first, second = path.limit_points
+    for point, sign in [(first, 1), (second, -1)]:
+        step = np.abs(np.diff(z[point - 1 : point + 2])).max()
+        missing = 1 - sign * path.load_factors[point]
+        assert 0 <= missing <= 6 * EA * SNAP / L**3 * step**2 / 2 / LIMIT
+
+
+def test_ends_at_a_displacement():
+    path = trace(truss(), Stage("push", [PointLoad(APEX, (0, 0, -LIMIT))], steps=4), None, (APEX, "z", -H))
+    assert path.complete
+    assert path.displacements[-1, APEX, 2] == pytest.approx(-H, rel=1e-14)
+    assert path.load_factors[-1] == pytest.approx(0, abs=1e-9)
+
+
+def with_post(path):
+    z, top = H + path.displacements[:, APEX, 2], H + LENGTH + path.displacements[:, TOP, 2]
+    return z, top, struts(z), post(top - z)
+
+
+def test_snap_back_under_a_load():
+    path = trace(truss_with_post(), Stage("push", [PointLoad(TOP, (0, 0, -1.5 * LIMIT))], steps=20))
+    z, top, (P, Kz), (Q, Kd) = with_post(path)
+    load = 1.5 * LIMIT * path.load_factors
+    np.testing.assert_allclose(P, load, rtol=0, atol=WITHIN)
+    np.testing.assert_allclose(Q, load, rtol=0, atol=WITHIN)
+    tangents = np.moveaxis(np.array([[Kz + Kd, -Kd], [-Kd, Kd]]), 2, 0)
+    assert np.array_equal(path.negative_pivots, (np.linalg.eigvalsh(tangents) < 0).sum(axis=1))
+    assert set(path.negative_pivots) == {0, 1}
+    assert brackets(path.limit_points, z, [SNAP, -SNAP])
+    assert len(turns(top)) == 2  # down, back up, down
+    assert path.complete
+
+
+def test_snap_back_of_a_driven_displacement():
+    down = -2.5
+    drive = Stage("drive", displacements=[PrescribedDisplacement(TOP, (0, 0, down))], steps=20)
+    path = trace(truss_with_post(), drive)
+    _, top, (P, Kz), (Q, Kd) = with_post(path)
+    np.testing.assert_allclose(top, H + LENGTH + down * path.load_factors, rtol=1e-14)
+    np.testing.assert_allclose(P, Q, rtol=0, atol=WITHIN)
+    assert np.array_equal(path.negative_pivots, np.where(Kz + Kd < 0, 1, 0))
+    # The struts and the post have the same stiffness there, of opposite sign: the path turns.
+    assert len(path.limit_points) == 2
+    assert path.complete
+    last = path.state(-1)
+    assert last.reactions[TOP, 2] == pytest.approx(-P[-1], abs=WITHIN)
+
+
+@pytest.mark.parametrize("number", [-1, 4])
+def test_state_of_a_point(number):
+    path = trace(truss(), Stage("push", [PointLoad(APEX, (0, 0, -1.5 * LIMIT))], steps=10))
+    state, point = path.state(number), path.points[number]
+    z = H + point.displacement[APEX, 2]
+    strain = (z**2 - H**2) / (2 * L**2)
+    expected = EA * strain * np.hypot(A, z) / L
+    np.testing.assert_allclose(state.mast("struts").force, expected, rtol=1e-12)
+    assert state.loads[APEX, 2] == pytest.approx(-1.5 * LIMIT * point.load_factor, rel=1e-15)
+    assert state.increments[0].load_factor == point.load_factor
+    assert state.equilibrium.residual < WITHIN
