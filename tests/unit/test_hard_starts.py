@@ -1,0 +1,158 @@
+"""Structures whose first equilibrium plain Newton does not find: slack, flat without prestress, far from their form."""
+
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+from petsc4py import PETSc
+
+from fx_membrane import Analysis, ConvergenceError, Newton, Pressure, Stage
+from fx_membrane.newton import DECAY, FIRST
+from fx_membrane.problem import Problem
+from models import SNOW, end, sheet
+
+PLAIN = Newton(line_search=False)
+HARD = runpy.run_path(str(Path(__file__).parents[1] / "benchmarks" / "hard_cases.py"))
+
+
+def solved(structure, stages):
+    """Results of all stages, each in equilibrium and reached without halving."""
+    results = Analysis(structure).run(stages)
+    for stage, result in zip(stages, results.values(), strict=True):
+        largest = max(np.abs(result.reactions).max(), np.abs(result.loads).max())
+        assert result.equilibrium.residual <= 1e-8 * largest
+        total = np.abs(result.reactions).sum()
+        assert result.equilibrium.loads + result.equilibrium.reactions == pytest.approx(np.zeros(3), abs=1e-9 * total)
+        assert len(result.increments) == stage.steps
+    return list(results.values())
+
+
+def plain_fails(structure, stages):
+    with pytest.raises(ConvergenceError):
+        Analysis(structure, PLAIN).run(stages)
+
+
+@pytest.mark.parametrize("sag", [0.0, 0.5])
+@pytest.mark.parametrize("load", [1.0, 1e3])
+def test_slack_cable_hangs(sag, load):
+    structure, stages = HARD["hanging"](sag, load)
+    plain_fails(structure, stages)
+    (result,) = solved(structure, stages)
+    length = np.linalg.norm(np.diff(structure.points, axis=0), axis=1).sum()
+    assert result.reactions[[0, -1], 2] == pytest.approx(2 * [load * length / 2], rel=1e-7)
+    # The horizontal force is the same everywhere, and the cable is taut.
+    direction = np.diff(result.position, axis=0)
+    direction /= np.linalg.norm(direction, axis=1)[:, None]
+    force = result.cable("cable").force
+    assert (force > 0).all()
+    assert force * direction[:, 0] == pytest.approx(np.full(20, result.reactions[-1, 0]), rel=1e-6)
+
+
+@pytest.mark.parametrize("times", [1, 100])
+def test_flat_sheet_without_prestress_carries_snow(times):
+    structure, stages = HARD["sheet"](0.0, times * 1e3)
+    plain_fails(structure, stages)
+    (snow,) = solved(structure, stages)
+    assert snow.reactions[:, 2].sum() == pytest.approx(times * 36e3, rel=1e-9)
+    # Small strains, shallow: the deflection grows with the cube root of the load.
+    if times == 1:
+        (double,) = solved(*HARD["sheet"](0.0, 1e-3))
+        (eightfold,) = solved(*HARD["sheet"](0.0, 8e-3))
+        assert eightfold.displacement[:, 2].min() == pytest.approx(2 * double.displacement[:, 2].min(), rel=1e-3)
+
+
+def test_flat_cushion_without_prestress_is_blown_up():
+    structure, stages = HARD["cushion"](0.0, 1e3)
+    plain_fails(structure, stages)
+    (air,) = solved(structure, stages)
+    assert air.displacement[:, 2].max() > 0.3
+    # The vector area of a surface depends on its rim alone.
+    assert air.loads.sum(axis=0) == pytest.approx([0, 0, 36e3], abs=1e-9 * 36e3)
+
+
+def test_ordinary_sail_finds_its_form_and_carries_snow_and_wind():
+    structure, stages = HARD["hypar"](2e3, 20e3, 1.5, HARD["service"](300.0))
+    prestress, snow, wind = solved(structure, stages)
+    assert (prestress.cable("edge cables").force > 10e3).all()
+    # Half a turn about z changes nothing.
+    here, there = (np.lexsort(np.round(structure.points * sign, 9).T) for sign in ([1, 1, 1], [-1, -1, 1]))
+    turned = prestress.displacement[there] * [-1, -1, 1]
+    largest = np.abs(prestress.displacement).max()
+    assert turned == pytest.approx(prestress.displacement[here], abs=1e-6 * largest)
+    assert snow.displacement[:, 2].mean() < prestress.displacement[:, 2].mean() < wind.displacement[:, 2].mean()
+    # Here full steps get there too.
+    plain = Analysis(structure, PLAIN).run(stages[:1])["prestress"]
+    assert prestress.displacement == pytest.approx(plain.displacement, abs=1e-6 * largest)
+    assert prestress.energy == pytest.approx(plain.energy, rel=1e-12)
+
+
+def test_increment_tells_that_the_structure_was_drawn_smooth():
+    structure, stages = HARD["pulled"](-0.1, 0.6, 0.0, HARD["FABRIC"])
+    (twisted,) = solved(structure, stages)
+    assert [increment.drawn_smooth for increment in twisted.increments] == [True]
+    (sheared,) = solved(*HARD["pulled"](0.01, 0.0, 0.15, HARD["FABRIC"]))
+    assert [increment.drawn_smooth for increment in sheared.increments] == [False]
+
+
+def test_plain_newton_draws_nothing_smooth():
+    structure, stages = HARD["sheet"](0.0, 1e3)
+    with pytest.raises(ConvergenceError) as error:
+        Analysis(structure, PLAIN).run(stages)
+    assert not error.value.failed.drawn_smooth
+
+
+ENERGY_CASES = {
+    "sail": lambda: HARD["hypar"](2e3, 20e3, 1.5, HARD["service"](300.0)),
+    "slack cable": lambda: HARD["hanging"](2.0, 1e3),
+    "unstressed sheet": lambda: HARD["sheet"](0.0, 1e3),
+    "sheet": lambda: (sheet(), [Stage("snow", [SNOW])]),
+}
+
+
+@pytest.mark.parametrize("name", ENERGY_CASES)
+def test_energy_falls_in_every_step(name):
+    # Without pressure, which is not in the energies of the history.
+    structure, stages = ENERGY_CASES[name]()
+    stages = [stage for stage in stages if not any(isinstance(load, Pressure) for load in stage.loads)]
+    for result in solved(structure, stages):
+        for increment in result.increments:
+            energies = np.array([entry.energy for entry in increment.iterations])
+            assert (np.diff(energies) <= 1e-12 * np.abs(energies).max()).all()
+            steps = [entry.step for entry in increment.iterations[1:]]
+            assert all(0 < step <= 1 for step in steps)
+            assert steps[-1] == 1
+
+
+def test_tension_in_the_tangent_goes_with_the_residual():
+    (snow,) = solved(*HARD["sheet"](0.0, 1e3))
+    entries = [entry for _, entry in snow.history]
+    assert entries[0].tension == 0
+    assert entries[1].tension >= FIRST
+    after_full_steps = [i for i in range(1, len(entries) - 1) if entries[i].step == 1]
+    assert len(after_full_steps) > 2
+    for i in after_full_steps:
+        shrinkage = entries[i].residual / entries[i - 1].residual
+        assert entries[i + 1].tension <= min(DECAY, shrinkage) * entries[i].tension
+    assert entries[-1].residual < entries[-2].residual ** 1.5  # faster than in proportion, and both are below 1 N
+
+
+def test_tension_in_the_structure_is_gone_after_the_solve():
+    structure = sheet(prestress=0.0)
+    problem = Problem(structure)
+    problem.apply(end(problem, SNOW))
+    short = Newton(max_iterations=1).prepare(problem)
+    solution = short(problem.discretization.create_vector())
+    assert solution.converged
+    assert solution.drawn_smooth  # what one step could not
+    assert problem.tension == 0.0
+
+
+@pytest.mark.parametrize("name", ["cable net, prestress 0, load 100", "cone, prestress 0, lift 0.5"])
+def test_line_of_the_table_of_hard_cases(name):
+    PETSc.Log.begin()
+    make = dict(HARD["cases"]())[name]
+    yes, balance, increments, *_ = HARD["measure"](make, Newton()).split()
+    assert yes == "yes"
+    assert float(balance) < 1e-8
+    assert int(increments) == len(make()[1])
