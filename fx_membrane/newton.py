@@ -249,7 +249,8 @@ class _NewtonRaphson:
         first = along(0.0)
         if moved and first.slope >= 0:
             return 1.0 if energy(1.0) <= first.energy else 0.0
-        rounding = 10 * ROUNDING * (abs(first.energy) + self.problem.prestress_forces * downhill.norm())
+        way = start.norm() + downhill.norm()  # the prestress does work along all of it
+        rounding = 10 * ROUNDING * (abs(first.energy) + self.problem.prestress_forces * way)
         length = search(along, rounding)
         return 0.0 if length is None and moved else length
 
