@@ -192,9 +192,8 @@ def test_divergence_stops_with_a_reason(force):
     assert "units" in solution.reason
 
 
-@pytest.mark.parametrize("force", [1e30, 1e60, 1e200])
-def test_load_out_of_all_proportion_fails_in_words(force):
-    solution, _ = solve(sheet_under((0, 0, force)))
+def test_load_whose_energies_overflow_fails_in_words():
+    solution, _ = solve(sheet_under((0, 0, 1e60)))
     assert not solution.converged
     assert solution.reason.endswith(".")
 
