@@ -91,7 +91,10 @@ def by_snes(owner: Owner) -> Driver:
     snes.setConvergenceTest(test)
 
     def solve(x: PETSc.Vec) -> bool:
-        snes.solve(None, x)
+        try:
+            snes.solve(None, x)
+        except PETSc.Error as error:  # PETSc 3.25 wraps what a callback raises
+            raise (error.__cause__ or error) from None
         return bool(snes.getConvergedReason() > 0)
 
     return solve, snes.getKSP()

@@ -210,7 +210,7 @@ class _Descent:
         """
         step = d * self.full(x, d)
         first = Point(0.0, self.history[-1].energy, float(self.g.dot(step)))
-        alpha = search(line(self.problem, x, step, first), rounding(self.problem, first, step), FLATNESS)
+        alpha = search(line(self.problem, x, step, first), rounding(self.problem, first, x, step), FLATNESS)
         if alpha is not None:
             x.axpy(alpha, step)  # Gil (72)
         return alpha

@@ -81,9 +81,10 @@ def line(problem: Problem, start: PETSc.Vec, step: PETSc.Vec, first: Point | Non
     return along
 
 
-def rounding(problem: Problem, first: Point, step: PETSc.Vec) -> float:
-    """Difference of energies that means nothing along a step [J]."""
-    return 10 * ROUNDING * (abs(first.energy) + problem.prestress_forces * float(step.norm()))
+def rounding(problem: Problem, first: Point, start: PETSc.Vec, step: PETSc.Vec) -> float:
+    """Difference of energies that means nothing along a step [J]: the prestress does work along all of the way."""
+    way = float(start.norm() + step.norm())
+    return 10 * ROUNDING * (abs(first.energy) + problem.prestress_forces * way)
 
 
 def _parabola(low: Point, high: Point) -> float:

@@ -20,6 +20,7 @@ from . import _dolfinx, factorization, validation
 from .curvature import softest, tolerated
 from .diagnosis import linear_failure, mechanism, stalled, unlikely_units
 from .drivers import by_dolfinx, by_snes
+from .geometry import measures
 from .line_search import Point, line, rounding, search
 from .problem import Problem
 from .solver import FAR, ROUNDING, Iteration, Monitor, Solution, Solve, largest, lost, silent, tolerance
@@ -32,6 +33,8 @@ SHORT = 0.3  # a step that asks for more of it
 # Artificial tension in the structure, as a strain, from one solve to the next.
 FADING = tuple(10.0**-i for i in range(2, 9))
 ROUGH, FEW = 1e-3, 40  # tolerance and iterations of these solves
+
+NOTHING = 1e-6  # of its size, left of a cell
 
 # Equilibrium at a saddle of the energy.
 NUDGE, NUDGES = 1e-3, 3  # step off it, in sizes of the structure, and how often it is tried
@@ -108,10 +111,17 @@ class _NewtonRaphson:
         start.copy(x)
         self.draw_smooth(x)
         second = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
-        if second.converged:
+        if second.converged and not self.collapsed(x):
             return replace(self.made_stable(x, second), drawn_smooth=True)
         reason = mechanism(self.problem, start) or solution.reason
         return replace(solution, reason=reason + unlikely_units(self.problem, start))
+
+    def collapsed(self, x: PETSc.Vec) -> bool:
+        """Whether a cell has shrunk to nothing: where nothing else holds a structure, artificial tension does that."""
+        structure = self.problem.discretization.structure
+        shape = structure.points + self.problem.discretization.gather(x)
+        cells = [part.cells for part in structure.parts.values()]
+        return any((measures(shape, c) < NOTHING * measures(structure.points, c)).any() for c in cells)
 
     def made_stable(self, x: PETSc.Vec, solution: Solution) -> Solution:
         """Goes on from an equilibrium that is not stable, downhill along its softest motion, to one that is.
@@ -272,5 +282,5 @@ class _NewtonRaphson:
         first = along(0.0)
         if moved and first.slope >= 0:
             return 1.0 if along(1.0).energy <= first.energy else 0.0
-        length = search(along, rounding(self.problem, first, downhill))
+        length = search(along, rounding(self.problem, first, start, downhill))
         return 0.0 if length is None and moved else length

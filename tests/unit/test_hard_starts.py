@@ -8,7 +8,7 @@ import pytest
 from petsc4py import PETSc
 
 from fx_membrane import Analysis, ConvergenceError, Newton, Pressure, Stage
-from fx_membrane.newton import LEAST
+from fx_membrane.newton import DECAY, FIRST
 from fx_membrane.problem import Problem
 from models import SNOW, end, sheet
 
@@ -71,21 +71,20 @@ def test_flat_cushion_without_prestress_is_blown_up():
     assert air.loads.sum(axis=0) == pytest.approx([0, 0, 36e3], abs=1e-9 * 36e3)
 
 
-def test_ordinary_sail_finds_its_form():
-    structure, _ = HARD["hypar"](2e3, 20e3, 1.5, [])
-    stages = HARD["service"](300.0)
-    plain_fails(structure, stages[:1])
+def test_ordinary_sail_finds_its_form_and_carries_snow_and_wind():
+    structure, stages = HARD["hypar"](2e3, 20e3, 1.5, HARD["service"](300.0))
     prestress, snow, wind = solved(structure, stages)
     assert (prestress.cable("edge cables").force > 10e3).all()
-    assert (prestress.membrane("fabric").state == "taut").mean() > 0.9
-    # Two axes of symmetry: half a turn about z changes nothing.
-    turned = np.lexsort(np.round(structure.points * [-1, -1, 1], 9).T)
-    same = np.lexsort(np.round(structure.points, 9).T)
+    # Half a turn about z changes nothing.
+    here, there = (np.lexsort(np.round(structure.points * sign, 9).T) for sign in ([1, 1, 1], [-1, -1, 1]))
+    turned = prestress.displacement[there] * [-1, -1, 1]
     largest = np.abs(prestress.displacement).max()
-    assert prestress.displacement[turned] * [-1, -1, 1] == pytest.approx(
-        prestress.displacement[same], abs=1e-6 * largest
-    )
+    assert turned == pytest.approx(prestress.displacement[here], abs=1e-6 * largest)
     assert snow.displacement[:, 2].mean() < prestress.displacement[:, 2].mean() < wind.displacement[:, 2].mean()
+    # Here full steps get there too.
+    plain = Analysis(structure, PLAIN).run(stages[:1])["prestress"]
+    assert prestress.displacement == pytest.approx(plain.displacement, abs=1e-6 * largest)
+    assert prestress.energy == pytest.approx(plain.energy, rel=1e-12)
 
 
 def test_increment_tells_that_the_structure_was_drawn_smooth():
@@ -97,7 +96,7 @@ def test_increment_tells_that_the_structure_was_drawn_smooth():
 
 
 def test_plain_newton_draws_nothing_smooth():
-    structure, stages = HARD["pulled"](-0.1, 0.6, 0.0, HARD["FABRIC"])
+    structure, stages = HARD["sheet"](0.0, 1e3)
     with pytest.raises(ConvergenceError) as error:
         Analysis(structure, PLAIN).run(stages)
     assert not error.value.failed.drawn_smooth
@@ -125,13 +124,17 @@ def test_energy_falls_in_every_step(name):
             assert steps[-1] == 1
 
 
-def test_last_steps_have_no_tension_that_slows_them():
+def test_tension_in_the_tangent_goes_with_the_residual():
     (snow,) = solved(*HARD["sheet"](0.0, 1e3))
     entries = [entry for _, entry in snow.history]
-    assert entries[1].tension > 0
-    assert entries[-1].tension <= 10 * LEAST
-    last = [entry.residual for entry in entries if entry.residual > 1e-7 * entries[0].residual][-2:]
-    assert last[1] < 0.05 * last[0]
+    assert entries[0].tension == 0
+    assert entries[1].tension >= FIRST
+    after_full_steps = [i for i in range(1, len(entries) - 1) if entries[i].step == 1]
+    assert len(after_full_steps) > 2
+    for i in after_full_steps:
+        shrinkage = entries[i].residual / entries[i - 1].residual
+        assert entries[i + 1].tension <= min(DECAY, shrinkage) * entries[i].tension
+    assert entries[-1].residual < entries[-2].residual ** 1.5  # faster than in proportion, and both are below 1 N
 
 
 def test_tension_in_the_structure_is_gone_after_the_solve():

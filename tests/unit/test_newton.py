@@ -136,6 +136,10 @@ def test_prestress_in_balance_with_itself_is_in_equilibrium(seed, load):
     problem.apply(Actions(loads, problem.discretization.structure.supported, np.zeros((3, 3))))
     solution, displacement = solve(problem)
     assert solution.converged, solution.reason
+    # Energies tell nothing here: the work of the prestress cancels, but for rounding that is above that of the load.
+    assert {entry.step for entry in solution.iterations[1:]} <= {1.0}
+    assert len(solution.iterations) <= 4
+    assert not solution.drawn_smooth
     expected = load / (1e3 / 0.7 + 1e3 / 1.3)  # N0 / l on both sides
     assert displacement[1] @ R[:, 2] == pytest.approx(expected, rel=1e-5, abs=1e-15)
 
@@ -188,9 +192,8 @@ def test_divergence_stops_with_a_reason(force):
     assert "units" in solution.reason
 
 
-@pytest.mark.parametrize("force", [1e30, 1e60, 1e200])
-def test_load_out_of_all_proportion_fails_in_words(force):
-    solution, _ = solve(sheet_under((0, 0, force)))
+def test_load_whose_energies_overflow_fails_in_words():
+    solution, _ = solve(sheet_under((0, 0, 1e60)))
     assert not solution.converged
     assert solution.reason.endswith(".")
 

@@ -154,16 +154,15 @@ def test_fewer_nodes_than_processes():
     assert result.reactions == pytest.approx(np.array([[0, 0, 500.0], [-1, -2, 0]]), rel=1e-9, abs=1e-9)
 
 
-@pytest.mark.parametrize(("load", "solver"), [(1.0, Newton(line_search=False)), (1e30, Newton())])
-def test_failure_is_the_same_on_every_process(load, solver):
+def test_failure_is_the_same_on_every_process():
     points, triangles = rectangle(2.0, 2.0, 4, 4)
     rim = np.flatnonzero(np.abs(points).max(axis=1) == 1)
     structure = Structure(points, {"fabric": Membrane(triangles, Fabric(Et=1e5, nu=0.3))}, [Support(rim)])
-    stages = [Stage("snow", [DeadLoad((0, 0, -load), "fabric")])]
+    stages = [Stage("snow", [DeadLoad((0, 0, -1.0), "fabric")])]
 
     def message(comm):
         with pytest.raises(ConvergenceError) as error:
-            Analysis(structure, solver, comm).run(stages)
+            Analysis(structure, Newton(line_search=False), comm).run(stages)
         return str(error.value)
 
     together = message(MPI.COMM_WORLD)
