@@ -1,5 +1,7 @@
 """Snap-through and snap-back: a von Mises truss pushed down directly, and through a softer post on its apex.
 
+Also the loops of a star dome, which are known by symmetry.
+
 Reference: closed form. With the feet at x = -a and a, the apex at the height h at rest and z when pushed, struts of the
 length L at rest carry, by the Saint Venant-Kirchhoff law, a cubic in z, with limit points at z = +-h / sqrt(3),
 
@@ -135,3 +137,33 @@ def test_state_of_a_point(number):
     assert state.loads[APEX, 2] == pytest.approx(-1.5 * LIMIT * point.load_factor, rel=1e-15)
     assert state.increments[0].load_factor == point.load_factor
     assert state.equilibrium.residual < WITHIN
+
+
+def star_dome():
+    """24 bars on a regular hexagon, a shallow crown within six lower triangles; held at the six outer points."""
+    inner = np.arange(6) * np.pi / 3
+    outer = inner + np.pi / 6
+    points = np.zeros((13, 3))
+    points[0, 2] = 0.25
+    points[1:7] = np.stack([0.75 * np.cos(inner), 0.75 * np.sin(inner), np.full(6, 0.19)], axis=1)
+    points[7:] = np.stack([1.5 * np.cos(outer), 1.5 * np.sin(outer), np.zeros(6)], axis=1)
+    i, following = 1 + np.arange(6), 1 + np.roll(np.arange(6), -1)
+    pairs = [(0 * i, i), (i, following), (i, 6 + i), (following, 6 + i)]
+    bars = np.concatenate([np.stack(pair, axis=1) for pair in pairs])
+    return Structure(points, {"bars": Mast(bars, 1e4)}, [Support(range(7, 13))])
+
+
+def test_loops_of_a_star_dome():
+    """The dome upside down is the same, with opposite loads: so is its path, which loops from the one to the other."""
+    dome = star_dome()
+    stage = Stage("push", [PointLoad(0, (0, 0, -60.0))], steps=15)
+    path = trace(dome, stage, None, (0, "z", -2 * dome.points[0, 2]), max_points=1000)
+    assert path.complete
+    upside_down = dome.points * [1, 1, -1]
+    np.testing.assert_allclose(path.state(-1).position, upside_down, rtol=0, atol=1e-8)
+    limits = path.load_factors[path.limit_points]
+    heights = (dome.points + path.displacements[path.limit_points])[:, 0, 2]
+    assert len(limits) == 8
+    np.testing.assert_allclose(limits, -limits[::-1], rtol=1e-8)
+    np.testing.assert_allclose(heights, -heights[::-1], rtol=0, atol=1e-4)
+    assert path.negative_pivots.max() > 1  # bifurcations, which the symmetric path passes
