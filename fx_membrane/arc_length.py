@@ -37,6 +37,8 @@ SHARP = 0.6  # a step with a larger angle is taken back and halved,
 COARSE = 1.5  # and so is one over which the load factor changes by more than so many times what it should,
 KINK = 4  # but not more often than that: where cables or cells slacken the path has a kink
 HALVINGS = 12
+FLAT = 1e-5  # largest cosine between the path and the axis of the load factor at a limit point
+SEARCH = 10  # most trials for one
 
 
 class ContinuationError(RuntimeError):
@@ -64,8 +66,8 @@ def trace(
 
     The load factor, which multiplies the stage's own loads and prescribed displacements, grows from 0, falls where the
     structure snaps through, and so on. From point to point it changes by 1 / `stage.steps`, seldom by up to half as
-    much more; where the path turns, points are closer. At a bifurcation the path goes straight on, and only
-    `negative_pivots` tells.
+    much more; where the path turns, points are closer, and where the load factor turns is a point: a limit point. At a
+    bifurcation the path goes straight on, and only `negative_pivots` tells.
 
     Args:
         start: The structure, if its reference shape is in equilibrium or nearly so; or the final state of the stage
@@ -140,13 +142,12 @@ def _ends(problem: Problem, load_factor: float | None, displacement: tuple[int, 
 
 
 class _Arrival(NamedTuple):
-    """A point, the direction of the path there, its angle to the way from the last point, how far that was, the end."""
+    """A point and what its tangent tells: the direction of the path there, its angle to the way from the last point."""
 
     point: Point
     direction: Step
     turn: float
-    length: float
-    complete: bool
+    negative_pivots: int | None
 
 
 class _Tracer:
@@ -164,19 +165,22 @@ class _Tracer:
 
     def run(self, x: PETSc.Vec, ends: list[Plane], max_points: int) -> EquilibriumPath:
         """The path from a shape on."""
-        point = self.start(x)
-        self.record(point)
-        direction = self.direction(Step(self.newton.zero, 1.0))
-        length = self.share / direction.factor
+        here = self.start(x)
+        self.record(here)
+        length = self.share / here.direction.factor
         while not self.path.complete and len(self.path.points) < max_points:
-            point, direction, turn, length, complete = self.next(point, direction, length, ends)
-            self.record(point, complete)
-            pace = min(math.sqrt(FEW / len(point.iterations)), TURN / max(turn, 1e-300))
-            length = min(length * min(max(pace, 0.5), 2.0), self.share / max(abs(direction.factor), 1e-300))
+            last = here
+            here, length, complete = self.next(last, length, ends)
+            if last.direction.factor * here.direction.factor < 0 and len(self.path.points) < max_points - 1:
+                self.record(self.limit_point(last, here))
+            self.record(here, complete)
+            pace = min(math.sqrt(FEW / len(here.point.iterations)), TURN / max(here.turn, 1e-300))
+            longest = self.share / max(abs(here.direction.factor), 1e-300)
+            length = min(length * min(max(pace, 0.5), 2.0), longest)
         return self.path
 
-    def start(self, x: PETSc.Vec) -> Point:
-        """Equilibrium at the load factor 0, and the tangent there."""
+    def start(self, x: PETSc.Vec) -> _Arrival:
+        """Equilibrium at the load factor 0."""
         newton = self.newton
         point = newton.find(Point(x, 0.0), Plane(newton.zero, 1.0, 0.0))
         if point is None or not newton.linearize(point.x):
@@ -189,38 +193,63 @@ class _Tracer:
         self.psi = float(newton.along.norm())
         if not self.psi > 1e-14 * newton.size:
             raise ValueError(f"Stage {self.path.name!r} moves nothing; give it loads or prescribed displacements.")
-        return point
+        return _Arrival(point, self.direction(Step(newton.zero, 1.0)), 0.0, newton.negative_pivots())
 
-    def next(self, last: Point, direction: Step, length: float, ends: list[Plane]) -> _Arrival:
-        """The next point, about a length from the last one, or less."""
+    def next(self, last: _Arrival, length: float, ends: list[Plane]) -> tuple[_Arrival, float, bool]:
+        """The next point, the length of the step to it, and whether it is an end."""
         for halvings in range(HALVINGS + 1):
-            point = self.newton.find(last.moved(direction, length), self.across(last, direction, length))
-            end = point and _passed(last, point, ends)
+            point = self.find(last, length)
+            end = point and _passed(last.point, point, ends)
             if end:
                 point = self.newton.find(*end)
-                if point and not 0 <= self.product(direction, point.since(last)) <= length * (1 + 1e-6):
+                if point and not 0 <= self.product(last.direction, point.since(last.point)) <= length * (1 + 1e-6):
                     point = None  # not between the two
             if point:
-                step = point.since(last)
-                onward = self.direction(step) if self.newton.linearize(point.x) else self.unit(step)
-                cosine = self.product(step, onward) / math.sqrt(self.product(step, step))
-                turn = math.acos(min(max(cosine, -1.0), 1.0))
-                fine = turn <= SHARP and abs(step.factor) <= COARSE * self.share
+                here = self.arrive(last, point)
+                fine = here.turn <= SHARP and abs(point.factor - last.point.factor) <= COARSE * self.share
                 if fine or halvings >= KINK:
-                    return _Arrival(point, onward, turn, length, end is not None)
+                    return here, length, end is not None
             length /= 2
         raise ContinuationError(
             f"The path of stage {self.path.name!r} was lost after {len(self.path.points)} points, at load factor "
-            f"{last.factor:.6g}: no next point, however near. Give the stage more steps (steps=...), so that "
+            f"{last.point.factor:.6g}: no next point, however near. Give the stage more steps (steps=...), so that "
             "points are closer; where the structure wrinkles or slackens, a larger compression_stiffness; a larger "
             "rtol if that asks for more digits than rounding leaves.",
             self.path,
         )
 
-    def across(self, last: Point, direction: Step, length: float) -> Plane:
-        """The plane across a direction at a length from a point."""
-        plane = Plane(direction.x, self.psi**2 * direction.factor, 0.0)
-        return plane._replace(distance=plane.beyond(last) + length)
+    def find(self, last: _Arrival, length: float) -> Point | None:
+        """The point at a length from another; None if there is none to be found."""
+        plane = Plane(last.direction.x, self.psi**2 * last.direction.factor, 0.0)
+        plane = plane._replace(distance=plane.beyond(last.point) + length)
+        return self.newton.find(last.point.moved(last.direction, length), plane)
+
+    def arrive(self, last: _Arrival, point: Point) -> _Arrival:
+        """Where the path goes on from a point that follows another."""
+        step = point.since(last.point)
+        onward = self.direction(step) if self.newton.linearize(point.x) else self.unit(step)
+        cosine = self.product(step, onward) / math.sqrt(self.product(step, step))
+        return _Arrival(point, onward, math.acos(min(max(cosine, -1.0), 1.0)), self.newton.negative_pivots())
+
+    def limit_point(self, last: _Arrival, here: _Arrival) -> _Arrival | None:
+        """The point between two at which the load factor turns, by false position (Pegasus); None at a kink."""
+        a, slope_a = 0.0, last.direction.factor
+        b, slope_b = self.product(last.direction, here.point.since(last.point)), here.direction.factor
+        for _ in range(SEARCH):
+            length = (a * slope_b - b * slope_a) / (slope_b - slope_a)
+            point = self.find(last, length)
+            if not point:
+                return None
+            found = self.arrive(last, point)
+            slope = found.direction.factor
+            if self.psi * abs(slope) <= FLAT:
+                return found
+            if slope * slope_b < 0:
+                a, slope_a = b, slope_b
+            else:
+                slope_a *= slope_b / (slope_b + slope)
+            b, slope_b = length, slope
+        return None
 
     def direction(self, step: Step) -> Step:
         """The tangent of the path, of unit length, on from a step."""
@@ -236,11 +265,13 @@ class _Tracer:
     def product(self, a: Step, b: Step) -> float:
         return float(a.x.dot(b.x)) + self.psi**2 * a.factor * b.factor
 
-    def record(self, point: Point, complete: bool = False) -> None:
-        """Adds a point whose tangent was factored last."""
-        shape = self.newton.problem.discretization.gather(point.x)
-        found = PathPoint(point.factor, shape, self.newton.negative_pivots(), point.iterations)
-        self.path = replace(self.path, points=(*self.path.points, found), complete=complete)
+    def record(self, found: _Arrival | None, complete: bool = False) -> None:
+        """Adds a point to the path, if there is one."""
+        if found:
+            x, factor, iterations = found.point
+            shape = self.newton.problem.discretization.gather(x)
+            point = PathPoint(factor, shape, found.negative_pivots, iterations)
+            self.path = replace(self.path, points=(*self.path.points, point), complete=complete)
 
 
 def _passed(last: Point, point: Point, ends: list[Plane]) -> tuple[Point, Plane] | None:

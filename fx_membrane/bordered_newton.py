@@ -22,6 +22,7 @@ from .problem import Actions, Problem
 from .solver import Iteration
 
 MOST = 12  # iterations
+SOLVED = 1e-3  # error of a linear solution: near a limit point as few digits are left, in a singular system none
 FAR = 1e3  # displacements beyond so many sizes of the structure are no solution
 
 
@@ -143,7 +144,7 @@ class BorderedNewton:
         self.ksp.solve(b, x)
         self.A.mult(x, self.work)
         self.work.axpy(-1.0, b)
-        return bool(self.work.norm() <= 1e-6 * b.norm())
+        return bool(self.work.norm() <= SOLVED * b.norm())
 
     def negative_pivots(self) -> int | None:
         """Number of negative eigenvalues of the tangent that was factored last; None if it is not symmetric."""

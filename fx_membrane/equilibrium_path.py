@@ -22,7 +22,8 @@ class PathPoint(NamedTuple):
     Attributes:
         load_factor: Multiplier of the stage's own loads and prescribed displacements.
         displacement: From the reference position, shape (n, 3) [m].
-        negative_pivots: Number of negative eigenvalues of the tangent under the loads at this point; None where the
+        negative_pivots: Number of negative eigenvalues of the tangent under the loads at this point: 0 where stable. At
+            a limit point, where one eigenvalue is zero but for rounding, it may be counted or not. None where the
             tangent is not symmetric: under a pressure without a potential.
         iterations: The iterates of the corrector, what was predicted first.
     """
@@ -75,7 +76,7 @@ class EquilibriumPath:
 
     @property
     def limit_points(self) -> NDArray[np.int64]:
-        """Points with a load factor above or below that of both neighbours; limit points are within a step of them."""
+        """Numbers of the points with a load factor above or below that of both neighbours, shape (count,)."""
         steps = np.diff(self.load_factors)
         return np.flatnonzero(steps[1:] * steps[:-1] < 0) + 1
 

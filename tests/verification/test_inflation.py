@@ -77,6 +77,15 @@ def test_bubble(bubbles):
     second_order([path.load_factors[-1] * LARGEST for path in paths], 4 * N0 * rise / (A**2 + rise**2))
 
 
+def test_largest_pressure():
+    """That at the half sphere."""
+    paths = [blow(n, 1.5 * A) for n in MESHES]
+    assert all(len(path.limit_points) == 1 for path in paths)
+    second_order([LARGEST * path.load_factors.max() for path in paths], LARGEST)
+    rise = [path.displacements[path.limit_points[0], 0, 2] for path in paths]
+    second_order(rise, A)
+
+
 def test_nodes_of_the_bubble(bubbles):
     """Each is where the stereographic projection puts it; the mean of squares, whose order comes to 2 from below."""
     rise, paths = bubbles
@@ -169,3 +178,9 @@ def test_sphere(stretch):
         assert (path.negative_pivots[radius > 0.62] == 0).all()
         assert (path.negative_pivots[radius < 0.58] > 0).all()
     second_order(shares, 1.0)
+
+
+def test_least_pressure():
+    paths = [let_out(n, 0.55) for n in MESHES]
+    assert all(len(path.limit_points) == 1 for path in paths)
+    second_order([pressure(1.0) * (1 - path.load_factors.max()) for path in paths], pressure(0.6))
