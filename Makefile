@@ -8,6 +8,7 @@ SUITE ?= trixie
 demo: .venv/ready
 	$(BIN)/python demos/square_membrane.py
 	$(BIN)/python demos/shade_pavilion.py
+	$(BIN)/python demos/solvers.py
 
 test: lint
 	@.ci/suite $(BIN)/python mpirun

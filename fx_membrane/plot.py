@@ -15,6 +15,7 @@ from . import validation
 from .parts import Part
 from .results import StageResult
 from .scene import INK, Colours, picture, screen_axes
+from .solver import Iteration
 
 LINES = "#1f6f8b"
 BANDS = 16
@@ -53,6 +54,60 @@ def convergence(result: StageResult, path: str | Path, force_unit: str = "N", en
         axes.grid(color="#e3e5e8", linewidth=0.8)
         axes.spines[["top", "right"]].set_visible(False)
     figure.suptitle(f"Convergence of stage “{result.name}”", color=INK, fontsize=12)
+    _save(figure, path)
+
+
+def compare_convergence(
+    histories: Mapping[str, Sequence[Iteration]],
+    seconds: Mapping[str, float],
+    path: str | Path,
+    force_unit: str = "N",
+    energy_unit: str = "J",
+) -> None:
+    """Energy above that at the end and largest unbalanced force of several solves, against iterations and time.
+
+    Args:
+        histories: The iterates by name of the solver; all solves have the same solution.
+        seconds: How long each solve took [s]; its iterates are drawn evenly over it.
+        path: The PNG to write.
+        force_unit: What the axes of the forces say.
+        energy_unit: What the axes of the energies say.
+
+    Raises:
+        ValueError: There are no histories, one has no iterate, or they are not those that have a time.
+    """
+    validation.instance("histories", histories, Mapping)
+    if not histories or not all(histories.values()):
+        raise ValueError("histories is empty, or has one without iterates; give {name: iterates}.")
+    if set(seconds) != set(histories):
+        raise ValueError(f"seconds is for {list(seconds)}; give the time of each of {list(histories)}.")
+    if MPI.COMM_WORLD.rank:
+        return
+    lowest = min(history[-1].energy for history in histories.values())
+    figure = _figure(10, 7.5)
+    panels = figure.subplots(2, 2, sharex="col", sharey="row")
+    for number, (name, history) in enumerate(histories.items()):
+        count = np.arange(len(history))
+        error = np.array([entry.energy for entry in history]) - lowest
+        error[error <= 1e-15 * abs(lowest)] = np.nan  # rounding, or a start before the supports move
+        residual = np.array([max(entry.residual, 1e-300) for entry in history])
+        style = {"color": f"C{number}", "marker": "o" if len(history) < 50 else "", "markersize": 3, "label": name}
+        for axes, values in zip(panels, (error, residual), strict=True):
+            axes[0].plot(count, values, **style)
+            axes[1].plot(count[1:] * seconds[name] / max(len(history) - 1, 1), values[1:], **style)
+    for axes in panels.flat:
+        axes.set_yscale("log")
+        axes.grid(color="#e3e5e8", linewidth=0.8)
+        axes.spines[["top", "right"]].set_visible(False)
+    panels[0, 0].set_ylabel(f"Energy above the least at the end [{energy_unit}]")
+    panels[1, 0].set_ylabel(f"Largest unbalanced force [{force_unit}]")
+    panels[1, 0].set_xscale("symlog", linthresh=1)
+    panels[1, 0].set_xlim(left=0)
+    panels[1, 0].set_xlabel("Iteration")
+    panels[1, 1].set_xscale("log")
+    panels[1, 1].set_xlabel("Time [s]")
+    handles, names = panels[0, 0].get_legend_handles_labels()
+    figure.legend(handles, names, loc="lower left", bbox_to_anchor=(0.05, 1), ncols=4, frameon=False)
     _save(figure, path)
 
 

@@ -22,6 +22,7 @@ PICTURES = {
         "fig18-19a_stresses.png",
         "fig18-19b_stresses.png",
     ],
+    "solvers": ["roof.png", "square.png"],
     "square_membrane": ["fig7_convergence.png", "fig8_displacements.png", "fig9_principal_stresses.png"],
 }
 

@@ -71,6 +71,28 @@ def states(result):
     return {name: result.membrane(name).state for name in ("south", "north")}
 
 
+def test_comparison_of_solvers(result, tmp_path):
+    histories = {"one": [entry for _, entry in result.history], "other": result.increments[-1].iterations}
+    plot.compare_convergence(histories, {"one": 2.0, "other": 0.1}, tmp_path / "new" / "solvers.png")
+    assert_drawn(tmp_path / "new" / "solvers.png")
+    assert has_colour(tmp_path / "new" / "solvers.png", "#1f77b4")
+    assert has_colour(tmp_path / "new" / "solvers.png", "#ff7f0e")
+
+
+@pytest.mark.parametrize(
+    ("histories", "seconds", "message"),
+    [
+        ({}, {}, "histories is empty"),
+        ({"one": []}, {"one": 1.0}, "without iterates"),
+        ({"one": [1]}, {"other": 1.0}, r"seconds is for \['other'\]; give the time of each of \['one'\]"),
+        ([1], {}, "histories is"),
+    ],
+)
+def test_comparison_of_nothing(histories, seconds, message, tmp_path):
+    with pytest.raises(ValueError, match=message):
+        plot.compare_convergence(histories, seconds, tmp_path / "solvers.png")
+
+
 def cell_values(result):
     return {name: result.membrane(name).principal[:, 0] for name in ("south", "north")}
 
