@@ -29,8 +29,8 @@ solvers = {
     "conjugate gradients, FR": ConjugateGradient("FR"),
     "  PR, by the diagonal": ConjugateGradient("PR", preconditioner="jacobi"),
     "  PR, by the first tangent": ConjugateGradient("PR", preconditioner="tangent"),
-    "steepest descent": SteepestDescent(max_iterations=2000),
-    "  by the diagonal": SteepestDescent(preconditioner="jacobi", max_iterations=2000),
+    "steepest descent": SteepestDescent(max_iterations=1000),
+    "  by the diagonal": SteepestDescent(preconditioner="jacobi", max_iterations=1000),
 }
 
 # %% [markdown]

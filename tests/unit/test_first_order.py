@@ -173,7 +173,7 @@ def slack_net():
     points = [[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [-1, -1, 0], [2, -1, 0], [2, 2, 0], [-1, 2, 0]]
     lines = [[0, 1], [1, 2], [2, 3], [3, 0], [0, 4], [1, 5], [2, 6], [3, 7], [0, 2]]
     prestress = [100.0] * 4 + [100 * 2**0.5] * 4 + [1.0]
-    return Structure(points, {"net": Cable(lines, 1e5, prestress)}, [Support(range(4, 8))])
+    return Structure(points, {"net": Cable(lines, 2e4, prestress)}, [Support(range(4, 8))])
 
 
 CASES = {
@@ -186,8 +186,13 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("solver", ALL, ids=name)
-@pytest.mark.parametrize("case", CASES)
+def slow(case, solver):
+    """Steepest descent on soft structures takes thousands of steps, too many for several processes."""
+    soft = isinstance(solver, SteepestDescent) and case in ("slack", "no stiffness at the start")
+    return pytest.param(case, solver, id=f"{case}, {name(solver)}", marks=[pytest.mark.serial] if soft else [])
+
+
+@pytest.mark.parametrize(("case", "solver"), [slow(case, solver) for case in CASES for solver in ALL])
 def test_same_state_as_newton(case, solver):
     structure, stages = CASES[case]
     expected = Analysis(structure).run(stages)["end"]
@@ -233,6 +238,7 @@ def test_prescribed_displacements_are_there_from_the_first_iterate():
     assert first.energy == pytest.approx(there.energy(there.discretization.distribute(moved)), rel=1e-12)
 
 
+@pytest.mark.serial
 def test_steepest_descent_is_the_slowest():
     stage = Stage("push", [PointLoad(CENTRE, (0, 0, -300.0))])
     counts = [
