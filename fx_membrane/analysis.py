@@ -50,14 +50,16 @@ class ConvergenceError(RuntimeError):
 
 
 class UnstableStateWarning(UserWarning):
-    """An equilibrium that is not stable: the least disturbance makes the structure leave it."""
+    """An equilibrium that is not stable, or a structure that fell into another shape on the way to a stable one."""
 
 
 class Analysis:
     """Nonlinear statics of a structure; meshes are made and forms compiled once, for all its stages.
 
-    An increment that does not converge is halved, up to eight times; after one that does, the next is twice as long,
-    up to what the stage asks for.
+    An increment that does not converge is halved, up to eight times, unless that cannot help (a stage that applies
+    nothing; a first-order method that ran out of iterations); after one that does, the next is twice as long, up to
+    what the stage asks for. An increment in which a node moves by more than half the size of the structure is reported
+    by an `UnstableStateWarning`: the structure has fallen or snapped into another shape.
 
     Args:
         structure: The structure.
@@ -142,6 +144,7 @@ class Analysis:
                     _warn_of_unstable_state(stage.name, factor)
                 if solution.converged:
                     shape = self._problem.discretization.gather(x)
+                    _warn_of_fall(stage.name, factor, self.structure, shape - state.displacement, end.held)
                     state = Progress(shape, factor, min(2 * state.size, full), (*state.increments, increment))
                     save(stage.name, state)
                     bar.increment(factor)
@@ -176,6 +179,22 @@ def _warn_of_unstable_state(name: str, factor: Fraction) -> None:
         UnstableStateWarning,
         stacklevel=4,
     )
+
+
+def _warn_of_fall(
+    name: str, factor: Fraction, structure: Structure, motion: NDArray[np.float64], held: NDArray[np.bool_]
+) -> None:
+    """Warns where a node moved very far in one increment, by components that are not held."""
+    moved = np.linalg.norm(np.where(held, 0.0, motion), axis=1)
+    node = int(moved.argmax())
+    if moved[node] > 0.5 * np.ptp(structure.points, axis=0).max():
+        warnings.warn(
+            f"Stage {name!r}: up to load factor {float(factor):.6g} node {node} moved by {moved[node]:.3g}, more than "
+            "half the size of the structure: it has fallen or snapped into another shape. Add supports, members or "
+            "prestress if that is not meant; `trace` shows how it gives way.",
+            UnstableStateWarning,
+            stacklevel=4,
+        )
 
 
 class _ProgressBar:

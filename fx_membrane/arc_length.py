@@ -73,7 +73,8 @@ def trace(
         start: The structure, if its reference shape is in equilibrium or nearly so; or the final state of the stage
             that this one comes after.
         stage: What is applied.
-        load_factor: Where the path ends, whatever way it takes there; None: nowhere.
+        load_factor: Where the path ends, whatever way it takes there, above 0; None: nowhere. For the other sense, turn
+            the loads.
         displacement: A node, one of the components "x", "y" and "z", and its displacement [m]: where the path ends too.
         max_points: Most points, the start included.
         rtol: Converged when the 2-norm of the unbalanced forces is below rtol times that of all nodal forces,
@@ -89,7 +90,7 @@ def trace(
     validation.instance("trace start", start, Structure | StageResult)
     validation.instance("trace stage", stage, Stage)
     validation.whole("trace max_points", max_points)
-    validation.positive("trace rtol", rtol)
+    validation.tolerance("trace rtol", rtol)
     structure = start if isinstance(start, Structure) else start.structure
     _check_stage(structure, start, stage)
     shape = np.zeros(structure.points.shape) if isinstance(start, Structure) else start.displacement
@@ -122,7 +123,7 @@ def _ends(problem: Problem, load_factor: float | None, displacement: tuple[int, 
     """Where a path ends."""
     ends = []
     if load_factor is not None:
-        value = validation.number("trace load_factor", load_factor)
+        value = validation.positive("trace load_factor", load_factor)
         ends.append(Plane(problem.discretization.create_vector(), 1.0, value))
     if displacement is not None:
         if not isinstance(displacement, tuple) or len(displacement) != 3:

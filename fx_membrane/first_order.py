@@ -35,7 +35,7 @@ class SteepestDescent:
     Supports and prescribed displacements are brought to their values at once; the iterates begin there.
 
     Raises:
-        ValueError: preconditioner is none of the three; rtol is not a positive number; max_iterations is not a whole
+        ValueError: preconditioner is none of the three; rtol is out of range; max_iterations is not a whole
             number above zero.
 
     Args:
@@ -68,7 +68,7 @@ class ConjugateGradient:
     brought to their values at once; the iterates begin there.
 
     Raises:
-        ValueError: beta is none of the two; preconditioner is none of the three; rtol is not a positive number;
+        ValueError: beta is none of the two; preconditioner is none of the three; rtol is out of range;
             max_iterations is not a whole number above zero.
 
     Args:
@@ -127,7 +127,7 @@ def _check(settings: SteepestDescent | ConjugateGradient) -> None:
             f"{name} preconditioner is {validation.shown(settings.preconditioner)}; "
             'give None, "jacobi" (the diagonal of the tangent) or "tangent".'
         )
-    validation.positive(f"{name} rtol", settings.rtol)
+    validation.tolerance(f"{name} rtol", settings.rtol)
     validation.whole(f"{name} max_iterations", settings.max_iterations)
 
 

@@ -45,7 +45,7 @@ class Newton:
     """Newton-Raphson, Gil (74), by dolfinx's `NewtonSolver` with a direct factorization (MUMPS).
 
     Raises:
-        ValueError: rtol is not a positive number; max_iterations is not a whole number above zero.
+        ValueError: rtol is out of range; max_iterations is not a whole number above zero.
 
     Args:
         rtol: Converged when the 2-norm of the unbalanced forces is below rtol times that of all nodal forces,
@@ -61,7 +61,7 @@ class Newton:
     line_search: bool = True
 
     def __post_init__(self) -> None:
-        validation.positive("Newton rtol", self.rtol)
+        validation.tolerance("Newton rtol", self.rtol)
         validation.whole("Newton max_iterations", self.max_iterations)
         validation.instance("Newton line_search", self.line_search, bool)
 
@@ -184,7 +184,8 @@ class _NewtonRaphson:
     def stalled(self, x: PETSc.Vec) -> str:
         """Why there is no solution after the last iterate."""
         last = self.history[-1].residual
-        at_rounding = len(self.history) > 2 and last < 1e3 * self.tolerance
+        # Small, and no longer falling.
+        at_rounding = len(self.history) > 2 and self.history[-2].residual < 10 * last < 1e4 * self.tolerance
         return stalled(self.problem, x, len(self.history) - 1, last, at_rounding)
 
     def residual(self, x: PETSc.Vec, b: PETSc.Vec) -> None:

@@ -34,7 +34,9 @@ def report(
     validation.instance("The first argument of report", result, StageResult)
     validation.in_range("nodes", np.asarray(nodes, dtype=np.int64), len(result.structure.points), "node")
     iterations = [len(increment.iterations) - 1 for increment in result.increments]
-    lines = [f"Stage {result.name!r}, iterations per increment: {iterations}"]
+    remarks = ", drawn smooth first" * any(increment.drawn_smooth for increment in result.increments)
+    remarks += ", not stable" * any(increment.unstable for increment in result.increments)
+    lines = [f"Stage {result.name!r}, iterations per increment: {iterations}{remarks}"]
     width = max(map(len, result.parts)) + 2
     for name in result.parts:
         said = _part(result, name, force_unit, length_unit)

@@ -63,6 +63,13 @@ def share(name: str, value: Any) -> float:
     return float(value)
 
 
+def tolerance(name: str, value: Any) -> float:
+    """A relative tolerance: a number above zero and at most one per cent."""
+    if positive(name, value) > 1e-2:
+        raise ValueError(f"{name} is {value}; it must be at most 0.01, or forces would not balance.")
+    return float(value)
+
+
 def finite(name: str, value: ArrayLike) -> NDArray[np.float64]:
     """A read-only array of finite numbers."""
     try:

@@ -7,11 +7,14 @@ from fx_membrane import (
     Analysis,
     ConvergenceError,
     DeadLoad,
+    Mast,
     Newton,
     PointLoad,
     PrescribedDisplacement,
     Stage,
+    Structure,
     Support,
+    UnstableStateWarning,
 )
 from fx_membrane.analysis import HALVINGS
 from models import LIFT, LIMIT, POINTS, SNOW, TOO_MUCH, arch, rotation, same_state, sheet
@@ -120,3 +123,11 @@ def test_bad_stage_is_refused_before_anything_is_solved():
     short = Analysis(sheet(), Newton(max_iterations=1, line_search=False))  # would fail in the first stage
     with pytest.raises(ValueError, match="node 99"):
         short.run([Stage("snow", [SNOW]), Stage("wind", [PointLoad(99, (0, 0, 1))])])
+
+
+def test_column_that_falls_over_is_reported():
+    column = Mast([[0, 1], [1, 2]], 1e6)
+    supports = [Support(0), Support(2, "xy"), Support(1, "y")]
+    structure = Structure([[0, 0, 0], [0, 0, 1.0], [0, 0, 2.0]], {"column": column}, supports)
+    with pytest.warns(UnstableStateWarning, match=r"moved by .*fallen"):
+        Analysis(structure).run([Stage("load", [PointLoad(2, (0, 0, -100.0))])])
