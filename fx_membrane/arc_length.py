@@ -173,7 +173,13 @@ class _Tracer:
             last = here
             here, length, complete = self.next(last, length, ends)
             if last.direction.factor * here.direction.factor < 0 and len(self.path.points) < max_points - 1:
-                self.record(self.limit_point(last, here))
+                limit = self.limit_point(last, here)
+                end = limit and _passed(last.point, limit.point, ends)  # and passed again behind it
+                point = end and self.newton.find(*end)
+                if point:
+                    here, complete = self.arrive(last, point), True
+                else:
+                    self.record(limit)
             self.record(here, complete)
             pace = min(math.sqrt(FEW / len(here.point.iterations)), TURN / max(here.turn, 1e-300))
             longest = self.share / max(abs(here.direction.factor), 1e-300)

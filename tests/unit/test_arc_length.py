@@ -99,6 +99,14 @@ def test_ends_at_what_comes_first():
     assert both.load_factors[-1] < 0.5
 
 
+def test_ends_just_before_a_limit_point():
+    """Passed twice within a step, there and back."""
+    path = trace(arch(), PUSH, 0.9999 / 1.2)
+    assert path.load_factors[-1] == pytest.approx(0.9999 / 1.2, rel=1e-15)
+    assert (np.diff(path.load_factors) > 0).all()
+    assert path.complete
+
+
 def test_a_coarse_path_does_not_miss_the_limit_points():
     path = trace(arch(), Stage("push", PUSH.loads))
     assert len(path.limit_points) == 2
