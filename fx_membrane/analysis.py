@@ -184,10 +184,10 @@ def _warn_of_unstable_state(name: str, factor: Fraction) -> None:
 def _warn_of_fall(
     name: str, factor: Fraction, structure: Structure, motion: NDArray[np.float64], held: NDArray[np.bool_]
 ) -> None:
-    """Warns where a node moved very far in one increment, by components that are not held."""
-    moved = np.linalg.norm(np.where(held, 0.0, motion), axis=1)
+    """Warns where a node moved very far in one increment, further than what is moved by prescription."""
+    moved, given = (np.linalg.norm(np.where(where, motion, 0.0), axis=1) for where in (~held, held))
     node = int(moved.argmax())
-    if moved[node] > 0.5 * np.ptp(structure.points, axis=0).max():
+    if moved[node] > 0.5 * np.ptp(structure.points, axis=0).max() + given.max():
         warnings.warn(
             f"Stage {name!r}: up to load factor {float(factor):.6g} node {node} moved by {moved[node]:.3g}, more than "
             "half the size of the structure: it has fallen or snapped into another shape. Add supports, members or "
