@@ -55,7 +55,7 @@ def softest(problem: Problem, x: PETSc.Vec, tension: float) -> Softest:
         w.scale(1 / (w.norm() or 1.0))
         w.copy(v)
     work = float(v.dot(K * v))
-    artificial = (float(v.dot(stiffened * v)) - work) / tension
+    artificial = problem.tension_work(v)
     found = Softest(factorization.pivots(solver).negative, v, work / artificial if artificial else np.inf)
     for matrix in (A, K, stiffened):
         matrix.destroy()

@@ -194,6 +194,10 @@ class Problem:
         A.axpy(tension, self._tension(), PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
         self.hold_tangent(x, A, b)
 
+    def tension_work(self, v: PETSc.Vec) -> float:
+        """Twice the work of a displacement against an artificial tension of strain one [J]."""
+        return float(v.dot(self._tension() * v))
+
     def _tension(self) -> PETSc.Mat:
         """Stiffness of an artificial tension of strain one; made when it is first asked for."""
         if self._tension_stiffness is None:
