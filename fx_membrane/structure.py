@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -38,9 +37,10 @@ class Support:
 class Structure:
     """Everything that does not change from stage to stage.
 
-    The nodes of a triangle may be in either order: all cells of a connected membrane are given one sense, that of the
-    first, which `normals` and `senses` show. A membrane that has none (a Moebius strip, or sheets that branch) is a
-    structure all the same; it is refused where a normal is asked for, or a pressure acts.
+    The nodes of a triangle may be in either order: when the structure is made, all cells of a connected membrane, open
+    or closed, are given one sense, that of the first, which `normals` and `senses` show. A membrane that has none (a
+    Moebius strip, or sheets that branch) is a structure all the same; it is refused where a normal is asked for, or a
+    pressure acts.
 
     Args:
         points: Reference (prestressed) position of the nodes, shape (n, 3) [m]. A node is known by its row.
@@ -56,6 +56,7 @@ class Structure:
     points: NDArray[np.float64]
     parts: Mapping[str, Part]
     supports: Sequence[Support] = ()
+    _senses: dict[str, NDArray[np.float64] | ValueError] = field(init=False, repr=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "points", validation.positions("points", self.points))
@@ -74,6 +75,7 @@ class Structure:
             self._check_measures(name, part)
             if part.dimension == 2:
                 self.warp(name)
+                self._orient(name)
         for number, support in enumerate(self.supports):
             self.check_nodes(f"Support {number}", np.asarray(support.nodes))
 
@@ -127,13 +129,11 @@ class Structure:
         Raises:
             ValueError: There is no membrane of that name; it has only one side, like a Moebius strip, or branches.
         """
-        if name not in self._senses:
-            self._senses[name] = senses(f"Part {name!r}", self.part(name, Membrane).cells)
-        return self._senses[name]
-
-    @cached_property
-    def _senses(self) -> dict[str, NDArray[np.float64]]:
-        return {}
+        self.part(name, Membrane)
+        found = self._senses[name]
+        if isinstance(found, ValueError):
+            raise ValueError(*found.args)
+        return found
 
     def normals(self, name: str) -> NDArray[np.float64]:
         """Unit normals of a membrane, all on one side of it, shape (cells, 3) [-]; a positive pressure acts along them.
@@ -167,6 +167,13 @@ class Structure:
         loose = nodes[~self.used[nodes]]
         if len(loose):
             raise ValueError(f"{what} is on node {loose[0]}, which no part uses; mend the number or add the part.")
+
+    def _orient(self, name: str) -> None:
+        """Finds one sense of all cells of a membrane; why it has none is kept until someone asks for it."""
+        try:
+            self._senses[name] = senses(f"Part {name!r}", self.parts[name].cells)
+        except ValueError as refusal:
+            self._senses[name] = refusal
 
     def _check_measures(self, name: str, part: Part) -> None:
         bad = degenerate(self.points, part.cells)

@@ -73,6 +73,12 @@ def test_normals_of_a_closed_surface_are_all_on_the_side_of_the_first(seed):
     assert sheet(points=OCTAHEDRON, cells=cells).normals("fabric") == pytest.approx(sign * outwards, abs=1e-14)
 
 
+def test_one_sense_is_found_when_the_structure_is_made(monkeypatch):
+    made = sheet(points=OCTAHEDRON, cells=FACES)
+    monkeypatch.setattr("fx_membrane.structure.senses", None)
+    assert made.senses("fabric").tolist() == [1] * 8
+
+
 def test_branching_membrane_has_no_normals():
     points = [[0.0, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0], [-1, 0, 0], [0, 0, 1]]
     cells = [[0, 2, 1], [2, 1, 3], [0, 1, 4], [0, 1, 5]]  # three sheets on the edge 0 1
