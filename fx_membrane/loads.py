@@ -45,6 +45,7 @@ class _SpreadLoad:
         _check_cells(self)
 
 
+@dataclass(frozen=True, eq=False)  # again, so that Python's own refusals say DeadLoad
 class DeadLoad(_SpreadLoad):
     """A load of fixed direction, spread over the reference area of a membrane or the length of cables or masts.
 
@@ -59,6 +60,7 @@ class DeadLoad(_SpreadLoad):
     """
 
 
+@dataclass(frozen=True, eq=False)  # again, so that Python's own refusals say PlanLoad
 class PlanLoad(_SpreadLoad):
     """A load of fixed direction per plan area of the reference shape, as snow is given: per area of the xy-plane.
 

@@ -85,7 +85,7 @@ class Membrane:
 
 
 @dataclass(frozen=True, eq=False)
-class _Bar:
+class Bar:
     """What cables and masts have in common: straight elements that carry axial force only."""
 
     dimension: ClassVar[int] = 1
@@ -120,7 +120,7 @@ class _Bar:
 
 
 @dataclass(frozen=True, eq=False)
-class Cable(_Bar):
+class Cable(Bar):
     """Cables as two-node straight elements that go slack instead of carrying compression.
 
     Args:
@@ -143,7 +143,8 @@ class Cable(_Bar):
         validation.share("Cable compression_stiffness", self.compression_stiffness)
 
 
-class Mast(_Bar):
+@dataclass(frozen=True, eq=False)  # again, so that Python's own refusals say Mast
+class Mast(Bar):
     """Pinned masts and struts as two-node straight elements, in tension and compression.
 
     Args and Raises as for `Cable`, without `compression_stiffness`.
