@@ -59,10 +59,12 @@ class Membrane:
             if warp.shape not in ((3,), (len(self.cells), 3)):
                 raise ValueError(f"Membrane warp has shape {warp.shape}; give (3,) or ({len(self.cells)}, 3).")
         elif directed or isinstance(self.material, OrthotropicFabric):
-            what = f"material {validation.shown(self.material)}"
+            what = f"material is {validation.shown(self.material)}"
             if not isinstance(self.material, OrthotropicFabric):
-                what = f"prestress {validation.shown(self.prestress)}"
-            raise ValueError(f"Membrane {what} has a warp and a weft; give the warp as a vector, warp=(x, y, z).")
+                what = f"prestress is {validation.shown(self.prestress)}"
+            raise ValueError(
+                f"Membrane {what}, which has a warp and a weft; give the warp as a vector, warp=(x, y, z)."
+            )
 
     def prestress_tensors(self) -> NDArray[np.float64]:
         """Prestress of every cell in the warp/weft frame, shape (n, 2, 2) [N/m]."""
