@@ -21,7 +21,8 @@ class Membrane:
         material: The fabric.
         prestress: Cauchy stress times thickness in the reference shape [N/m]: a number (isotropic), a pair
             (warp, weft), or a tensor (2, 2) in the warp/weft frame; or one of these per cell, shape (n, 1),
-            (n, 2) or (n, 2, 2). Shape (2, 2) is always one tensor.
+            (n, 2) or (n, 2, 2). Shape (2, 2) is always one tensor. A negative one is an excess of cloth: the cloth is
+            larger than the reference shape, and carries nothing until it is stretched to its own size.
         warp: A vector (3,), or one per cell (n, 3), that projected on the cell gives the warp direction. The weft
             is a right angle further, counter-clockwise about the normal of the cell. Without a warp the global x
             axis is taken, or y where a cell is nearly normal to x, for results only.
@@ -128,7 +129,9 @@ class Cable(Bar):
     Args:
         cells: Segments as rows of node numbers, shape (n, 2).
         axial_stiffness: Young's modulus times cross-section [N].
-        prestress: Axial force in the reference shape [N], a number or one per cell, shape (n,).
+        prestress: Axial force in the reference shape [N], a number or one per cell, shape (n,). A negative one is
+            an excess of length: the cable is slack until it is stretched by the Green-Lagrange strain
+            -prestress / axial_stiffness, about the share by which it is longer than its reference shape.
         compression_stiffness: Share of the stiffness that is kept where the cable is slack, in (0, 1] [-].
             With 1 it carries compression, and is never called slack.
         mass: Mass per length of the reference shape [kg/m], for `natural_frequencies`; it brings no weight.
@@ -149,7 +152,7 @@ class Cable(Bar):
 class Mast(Bar):
     """Pinned masts and struts as two-node straight elements, in tension and compression.
 
-    Args and Raises as for `Cable`, without `compression_stiffness`.
+    Args and Raises as for `Cable`, without `compression_stiffness`; a negative prestress is a compression.
     """
 
 
