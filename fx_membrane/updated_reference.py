@@ -21,7 +21,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from . import load_case, loads, validation
-from .geometry import boundary, measures, normals
+from .geometry import boundary, degenerate, measures, normals, projected
 from .loads import DeadLoad, PointLoad, Pressure, Stage
 from .newton import Newton
 from .parts import Mast, Membrane, Part
@@ -113,15 +113,12 @@ def updated_reference(
         state = record(stage.name, x, actions, ())
         change, edge = _change_of_shape(structure, points, state.displacement)
         points = points + state.displacement
-        if not all((measures(points, part.cells) > 0).all() for part in structure.parts.values()):
-            raise RuntimeError(_collapse(len(steps) + 1))  # also where a position is not a number
+        if not np.isfinite(points).all() or any(len(degenerate(points, part.cells)) for part in parts.values()):
+            raise RuntimeError(_collapse(len(steps) + 1))
         parts, error = {}, 0.0
-        try:
-            for name in structure.parts:
-                parts[name], deviation = _stressed(structure, name, points, state.parts[name])
-                error = max(error, deviation)
-        except ValueError:  # a cell is too thin to be one
-            raise RuntimeError(_collapse(len(steps) + 1)) from None
+        for name in structure.parts:
+            parts[name], deviation = _stressed(structure, name, points, state.parts[name])
+            error = max(error, deviation)
         area = sum(measures(points, part.cells).sum() for part in parts.values() if part.dimension == 2)
         steps.append(Step(float(area), change / edge, error))
         converged = steps[-1].change <= tolerance
@@ -188,9 +185,9 @@ def _stressed(
     if isinstance(state, MembraneResult):
         assert isinstance(part, Membrane)
         warp = structure.warp(name)
-        moved = Structure(points, {name: replace(part, warp=warp)})
-        first = moved.warp(name)
-        frame = np.stack([first, np.cross(normals(points, part.cells), first)], axis=2)
+        normal = normals(points, part.cells)
+        first = projected(warp, normal)
+        frame = np.stack([first, np.cross(normal, first)], axis=2)
         found = np.einsum("nia,nij,njb->nab", frame, state.cauchy, frame)
         found = (found + found.swapaxes(1, 2)) / 2
         stressed: Part = replace(part, prestress=found, warp=warp)
