@@ -27,7 +27,7 @@ from .parts import Cable, Mast, Membrane
 from .report import report
 from .results import BarResult, Equilibrium, Increment, MembraneResult, StageResult
 from .solver import Iteration
-from .structure import Structure, Support
+from .structure import CoincidentNodesWarning, Structure, Support
 from .updated_reference import Form, updated_reference
 
 # PETSc takes a pipe that is closed at its other end, `script.py | head`, for a crash; to Python it is an exception.
@@ -38,6 +38,7 @@ __all__ = [
     "Analysis",
     "BarResult",
     "Cable",
+    "CoincidentNodesWarning",
     "ConjugateGradient",
     "ContinuationError",
     "ConvergenceError",

@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import cKDTree
 
 from . import validation
 from .geometry import degenerate, normals, projected, senses
 from .parts import Kind, Membrane, Part
+
+COINCIDENT = 1e-9
+
+
+class CoincidentNodesWarning(UserWarning):
+    """Nodes at one place that are not one node: parts are joined by the nodes they share, not by where these are."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +59,11 @@ class Structure:
     Raises:
         ValueError: A cell names a node that does not exist, has no area or no length, or is normal to its warp
             vector; a support is on a node that does not exist or that no part uses; a value is not finite.
+
+    Warns:
+        CoincidentNodesWarning: Nodes of the parts are at one place, nearer than 1e-9 of the size of the structure, and
+            not all of them are held there by supports. If they are meant to be apart (a slit, two cables that cross),
+            switch it off: `warnings.simplefilter("ignore", CoincidentNodesWarning)`.
     """
 
     points: NDArray[np.float64]
@@ -78,6 +91,7 @@ class Structure:
                 self._orient(name)
         for number, support in enumerate(self.supports):
             self.check_nodes(f"Support {number}", np.asarray(support.nodes))
+        self._warn_of_coincident_nodes()
 
     def __repr__(self) -> str:
         kinds = ", ".join(f"{name!r}: {len(part.cells)} x {type(part).__name__}" for name, part in self.parts.items())
@@ -167,6 +181,33 @@ class Structure:
         loose = nodes[~self.used[nodes]]
         if len(loose):
             raise ValueError(f"{what} is on node {loose[0]}, which no part uses; mend the number or add the part.")
+
+    def _warn_of_coincident_nodes(self) -> None:
+        used = np.flatnonzero(self.used)
+        size = np.ptp(self.points[used], axis=0).max()
+        pairs = used[cKDTree(self.points[used]).query_pairs(COINCIDENT * size, output_type="ndarray")]
+        fixed = self.supported.all(axis=1)
+        pairs = pairs[~fixed[pairs].all(axis=1)]
+        if len(pairs):
+            pairs = np.sort(pairs, axis=1)
+            a, b = pairs[np.lexsort(pairs.T[::-1])[0]]
+            x, y, z = self.points[a]
+            count = f" ({len(pairs)} such pairs in all)" if len(pairs) > 1 else ""
+            warnings.warn(
+                f"Nodes {a} and {b} are at the same place, ({x:.6g}, {y:.6g}, {z:.6g}), but nothing joins them{count}: "
+                f"{self._using(a)} and {self._using(b)} can part there. To join them, give all cells that meet there "
+                "the same node number.",
+                CoincidentNodesWarning,
+                stacklevel=4,
+            )
+
+    def _using(self, node: int) -> str:
+        """The first cell at a node, in words."""
+        for name, part in self.parts.items():
+            cells = np.flatnonzero((part.cells == node).any(axis=1))
+            if len(cells):
+                return f"cell {cells[0]} of {name!r}"
+        raise AssertionError("no part uses the node")
 
     def _orient(self, name: str) -> None:
         """Finds one sense of all cells of a membrane; why it has none is kept until someone asks for it."""
