@@ -31,8 +31,8 @@ def convergence(result: StageResult, path: str | Path, force_unit: str = "N", en
     Args:
         result: A stage; all its increments are drawn one after the other.
         path: The PNG to write.
-        force_unit: What the axis of the forces says.
-        energy_unit: What the axis of the energy says.
+        force_unit: Name of the unit of the forces as they are; no number is converted.
+        energy_unit: The same for energies.
 
     Raises:
         ValueError: The result is not that of a stage.
@@ -70,8 +70,8 @@ def compare_convergence(
         histories: The iterates by name of the solver; all solves have the same solution.
         seconds: How long each solve took [s]; its iterates are drawn evenly over it.
         path: The PNG to write.
-        force_unit: What the axes of the forces say.
-        energy_unit: What the axes of the energies say.
+        force_unit: Name of the unit of the forces as they are; no number is converted.
+        energy_unit: The same for energies.
 
     Raises:
         ValueError: There are no histories, one has no iterate, or they are not those that have a time.

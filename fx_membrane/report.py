@@ -16,13 +16,17 @@ def report(
     """Table of a stage, to print.
 
     It gives of each part the least and the largest value: forces of cables and masts, principal stresses of membranes
-    and their largest principal strain; and how many cells are slack or wrinkled.
+    and their largest principal strain; and how many cells are slack or wrinkled. The largest force (in masts of either
+    sign), stress I and strain are given with their cell, a row of the part's cells, and where its centroid is in the
+    reference shape.
+
+    No number is converted: a structure in kN and m gives a report in kN and m, and the names of the units say so.
 
     Args:
         result: A stage.
         nodes: Nodes whose reactions are listed.
         first: The number written for node 0.
-        force_unit: What is written behind forces.
+        force_unit: Name of the unit in which the structure and its loads were given, to be written behind forces.
         length_unit: The same for lengths.
 
     Returns:
@@ -36,7 +40,8 @@ def report(
     iterations = [len(increment.iterations) - 1 for increment in result.increments]
     remarks = ", drawn smooth first" * any(increment.drawn_smooth for increment in result.increments)
     remarks += ", not stable" * any(increment.unstable for increment in result.increments)
-    lines = [f"Stage {result.name!r}, iterations per increment: {iterations}{remarks}"]
+    units = f"units as given: {force_unit}, {length_unit}"
+    lines = [f"Stage {result.name!r}, iterations per increment: {iterations}{remarks}; {units}"]
     width = max(map(len, result.parts)) + 2
     for name in result.parts:
         said = _part(result, name, force_unit, length_unit)
@@ -53,13 +58,23 @@ def _part(result: StageResult, name: str, force_unit: str, length_unit: str) -> 
     if not isinstance(part, MembraneResult):
         cable = isinstance(result.structure.parts[name], Cable)
         slack = f", {part.slack.sum()} of {len(part.slack)} cells slack" if cable else ""
-        return [f"{_range(part.force)} {force_unit}{slack}"]
+        where = _where(result, name, part.force if cable else np.abs(part.force))
+        return [f"{_range(part.force)} {force_unit}, largest {where}{slack}"]
     states = ", ".join(f"{(part.state == state).sum()} {state}" for state in ("taut", "wrinkled", "slack"))
+    strain = np.linalg.eigvalsh(part.strain)[:, 1]
+    stress = part.principal[:, 0]
     return [
-        f"{_range(part.principal[:, 0])} {force_unit}/{length_unit}, principal stress I",
+        f"{_range(stress)} {force_unit}/{length_unit}, principal stress I, largest {_where(result, name, stress)}",
         f"{_range(part.principal[:, 1])} {force_unit}/{length_unit}, principal stress II",
-        f"largest principal strain {np.linalg.eigvalsh(part.strain).max():.5f}; cells: {states}",
+        f"largest principal strain {strain.max():.5f} {_where(result, name, strain)}; cells: {states}",
     ]
+
+
+def _where(result: StageResult, name: str, values: NDArray[np.float64]) -> str:
+    """The cell of a part with the largest value, and where it is."""
+    cell = int(values.argmax())
+    centroid = result.structure.points[result.structure.parts[name].cells[cell]].mean(axis=0)
+    return f"in cell {cell} at ({', '.join(f'{x + 0.0:.4g}' for x in centroid)})"
 
 
 def _balance(result: StageResult, force_unit: str, length_unit: str) -> list[str]:
