@@ -25,7 +25,7 @@ from .modes import Modes, Stability, natural_frequencies, stability
 from .newton import Newton
 from .parts import Cable, Mast, Membrane
 from .report import report
-from .results import BarResult, Equilibrium, Increment, MembraneResult, StageResult
+from .results import BarResult, Equilibrium, Increment, MembraneResult, StageResult, StageResults
 from .solver import Iteration
 from .structure import CoincidentNodesWarning, Structure, Support
 from .updated_reference import Form, updated_reference
@@ -65,6 +65,7 @@ __all__ = [
     "Stability",
     "Stage",
     "StageResult",
+    "StageResults",
     "SteepestDescent",
     "Structure",
     "Support",
