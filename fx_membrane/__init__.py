@@ -28,7 +28,7 @@ from .report import report
 from .results import BarResult, Equilibrium, Increment, MembraneResult, StageResult, StageResults
 from .solver import Iteration
 from .structure import CoincidentNodesWarning, Structure, Support
-from .updated_reference import Form, updated_reference
+from .updated_reference import Form, UnsettledFormWarning, updated_reference
 
 # PETSc takes a pipe that is closed at its other end, `script.py | head`, for a crash; to Python it is an exception.
 with contextlib.suppress(ValueError):  # not in the main thread
@@ -69,6 +69,7 @@ __all__ = [
     "SteepestDescent",
     "Structure",
     "Support",
+    "UnsettledFormWarning",
     "UnstableStateWarning",
     "boundary",
     "edges_on",
