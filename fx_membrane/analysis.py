@@ -25,7 +25,7 @@ from .problem import Actions, Problem
 from .recorder import Recorder
 from .results import Increment, StageResult, StageResults
 from .rigid_motion import check_supports
-from .slackness import slack_parts
+from .slackness import hanging_ends, slack_parts
 from .solver import Iteration
 from .structure import Structure
 
@@ -163,8 +163,11 @@ class Analysis:
         return self._result(stage, start, end, state)
 
     def _slack(self, stage: Stage, x: PETSc.Vec, actions: Actions) -> str:
-        """What is slack in a state that is no equilibrium, in words."""
-        return slack_parts(self._record(stage.name, x, actions, ())) if np.isfinite(x.norm()) else ""
+        """What is slack or ends in the air in a state that is no equilibrium, in words."""
+        if not np.isfinite(x.norm()):
+            return ""
+        state = self._record(stage.name, x, actions, ())
+        return slack_parts(state) + hanging_ends(state)
 
     def _result(self, stage: Stage, start: Actions, end: Actions, state: Progress) -> StageResult:
         actions = load_case.between(start, end, float(state.factor))

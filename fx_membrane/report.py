@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from . import validation
 from .parts import Cable
 from .results import MembraneResult, StageResult
+from .rigid_motion import loose_ends
 
 
 def report(
@@ -16,9 +17,9 @@ def report(
     """Table of a stage, to print.
 
     It gives of each part the least and the largest value: forces of cables and masts, principal stresses of membranes
-    and their largest principal strain; and how many cells are slack or wrinkled. The largest force (in masts of either
-    sign), stress I and strain are given with their cell, a row of the part's cells, and where its centroid is in the
-    reference shape.
+    and their largest principal strain; how many cells are slack or wrinkled; and which cables end in the air. The
+    largest force (in masts of either sign), stress I and strain are given with their cell, a row of the part's cells,
+    and where its centroid is in the reference shape.
 
     No number is converted: a structure in kN and m gives a report in kN and m, and the names of the units say so.
 
@@ -44,7 +45,7 @@ def report(
     lines = [f"Stage {result.name!r}, iterations per increment: {iterations}{remarks}; {units}"]
     width = max(map(len, result.parts)) + 2
     for name in result.parts:
-        said = _part(result, name, force_unit, length_unit)
+        said = _part(result, name, first, force_unit, length_unit)
         lines += [f"  {name if not row else '':{width}}{text}" for row, text in enumerate(said)]
     size = np.linalg.norm(result.displacement, axis=1)
     lines.append(f"  largest displacement {size.max():.6g} {length_unit}, at node {size.argmax() + first}")
@@ -53,13 +54,17 @@ def report(
     return "\n".join(lines + _balance(result, force_unit, length_unit))
 
 
-def _part(result: StageResult, name: str, force_unit: str, length_unit: str) -> list[str]:
+def _part(result: StageResult, name: str, first: int, force_unit: str, length_unit: str) -> list[str]:
     part = result.parts[name]
     if not isinstance(part, MembraneResult):
         cable = isinstance(result.structure.parts[name], Cable)
         slack = f", {part.slack.sum()} of {len(part.slack)} cells slack" if cable else ""
         where = _where(result, name, part.force if cable else np.abs(part.force))
-        return [f"{_range(part.force)} {force_unit}, largest {where}{slack}"]
+        ends = loose_ends(result.structure, name, result.actions.held)
+        hanging = (
+            [f"ends in the air: {len(ends)}, first cell {ends[0][0]} at node {ends[0][1] + first}"] if ends else []
+        )
+        return [f"{_range(part.force)} {force_unit}, largest {where}{slack}", *hanging]
     states = ", ".join(f"{(part.state == state).sum()} {state}" for state in ("taut", "wrinkled", "slack"))
     strain = np.linalg.eigvalsh(part.strain)[:, 1]
     stress = part.principal[:, 0]

@@ -92,6 +92,18 @@ def test_largest_values_are_given_with_their_cell(result):
         assert [float(x), float(y), float(z)] == pytest.approx(centroid, rel=1e-3)
 
 
+def test_cable_that_ends_in_the_air():
+    points = [[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [1, 0, -1]]
+    parts = {"line": Cable([[0, 1], [1, 2]], 1e6, 1e3), "rope": Cable([[1, 3]], 1e6)}
+    structure = Structure(points, parts, [Support([0, 2])])
+    weight = DeadLoad((0, 0, -10.0), "rope")
+    lines = report(Analysis(structure).run([Stage("hang", [weight])])["hang"], first=1).splitlines()
+    assert lines[3].strip() == "ends in the air: 1, first cell 0 at node 4"
+    moves = PrescribedDisplacement(3, (0, 0, 0), "x")
+    held = Analysis(structure).run([Stage("hang", [weight], [moves])])["hang"]
+    assert "in the air" not in report(held)
+
+
 def test_numbers_are_not_converted(result):
     first, other = report(result), report(result, force_unit="kN", length_unit="mm")
     assert other.replace("kN", "N").replace("mm", "m") == first

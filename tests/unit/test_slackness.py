@@ -42,6 +42,16 @@ def test_failure_names_slack_parts():
         short.run([Stage("load", [PointLoad(1, (0, 2e3, 0))])])
 
 
+@pytest.mark.parametrize(("supports", "words"), [([0, 2], "'side' ends in the air at node 3"), ([0, 2, 3], "")])
+def test_failure_names_a_cable_that_ends_in_the_air(supports, words):
+    structure = Structure(POINTS, PARTS, [Support(supports), Support(1, "z")])
+    short = Analysis(structure, Newton(max_iterations=1, rtol=1e-15, line_search=False))
+    with pytest.raises(ConvergenceError) as failure:
+        short.run([Stage("load", [PointLoad(1, (0, 2e3, 0))])])
+    assert words in str(failure.value)
+    assert ("in the air" in str(failure.value)) == bool(words)
+
+
 @pytest.mark.parametrize(("strain", "force"), [(0.009, -0.1), (0.011, 1e3)])
 def test_negative_prestress_is_an_excess_of_length(strain, force):
     parts = {"cable": Cable([[0, 1]], 1e6, prestress=-1e4), "mast": Mast([[0, 1]], 1e6, prestress=-1e4)}
