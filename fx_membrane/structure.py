@@ -167,8 +167,9 @@ class Structure:
         """
         part = self.parts.get(name)
         if not isinstance(part, kind):
+            other = f", which is a {type(part).__name__}" if part is not None else ""
             names = [key for key, part in self.parts.items() if isinstance(part, kind)]
-            raise ValueError(f"No {kind.__name__} is named {name!r}; those of the structure are {names}.")
+            raise ValueError(f"No {kind.__name__} is named {name!r}{other}; those of the structure are {names}.")
         return part
 
     def check_nodes(self, what: str, nodes: NDArray[np.int64]) -> None:
