@@ -25,10 +25,10 @@ from .modes import Modes, Stability, natural_frequencies, stability
 from .newton import Newton
 from .parts import Cable, Mast, Membrane
 from .report import report
-from .results import BarResult, Equilibrium, Increment, MembraneResult, StageResult
+from .results import BarResult, Equilibrium, Increment, MembraneResult, StageResult, StageResults
 from .solver import Iteration
-from .structure import Structure, Support
-from .updated_reference import Form, updated_reference
+from .structure import CoincidentNodesWarning, Structure, Support
+from .updated_reference import Form, UnsettledFormWarning, updated_reference
 
 # PETSc takes a pipe that is closed at its other end, `script.py | head`, for a crash; to Python it is an exception.
 with contextlib.suppress(ValueError):  # not in the main thread
@@ -38,6 +38,7 @@ __all__ = [
     "Analysis",
     "BarResult",
     "Cable",
+    "CoincidentNodesWarning",
     "ConjugateGradient",
     "ContinuationError",
     "ConvergenceError",
@@ -64,9 +65,11 @@ __all__ = [
     "Stability",
     "Stage",
     "StageResult",
+    "StageResults",
     "SteepestDescent",
     "Structure",
     "Support",
+    "UnsettledFormWarning",
     "UnstableStateWarning",
     "boundary",
     "edges_on",

@@ -23,9 +23,9 @@ from .loads import Stage
 from .newton import Newton
 from .problem import Actions, Problem
 from .recorder import Recorder
-from .results import Increment, StageResult
+from .results import Increment, StageResult, StageResults
 from .rigid_motion import check_supports
-from .slackness import slack_parts
+from .slackness import hanging_ends, slack_parts
 from .solver import Iteration
 from .structure import Structure
 
@@ -44,7 +44,7 @@ class ConvergenceError(RuntimeError):
         failed: The increment that did not converge, with its iterations.
     """
 
-    def __init__(self, message: str, results: dict[str, StageResult], last: StageResult, failed: Increment):
+    def __init__(self, message: str, results: StageResults, last: StageResult, failed: Increment):
         super().__init__(message)
         self.results, self.last, self.failed = results, last, failed
 
@@ -76,14 +76,15 @@ class Analysis:
         self._solve = solver.prepare(self._problem)
         self._record = Recorder(self._problem)
 
-    def run(self, stages: Sequence[Stage], checkpoint_file: str | Path | None = None) -> dict[str, StageResult]:
-        """Final state of each stage, by name.
+    def run(self, stages: Sequence[Stage], checkpoint_file: str | Path | None = None) -> StageResults:
+        """Final state of each stage, by name; asking for a stage that is not there raises a KeyError with the names.
 
         Args:
             stages: The stages, each after the one it follows.
             checkpoint_file: Where to save the state after each converged increment. If the file is there, what is in
                 it is not computed again, and the run goes on from it; stages may be added or left out, and have other
-                `steps`.
+                `steps`. The solver may be another too: what is in the file is in equilibrium to the tolerance of the
+                solver that found it, and the rest is found by the present one.
 
         Raises:
             ValueError: A stage does not fit the structure or the other stages, or leaves the structure free to move
@@ -103,7 +104,7 @@ class Analysis:
             if path is not None and self._comm.rank == 0:
                 checkpoint.save(path, self.structure, stages, progress)
 
-        results: dict[str, StageResult] = {}
+        results = StageResults()
         ends: dict[str | None, Actions] = {None: load_case.unloaded(self.structure)}
         for stage in stages:
             ends[stage.name] = end = load_case.target(self._problem, stage, ends[stage.after])
@@ -128,7 +129,7 @@ class Analysis:
         start: Actions,
         end: Actions,
         state: Progress,
-        results: dict[str, StageResult],
+        results: StageResults,
         save: Callable[[str, Progress], None],
     ) -> StageResult:
         """Load increments of a stage from a converged state, between the actions at its start and its end."""
@@ -162,8 +163,11 @@ class Analysis:
         return self._result(stage, start, end, state)
 
     def _slack(self, stage: Stage, x: PETSc.Vec, actions: Actions) -> str:
-        """What is slack in a state that is no equilibrium, in words."""
-        return slack_parts(self._record(stage.name, x, actions, ())) if np.isfinite(x.norm()) else ""
+        """What is slack or ends in the air in a state that is no equilibrium, in words."""
+        if not np.isfinite(x.norm()):
+            return ""
+        state = self._record(stage.name, x, actions, ())
+        return slack_parts(state) + hanging_ends(state)
 
     def _result(self, stage: Stage, start: Actions, end: Actions, state: Progress) -> StageResult:
         actions = load_case.between(start, end, float(state.factor))

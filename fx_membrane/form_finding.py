@@ -43,7 +43,9 @@ def force_density(
     Args:
         points: Positions, shape (n, 3) [m]; only those of the fixed components matter.
         branches: Pairs of node numbers, shape (b, 2).
-        q: Force densities, a number or one per branch, shape (b,) [N/m].
+        q: Force densities, a number or one per branch, shape (b,) [N/m]. Positive ones are cables, and always have a
+            shape. Negative ones are struts: all negative and without loads, the shape is that of the positive ones,
+            in compression; of both signs, branches may fold over each other, or no shape be there at all.
         fixed: Nodes that do not move, by component: one held in "x" alone slides in the plane normal to x.
         loads: Dead loads on the nodes, shape (n, 3) [N]; none if not given.
 
@@ -52,7 +54,8 @@ def force_density(
 
     Raises:
         ValueError: Numbers are not finite or do not fit; in some component a part of the net is tied to no fixed
-            node; force densities at or below zero leave the free nodes without a unique equilibrium.
+            node; the system is singular, as force densities at or below zero can make it (where those at a free node
+            add up to zero, it has no place of its own), or positive ones that differ by twelve powers of ten.
 
     Source:
         H.-J. Schek, The force density method for form finding and computation of general networks, Computer Methods
@@ -92,13 +95,21 @@ def force_density(
             )
         shape[:, component] = _solve(laplacian, held[:, component], points[:, component], force[:, component])
         if not np.isfinite(shape[:, component]).all():
-            least = int(np.argmin(densities))
-            raise ValueError(
-                f"These force densities, down to {densities[least]:g} in branch {least}, leave free nodes without a "
-                "unique equilibrium; give positive ones."
-            )
+            raise ValueError(_not_unique(densities, branches))
     lengths = np.linalg.norm(shape[a] - shape[b], axis=1)
     return Net(shape, densities * lengths, np.where(held & used[:, None], laplacian @ shape - force, 0.0))
+
+
+def _not_unique(densities: NDArray[np.float64], branches: NDArray[np.int64]) -> str:
+    least = int(np.argmin(densities))
+    a, b = branches[least]
+    remedy = "give positive ones"
+    if densities[least] > 0:
+        remedy = f"beside the largest, {densities.max():g}, it is lost in rounding: give ones nearer to each other"
+    return (
+        f"These force densities, down to {densities[least]:g} in branch {least} between nodes {a} and {b}, leave free "
+        f"nodes without a unique equilibrium; {remedy}."
+    )
 
 
 def _held(fixed: Sequence[Support], n: int) -> NDArray[np.bool_]:

@@ -80,9 +80,9 @@ def boundary(triangles: ArrayLike) -> NDArray[np.int64]:
     Raises:
         ValueError: They are not triangles.
     """
-    edges = _edges(validation.cells("triangles", triangles, 3, distinct=False))
-    _, first, count = np.unique(np.sort(edges, axis=1), axis=0, return_index=True, return_counts=True)
-    return np.asarray(edges[first[count == 1]])
+    edges, edge, count = _edges(validation.cells("triangles", triangles, 3, distinct=False))
+    outer = count[edge] == 1
+    return np.asarray(edges[outer][np.argsort(edge[outer])])
 
 
 def orientation(triangles: NDArray[np.int64]) -> NDArray[np.float64] | None:
@@ -91,12 +91,11 @@ def orientation(triangles: NDArray[np.int64]) -> NDArray[np.float64] | None:
     Pieces are connected through edges with two triangles; where more meet, each sheet has its own sense.
     """
     n = len(triangles)
-    edges = _edges(triangles)
+    edges, edge, count = _edges(triangles)
     owner = np.tile(np.arange(n), 3)
     forward = edges[:, 0] < edges[:, 1]
-    _, edge, count = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
-    order = np.argsort(edge.ravel(), kind="stable")
-    order = order[count[edge.ravel()[order]] == 2].reshape(-1, 2)
+    order = np.argsort(edge, kind="stable")
+    order = order[count[edge[order]] == 2].reshape(-1, 2)
     (a, b), same = owner[order].T, forward[order[:, 0]] != forward[order[:, 1]]
     # Two copies of each triangle, one for each sense: a piece is one-sided if both copies are connected.
     rows = np.concatenate([a, a + n])
@@ -112,9 +111,8 @@ def orientation(triangles: NDArray[np.int64]) -> NDArray[np.float64] | None:
 
 def branching_edge(triangles: NDArray[np.int64]) -> NDArray[np.int64] | None:
     """An edge with three triangles or more, shape (2,); None if there is none."""
-    edges = _edges(triangles)
-    distinct, count = np.unique(np.sort(edges, axis=1), axis=0, return_counts=True)
-    return np.asarray(distinct[np.argmax(count)]) if count.max() > 2 else None
+    edges, edge, count = _edges(triangles)
+    return np.sort(edges[edge == np.argmax(count)][0]) if count.max() > 2 else None
 
 
 def senses(what: str, triangles: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -171,6 +169,13 @@ def degenerate(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray
     return np.flatnonzero(measures(points, cells) <= 1e-10 * np.maximum(span, np.finfo(float).tiny))
 
 
-def _edges(triangles: NDArray[np.int64]) -> NDArray[np.int64]:
-    """First all first edges, then all second, then all third ones, shape (3 cells, 2)."""
-    return np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+def _edges(triangles: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.intp], NDArray[np.intp]]:
+    """First all first edges, then all second, then all third ones, shape (3 cells, 2).
+
+    With them the number of each, the same for the two directions, shape (3 cells,), and how many have it.
+    """
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    low, high = edges.min(axis=1), edges.max(axis=1)
+    pair = low * (high.max() + 1) + high  # one whole number: sorting rows is many times slower
+    _, number, count = np.unique(pair, return_inverse=True, return_counts=True)
+    return edges, number.ravel(), count

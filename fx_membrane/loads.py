@@ -45,6 +45,7 @@ class _SpreadLoad:
         _check_cells(self)
 
 
+@dataclass(frozen=True, eq=False)  # again, so that Python's own refusals say DeadLoad
 class DeadLoad(_SpreadLoad):
     """A load of fixed direction, spread over the reference area of a membrane or the length of cables or masts.
 
@@ -59,6 +60,7 @@ class DeadLoad(_SpreadLoad):
     """
 
 
+@dataclass(frozen=True, eq=False)  # again, so that Python's own refusals say PlanLoad
 class PlanLoad(_SpreadLoad):
     """A load of fixed direction per plan area of the reference shape, as snow is given: per area of the xy-plane.
 
@@ -181,13 +183,25 @@ def check(structure: Structure, stages: Sequence[Stage]) -> None:
     validation.instances("stages", stages, Stage)
     validation.unique("Stage", (stage.name for stage in stages))
     for position, stage in enumerate(stages):
-        earlier = [other.name for other in stages[:position]]
-        if stage.after is not None and stage.after not in earlier:
-            raise ValueError(f"Stage {stage.name!r} comes after {stage.after!r}; the stages before it are {earlier}.")
+        _check_order(stage, stages[:position], stages[position + 1 :])
         for load in stage.loads:
             _check_load(structure, f"Stage {stage.name!r}", load)
         for entry in stage.displacements:
             structure.check_nodes(f"Stage {stage.name!r}: a prescribed displacement", np.asarray(entry.nodes))
+
+
+def _check_order(stage: Stage, earlier: Sequence[Stage], later: Sequence[Stage]) -> None:
+    """Refuses a stage that follows one which is not among those before it."""
+    names = [other.name for other in earlier]
+    if stage.after is None or stage.after in names:
+        return
+    exist = f"the stages before it are {names}" if names else "no stage is before it"
+    remedy = "correct the name, or leave `after` out to start from the reference shape"
+    if stage.after in (other.name for other in later):
+        remedy = f"put {stage.after!r}, which comes later in the list, before it"
+    elif stage.after == stage.name:
+        remedy = "name another, or leave `after` out to start from the reference shape"
+    raise ValueError(f"Stage {stage.name!r} is to follow {stage.after!r}, but {exist}; {remedy}.")
 
 
 def _check_load(structure: Structure, stage: str, load: Load) -> None:
@@ -195,10 +209,15 @@ def _check_load(structure: Structure, stage: str, load: Load) -> None:
         structure.check_nodes(f"{stage}: a point load", np.asarray(load.nodes))
         return
     if load.part not in structure.parts:
-        raise ValueError(f"{stage} has a load on part {load.part!r}; the parts are {list(structure.parts)}.")
+        raise ValueError(
+            f"{stage} has a load on part {load.part!r}, which does not exist; the parts are {list(structure.parts)}."
+        )
     part = structure.parts[load.part]
     if isinstance(load, PlanLoad | Pressure) and part.dimension != 2:
-        raise ValueError(f"{stage} has a {type(load).__name__} on {load.part!r}, not a membrane.")
+        raise ValueError(
+            f"{stage} has a {type(load).__name__} on {load.part!r}, a {type(part).__name__}; it acts on membranes, on "
+            "cables and masts give a DeadLoad."
+        )
     if isinstance(load, Pressure):
         structure.senses(load.part)
     if load.cells is not None:

@@ -21,7 +21,8 @@ class Membrane:
         material: The fabric.
         prestress: Cauchy stress times thickness in the reference shape [N/m]: a number (isotropic), a pair
             (warp, weft), or a tensor (2, 2) in the warp/weft frame; or one of these per cell, shape (n, 1),
-            (n, 2) or (n, 2, 2). Shape (2, 2) is always one tensor.
+            (n, 2) or (n, 2, 2). Shape (2, 2) is always one tensor. A negative one is an excess of cloth: the cloth is
+            larger than the reference shape, and carries nothing until it is stretched to its own size.
         warp: A vector (3,), or one per cell (n, 3), that projected on the cell gives the warp direction. The weft
             is a right angle further, counter-clockwise about the normal of the cell. Without a warp the global x
             axis is taken, or y where a cell is nearly normal to x, for results only.
@@ -59,10 +60,12 @@ class Membrane:
             if warp.shape not in ((3,), (len(self.cells), 3)):
                 raise ValueError(f"Membrane warp has shape {warp.shape}; give (3,) or ({len(self.cells)}, 3).")
         elif directed or isinstance(self.material, OrthotropicFabric):
-            what = f"material {validation.shown(self.material)}"
+            what = f"material is {validation.shown(self.material)}"
             if not isinstance(self.material, OrthotropicFabric):
-                what = f"prestress {validation.shown(self.prestress)}"
-            raise ValueError(f"Membrane {what} has a warp and a weft; give the warp as a vector, warp=(x, y, z).")
+                what = f"prestress is {validation.shown(self.prestress)}"
+            raise ValueError(
+                f"Membrane {what}, which has a warp and a weft; give the warp as a vector, warp=(x, y, z)."
+            )
 
     def prestress_tensors(self) -> NDArray[np.float64]:
         """Prestress of every cell in the warp/weft frame, shape (n, 2, 2) [N/m]."""
@@ -85,7 +88,7 @@ class Membrane:
 
 
 @dataclass(frozen=True, eq=False)
-class _Bar:
+class Bar:
     """What cables and masts have in common: straight elements that carry axial force only."""
 
     dimension: ClassVar[int] = 1
@@ -120,13 +123,15 @@ class _Bar:
 
 
 @dataclass(frozen=True, eq=False)
-class Cable(_Bar):
+class Cable(Bar):
     """Cables as two-node straight elements that go slack instead of carrying compression.
 
     Args:
         cells: Segments as rows of node numbers, shape (n, 2).
         axial_stiffness: Young's modulus times cross-section [N].
-        prestress: Axial force in the reference shape [N], a number or one per cell, shape (n,).
+        prestress: Axial force in the reference shape [N], a number or one per cell, shape (n,). A negative one is
+            an excess of length: the cable is slack until it is stretched by the Green-Lagrange strain
+            -prestress / axial_stiffness, about the share by which it is longer than its reference shape.
         compression_stiffness: Share of the stiffness that is kept where the cable is slack, in (0, 1] [-].
             With 1 it carries compression, and is never called slack.
         mass: Mass per length of the reference shape [kg/m], for `natural_frequencies`; it brings no weight.
@@ -143,10 +148,11 @@ class Cable(_Bar):
         validation.share("Cable compression_stiffness", self.compression_stiffness)
 
 
-class Mast(_Bar):
+@dataclass(frozen=True, eq=False)  # again, so that Python's own refusals say Mast
+class Mast(Bar):
     """Pinned masts and struts as two-node straight elements, in tension and compression.
 
-    Args and Raises as for `Cable`, without `compression_stiffness`.
+    Args and Raises as for `Cable`, without `compression_stiffness`; a negative prestress is a compression.
     """
 
 

@@ -31,8 +31,8 @@ def convergence(result: StageResult, path: str | Path, force_unit: str = "N", en
     Args:
         result: A stage; all its increments are drawn one after the other.
         path: The PNG to write.
-        force_unit: What the axis of the forces says.
-        energy_unit: What the axis of the energy says.
+        force_unit: Name of the unit of the forces as they are; no number is converted.
+        energy_unit: The same for energies.
 
     Raises:
         ValueError: The result is not that of a stage.
@@ -70,8 +70,8 @@ def compare_convergence(
         histories: The iterates by name of the solver; all solves have the same solution.
         seconds: How long each solve took [s]; its iterates are drawn evenly over it.
         path: The PNG to write.
-        force_unit: What the axes of the forces say.
-        energy_unit: What the axes of the energies say.
+        force_unit: Name of the unit of the forces as they are; no number is converted.
+        energy_unit: The same for energies.
 
     Raises:
         ValueError: There are no histories, one has no iterate, or they are not those that have a time.
@@ -178,6 +178,7 @@ def contours(
     view: Sequence[float] = (1.0, -1.6, 1.1),
     mirror: str | None = None,
     odd: Sequence[str] = (),
+    limits: Mapping[str, Sequence[float]] | None = None,
 ) -> None:
     """Fields on the deformed structure, one picture beside the other; cables and masts are drawn as tubes.
 
@@ -190,10 +191,14 @@ def contours(
         view: Direction from the structure to the eye; z points up, from straight above, (0, 0, 1), y.
         mirror: "x", "y" or "z" draws the mirror image about that coordinate's zero too, for half models.
         odd: Titles of the fields that have the other sign in the mirror image, as the displacement across it.
+        limits: For the titles of some fields the least and the largest value of the colours, {"title": (low, high)};
+            values beyond have the colour of that end, and the numbers at the ends are written with <= and >=. Without
+            them the colours go from the least value to the largest, and one peak can leave the rest in one colour.
 
     Raises:
         ValueError: A field has a wrong number of values, values that are not finite, or names no part; mirror is none
-            of the three; odd names no field; view is not a direction; scale is not a number.
+            of the three; odd or limits name no field; limits are not two numbers, the lower first, or are given for
+            states; view is not a direction; scale is not a number.
         RuntimeError: There is no screen, and this version of VTK needs one.
     """
     validation.instance("The first argument of contours", result, StageResult)
@@ -203,9 +208,11 @@ def contours(
     checked = {title: _checked(result, title, field) for title, field in fields.items()}
     if mirror not in (None, "x", "y", "z"):
         raise ValueError(f'mirror is {mirror!r}; give "x", "y", "z" or None.')
-    unknown = [title for title in odd if title not in checked]
-    if unknown:
-        raise ValueError(f"odd names {unknown[0]!r}; the fields are {list(checked)}.")
+    for what, titles in (("odd", odd), ("limits", limits or {})):
+        unknown = [title for title in titles if title not in checked]
+        if unknown:
+            raise ValueError(f"{what} names {unknown[0]!r}; the fields are {list(checked)}.")
+    ranges = {title: _limits(title, checked[title], given) for title, given in (limits or {}).items()}
     validation.number("scale", scale)
     validation.direction("view", view)
     if MPI.COMM_WORLD.rank:
@@ -213,11 +220,11 @@ def contours(
     figure = _figure(6.4 * len(checked), 5.6)
     panels = figure.subplots(1, len(checked), squeeze=False)[0]
     for axes, (title, field) in zip(panels, checked.items(), strict=True):
-        colours, numbers = _colours(field, symmetric=title in odd)
+        colours, numbers = _colours(field, symmetric=title in odd, limits=ranges.get(title))
         axes.imshow(picture(result, numbers, colours, scale=scale, view=view, mirror=mirror, odd=title in odd))
         axes.axis("off")
         axes.set_title(title, color=INK, fontsize=15)
-        _colour_bar(figure, axes, colours)
+        _colour_bar(figure, axes, colours, limited=title in ranges)
     _save(figure, path)
 
 
@@ -249,16 +256,31 @@ def _finite(title: str, values: NDArray[Any]) -> NDArray[Any]:
     return values
 
 
+def _limits(title: str, field: dict[str, NDArray[Any]] | NDArray[Any], given: Sequence[float]) -> tuple[float, float]:
+    if _values(field).dtype.kind == "U":
+        raise ValueError(f"limits are given for {title!r}, which shows states; leave them out there.")
+    pair = validation.finite(f"limits of {title!r}", given)
+    if pair.shape != (2,) or not pair[0] < pair[1]:
+        raise ValueError(f"limits of {title!r} is {validation.shown(given)}; give (low, high), the lower one first.")
+    return float(pair[0]), float(pair[1])
+
+
+def _values(field: dict[str, NDArray[Any]] | NDArray[Any]) -> NDArray[Any]:
+    return np.concatenate(list(field.values())) if isinstance(field, dict) else field
+
+
 def _colours(
-    field: dict[str, NDArray[Any]] | NDArray[Any], symmetric: bool
+    field: dict[str, NDArray[Any]] | NDArray[Any], symmetric: bool, limits: tuple[float, float] | None
 ) -> tuple[Colours, dict[str, NDArray[np.float64]] | NDArray[np.float64]]:
     """Colours of a field, and its values as numbers; two-sided and symmetric where both signs matter."""
-    values = np.concatenate(list(field.values())) if isinstance(field, dict) else field
+    values = _values(field)
     if values.dtype.kind == "U":
         assert isinstance(field, dict)
         order = list(STATES)
         numbers = {name: np.array([order.index(state) for state in states]) for name, states in field.items()}
         return Colours(list(STATES.values()), -0.5, 2.5, len(order)), numbers
+    if limits is not None:
+        return Colours("coolwarm" if limits[0] == -limits[1] else "viridis", *limits, BANDS), field
     low, high = float(values.min()), float(values.max())
     largest = max(-low, high)
     if symmetric or min(-low, high) > 0.02 * largest:
@@ -269,7 +291,7 @@ def _colours(
     return Colours("viridis", low, high, BANDS), field
 
 
-def _colour_bar(figure: Any, axes: Any, colours: Colours) -> None:
+def _colour_bar(figure: Any, axes: Any, colours: Colours, limited: bool) -> None:
     import matplotlib.cm  # noqa: PLC0415
     import matplotlib.colors  # noqa: PLC0415
 
@@ -280,7 +302,10 @@ def _colour_bar(figure: Any, axes: Any, colours: Colours) -> None:
     norm = matplotlib.colors.BoundaryNorm(bounds, colours.bands if named else 256)
     mappable = matplotlib.cm.ScalarMappable(norm, shades)
     bar = figure.colorbar(mappable, ax=axes, location="bottom", fraction=0.05, pad=0.02, shrink=0.8, ticks=ticks)
-    bar.ax.set_xticklabels(list(STATES) if named else [f"{tick:.3g}" for tick in ticks], color=INK)
+    labels = list(STATES) if named else [f"{tick:.3g}" for tick in ticks]
+    if limited:
+        labels = [f"≤ {labels[0]}", *labels[1:-1], f"≥ {labels[-1]}"]
+    bar.ax.set_xticklabels(labels, color=INK)
     bar.ax.tick_params(which="both", length=0)
     bar.outline.set_visible(False)
 

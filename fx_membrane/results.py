@@ -168,3 +168,10 @@ class StageResult:
         result = self.parts[name]
         assert isinstance(result, BarResult)
         return result
+
+
+class StageResults(dict[str, StageResult]):
+    """Results of stages by name, a dictionary that says which names it has where one is not among them."""
+
+    def __missing__(self, name: object) -> StageResult:
+        raise KeyError(f"no stage is named {name!r}; the results are of {list(self)}")

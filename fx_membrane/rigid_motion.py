@@ -57,19 +57,25 @@ def _named(structure: Structure, nodes: NDArray[np.intp]) -> str:
 
 
 def _check_masts(structure: Structure, held: NDArray[np.bool_]) -> None:
-    meeting = np.zeros(len(structure.points), dtype=np.int64)
-    for part in structure.parts.values():
-        np.add.at(meeting, part.cells.ravel(), 1)
     for name, part in structure.parts.items():
-        if isinstance(part, Mast):
-            loose = (meeting[part.cells] == 1) & ~held[part.cells].any(axis=2)
-            if loose.any():
-                cell = int(np.argmax(loose.any(axis=1)))
-                node = part.cells[cell][loose[cell]][0]
-                raise ValueError(
-                    f"Mast {cell} of {name!r} ends nowhere: no other part and no support is at node {node}. "
-                    "Support the node, or join it to a part."
-                )
+        ends = loose_ends(structure, name, held) if isinstance(part, Mast) else []
+        if ends:
+            cell, node = ends[0]
+            raise ValueError(
+                f"Mast {cell} of {name!r} ends nowhere: no other part and no support is at node {node}. "
+                "Support the node, or join it to a part."
+            )
+
+
+def loose_ends(structure: Structure, name: str, held: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Cells of masts or cables that end where no other cell is and nothing is held, and the nodes there.
+
+    A mast cannot stand so. A cable can hang from its other end, by a weight; without one it carries nothing.
+    """
+    meeting = sum(np.bincount(part.cells.ravel(), minlength=len(structure.points)) for part in structure.parts.values())
+    cells = structure.parts[name].cells
+    loose = (np.asarray(meeting)[cells] == 1) & ~held[cells].any(axis=2)
+    return [(int(cell), int(cells[cell, end])) for cell, end in np.argwhere(loose)]
 
 
 def free_motions(points: NDArray[np.float64], held: NDArray[np.bool_]) -> NDArray[np.float64]:

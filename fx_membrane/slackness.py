@@ -1,9 +1,24 @@
-"""Which parts of a state carry nothing, in words."""
+"""Which parts of a state carry nothing, and which cables end in the air, in words."""
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .parts import Cable
 from .results import BarResult, StageResult
+from .rigid_motion import loose_ends
+
+
+def hanging_ends(state: StageResult) -> str:
+    """A sentence that names the cables that end where nothing holds them; nothing where there is none."""
+    for name, part in state.structure.parts.items():
+        ends = loose_ends(state.structure, name, state.actions.held) if isinstance(part, Cable) else []
+        if ends:
+            cell, node = ends[0]
+            return (
+                f" Cell {cell} of {name!r} ends in the air at node {node}, where it can only hang by a weight: hold "
+                "that node, or join it to a part."
+            )
+    return ""
 
 
 def slack_parts(state: StageResult) -> str:

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import cKDTree
 
 from . import validation
 from .geometry import degenerate, normals, projected, senses
 from .parts import Kind, Membrane, Part
+
+COINCIDENT = 1e-9
+
+
+class CoincidentNodesWarning(UserWarning):
+    """Nodes at one place that are not one node: parts are joined by the nodes they share, not by where these are."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,9 +45,10 @@ class Support:
 class Structure:
     """Everything that does not change from stage to stage.
 
-    The nodes of a triangle may be in either order: all cells of a connected membrane are given one sense, that of the
-    first, which `normals` and `senses` show. A membrane that has none (a Moebius strip, or sheets that branch) is a
-    structure all the same; it is refused where a normal is asked for, or a pressure acts.
+    The nodes of a triangle may be in either order: when the structure is made, all cells of a connected membrane, open
+    or closed, are given one sense, that of the first, which `normals` and `senses` show. A membrane that has none (a
+    Moebius strip, or sheets that branch) is a structure all the same; it is refused where a normal is asked for, or a
+    pressure acts.
 
     Args:
         points: Reference (prestressed) position of the nodes, shape (n, 3) [m]. A node is known by its row.
@@ -51,11 +59,17 @@ class Structure:
     Raises:
         ValueError: A cell names a node that does not exist, has no area or no length, or is normal to its warp
             vector; a support is on a node that does not exist or that no part uses; a value is not finite.
+
+    Warns:
+        CoincidentNodesWarning: Nodes of the parts are at one place, nearer than 1e-9 of the size of the structure, and
+            not all of them are held there by supports. If they are meant to be apart (a slit, two cables that cross),
+            switch it off: `warnings.simplefilter("ignore", CoincidentNodesWarning)`.
     """
 
     points: NDArray[np.float64]
     parts: Mapping[str, Part]
     supports: Sequence[Support] = ()
+    _senses: dict[str, NDArray[np.float64] | ValueError] = field(init=False, repr=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "points", validation.positions("points", self.points))
@@ -74,8 +88,10 @@ class Structure:
             self._check_measures(name, part)
             if part.dimension == 2:
                 self.warp(name)
+                self._orient(name)
         for number, support in enumerate(self.supports):
             self.check_nodes(f"Support {number}", np.asarray(support.nodes))
+        self._warn_of_coincident_nodes()
 
     def __repr__(self) -> str:
         kinds = ", ".join(f"{name!r}: {len(part.cells)} x {type(part).__name__}" for name, part in self.parts.items())
@@ -127,13 +143,11 @@ class Structure:
         Raises:
             ValueError: There is no membrane of that name; it has only one side, like a Moebius strip, or branches.
         """
-        if name not in self._senses:
-            self._senses[name] = senses(f"Part {name!r}", self.part(name, Membrane).cells)
-        return self._senses[name]
-
-    @cached_property
-    def _senses(self) -> dict[str, NDArray[np.float64]]:
-        return {}
+        self.part(name, Membrane)
+        found = self._senses[name]
+        if isinstance(found, ValueError):
+            raise ValueError(*found.args)
+        return found
 
     def normals(self, name: str) -> NDArray[np.float64]:
         """Unit normals of a membrane, all on one side of it, shape (cells, 3) [-]; a positive pressure acts along them.
@@ -153,8 +167,9 @@ class Structure:
         """
         part = self.parts.get(name)
         if not isinstance(part, kind):
+            other = f", which is a {type(part).__name__}" if part is not None else ""
             names = [key for key, part in self.parts.items() if isinstance(part, kind)]
-            raise ValueError(f"No {kind.__name__} is named {name!r}; those of the structure are {names}.")
+            raise ValueError(f"No {kind.__name__} is named {name!r}{other}; those of the structure are {names}.")
         return part
 
     def check_nodes(self, what: str, nodes: NDArray[np.int64]) -> None:
@@ -167,6 +182,40 @@ class Structure:
         loose = nodes[~self.used[nodes]]
         if len(loose):
             raise ValueError(f"{what} is on node {loose[0]}, which no part uses; mend the number or add the part.")
+
+    def _warn_of_coincident_nodes(self) -> None:
+        used = np.flatnonzero(self.used)
+        size = np.ptp(self.points[used], axis=0).max()
+        pairs = used[cKDTree(self.points[used]).query_pairs(COINCIDENT * size, output_type="ndarray")]
+        fixed = self.supported.all(axis=1)
+        pairs = pairs[~fixed[pairs].all(axis=1)]
+        if len(pairs):
+            pairs = np.sort(pairs, axis=1)
+            a, b = pairs[np.lexsort(pairs.T[::-1])[0]]
+            x, y, z = self.points[a]
+            count = f" ({len(pairs)} such pairs in all)" if len(pairs) > 1 else ""
+            warnings.warn(
+                f"Nodes {a} and {b} are at the same place, ({x:.6g}, {y:.6g}, {z:.6g}), but nothing joins them{count}: "
+                f"{self._using(a)} and {self._using(b)} can part there. To join them, give all cells that meet there "
+                "the same node number.",
+                CoincidentNodesWarning,
+                stacklevel=4,
+            )
+
+    def _using(self, node: int) -> str:
+        """The first cell at a node, in words."""
+        for name, part in self.parts.items():
+            cells = np.flatnonzero((part.cells == node).any(axis=1))
+            if len(cells):
+                return f"cell {cells[0]} of {name!r}"
+        raise AssertionError("no part uses the node")
+
+    def _orient(self, name: str) -> None:
+        """Finds one sense of all cells of a membrane; why it has none is kept until someone asks for it."""
+        try:
+            self._senses[name] = senses(f"Part {name!r}", self.parts[name].cells)
+        except ValueError as refusal:
+            self._senses[name] = refusal
 
     def _check_measures(self, name: str, part: Part) -> None:
         bad = degenerate(self.points, part.cells)

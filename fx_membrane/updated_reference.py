@@ -12,6 +12,7 @@ updated reference strategy, Int. J. Space Structures 14 (1999) 131-145; U. Pinka
 minimal surfaces and their conjugates, Experimental Mathematics 2 (1993) 15-36.
 """
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -21,7 +22,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from . import load_case, loads, validation
-from .geometry import boundary, measures, normals
+from .geometry import boundary, degenerate, measures, normals, projected
 from .loads import DeadLoad, PointLoad, Pressure, Stage
 from .newton import Newton
 from .parts import Mast, Membrane, Part
@@ -30,6 +31,10 @@ from .recorder import Recorder
 from .results import BarResult, MembraneResult
 from .rigid_motion import check_supports
 from .structure import Structure
+
+
+class UnsettledFormWarning(UserWarning):
+    """A form whose shape still changed in the last step: it is in equilibrium, with a stress that is not settled."""
 
 
 class Step(NamedTuple):
@@ -88,6 +93,9 @@ def updated_reference(
         ValueError: The structure has no prestress anywhere or a compressive one in a membrane or a cable, is not
             supported, or the loads do not fit it.
         RuntimeError: A step found no equilibrium, or the shape collapses, as a catenoid between rings too far apart.
+
+    Warns:
+        UnsettledFormWarning: The steps were too few; the form is that of the last one.
     """
     validation.instance("updated_reference structure", structure, Structure)
     validation.positive("tolerance", tolerance)
@@ -113,19 +121,30 @@ def updated_reference(
         state = record(stage.name, x, actions, ())
         change, edge = _change_of_shape(structure, points, state.displacement)
         points = points + state.displacement
-        if not all((measures(points, part.cells) > 0).all() for part in structure.parts.values()):
-            raise RuntimeError(_collapse(len(steps) + 1))  # also where a position is not a number
+        if not np.isfinite(points).all() or any(len(degenerate(points, part.cells)) for part in parts.values()):
+            raise RuntimeError(_collapse(len(steps) + 1))
         parts, error = {}, 0.0
-        try:
-            for name in structure.parts:
-                parts[name], deviation = _stressed(structure, name, points, state.parts[name])
-                error = max(error, deviation)
-        except ValueError:  # a cell is too thin to be one
-            raise RuntimeError(_collapse(len(steps) + 1)) from None
+        for name in structure.parts:
+            parts[name], deviation = _stressed(structure, name, points, state.parts[name])
+            error = max(error, deviation)
         area = sum(measures(points, part.cells).sum() for part in parts.values() if part.dimension == 2)
         steps.append(Step(float(area), change / edge, error))
         converged = steps[-1].change <= tolerance
+    if not converged and comm.rank == 0:
+        _warn_of_unsettled_form(steps, tolerance)
     return Form(replace(structure, points=points, parts=parts), tuple(steps), converged)
+
+
+def _warn_of_unsettled_form(steps: Sequence[Step], tolerance: float) -> None:
+    last = steps[-1]
+    warnings.warn(
+        f"The form has not settled: step {len(steps)}, the last, changed it by {last.change:.3g} of the length of an "
+        f"edge, more than the tolerance {tolerance:g}, and its stress is off by {100 * last.stress_error:.3g} % of the "
+        "prescribed one; it is in equilibrium with the stress found. Allow more steps (max_steps=...) or a larger "
+        "tolerance; where the change does not fall from step to step (form.steps), the prestress may have no form.",
+        UnsettledFormWarning,
+        stacklevel=3,
+    )
 
 
 def _check_prestress(structure: Structure) -> None:
@@ -188,9 +207,9 @@ def _stressed(
     if isinstance(state, MembraneResult):
         assert isinstance(part, Membrane)
         warp = structure.warp(name)
-        moved = Structure(points, {name: replace(part, warp=warp)})
-        first = moved.warp(name)
-        frame = np.stack([first, np.cross(normals(points, part.cells), first)], axis=2)
+        normal = normals(points, part.cells)
+        first = projected(warp, normal)
+        frame = np.stack([first, np.cross(normal, first)], axis=2)
         found = np.einsum("nia,nij,njb->nab", frame, state.cauchy, frame)
         found = (found + found.swapaxes(1, 2)) / 2
         stressed: Part = replace(part, prestress=found, warp=warp)

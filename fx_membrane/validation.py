@@ -17,7 +17,11 @@ def shown(value: Any) -> str:
         return text
     if isinstance(value, np.ndarray):
         return f"an array of {value.dtype}, shape {value.shape}"
-    return f"a {type(value).__name__}" + (f" of {len(value)} entries" if isinstance(value, Sized) else "")
+    return _article(type(value).__name__) + (f" of {len(value)} entries" if isinstance(value, Sized) else "")
+
+
+def _article(noun: str) -> str:
+    return f"{'an' if noun[0] in 'AEIOUaeiou' else 'a'} {noun}"
 
 
 def number(name: str, value: Any) -> float:
@@ -184,7 +188,7 @@ def instance(what: str, value: Any, kind: Any) -> None:
     """Refuses an object of another kind (a class, or several joined by |)."""
     if not isinstance(value, kind):
         hint = ", with brackets behind its name" if isinstance(value, type) else ""
-        raise ValueError(f"{what} is {shown(value)}; give a {_expected(kind)}{hint}.")
+        raise ValueError(f"{what} is {shown(value)}; give {_article(_expected(kind))}{hint}.")
 
 
 def instances(name: str, values: Any, kind: Any) -> tuple[Any, ...]:

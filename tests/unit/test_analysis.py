@@ -127,6 +127,14 @@ def test_result_does_not_depend_on_the_number_of_steps(analysis, steps):
     assert results["many"].energy == pytest.approx(results["one"].energy, rel=1e-12)
 
 
+def test_result_of_a_stage_that_was_not_run(analysis):
+    results = analysis.run([Stage("rest"), Stage("snow", [SNOW])])
+    with pytest.raises(KeyError, match=r"no stage is named 'wind'; the results are of \['rest', 'snow'\]"):
+        results["wind"]
+    assert "wind" not in results
+    assert results.get("wind") is None
+
+
 def test_stage_without_a_name_is_refused():
     with pytest.raises(ValueError, match="name of a stage is ''"):
         Stage("")

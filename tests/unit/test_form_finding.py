@@ -129,6 +129,16 @@ def test_negative_densities_may_have_an_equilibrium():
     assert net.forces[2] == pytest.approx(-4 / 3, rel=1e-13)
 
 
+def test_negative_densities_throughout_are_the_same_net_in_compression():
+    points, branches, rim = grid(6)
+    points[rim, 2] = (points[:, 0] * points[:, 1])[rim]
+    q = np.random.default_rng(3).uniform(0.5, 2, size=len(branches))
+    net, strut = (force_density(points, branches, sign * q, [Support(rim)]) for sign in (1, -1))
+    assert strut.points == pytest.approx(net.points, abs=1e-13)
+    assert strut.forces == pytest.approx(-net.forces, rel=1e-12)
+    assert strut.reactions == pytest.approx(-net.reactions, abs=1e-12)
+
+
 def test_nodes_that_no_branch_uses_stay():
     points = np.vstack([STAR, [[1.0, 2, 3], [4, 5, 6]]])
     loads = np.ones(points.shape)
@@ -188,8 +198,19 @@ def test_net_without_enough_fixed_nodes(fixed, message):
 
 @pytest.mark.parametrize("q", [0.0, [1.0, 1, -1, -1], [0.1, 0.2, -0.3, 0.0]], ids=str)
 def test_densities_without_a_unique_equilibrium(q):
-    with pytest.raises(ValueError, match="without a unique equilibrium; give positive ones"):
+    with pytest.raises(
+        ValueError, match=r"in branch \d between nodes \d and \d, leave .* without a unique equilibrium; give p"
+    ):
         force_density(STAR, ARMS, q, FOUR)
+
+
+def test_positive_densities_that_differ_too_much():
+    points, branches = np.linspace([0.0, 0, 0], [1, 0, 0], 9), np.column_stack([range(8), range(1, 9)])
+    q = np.where(np.arange(8) == 4, 1e14, 1.0)
+    with pytest.raises(
+        ValueError, match=r"down to 1 in branch 0 .* beside the largest, 1e\+14, it is lost in rounding"
+    ):
+        force_density(points, branches, q, [Support([0, 8])])
 
 
 def test_densities_that_cancel_deep_in_a_net():

@@ -193,5 +193,7 @@ def test_unloaded_holds_the_supports_only():
 @pytest.mark.parametrize("load", [PlanLoad((0, 0, -1.0), "bar"), Pressure(1.0, "bar")])
 def test_surface_load_on_a_bar_is_refused(load):
     structure = Structure([[0.0, 0, 0], [1, 0, 0]], {"bar": Mast([[0, 1]], 1e6)}, [Support([0, 1])])
-    with pytest.raises(ValueError, match=rf"^Stage 'loads' has a {type(load).__name__} on 'bar', not a membrane"):
+    with pytest.raises(
+        ValueError, match=rf"^Stage 'loads' has a {type(load).__name__} on 'bar', a Mast; it acts on membranes"
+    ):
         Analysis(structure).run([Stage("loads", [load])])

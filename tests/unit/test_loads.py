@@ -98,7 +98,10 @@ def test_entries_of_another_kind(data, message):
         (PointLoad(5, NOWHERE), "^Stage 'snow': a point load names node 5, which does not exist"),
         (PointLoad([0, -1], NOWHERE), "^Stage 'snow': a point load names node -1, which does not exist"),
         (PointLoad(4, NOWHERE), "^Stage 'snow': a point load is on node 4, which no part uses"),
-        (DeadLoad(NOWHERE, "roof"), r"^Stage 'snow' has a load on part 'roof'; the parts are \['fabric', 'ridge'\]"),
+        (
+            DeadLoad(NOWHERE, "roof"),
+            r"^Stage 'snow' has a load on part 'roof', which .* parts are \['fabric', 'ridge'\]",
+        ),
         (DeadLoad(NOWHERE, "fabric", [0, 2]), "^Stage 'snow': a load on part 'fabric' names cell 2, .* 0 to 1"),
         (DeadLoad(NOWHERE, "ridge", -1), "^Stage 'snow': a load on part 'ridge' names cell -1, .* 0 to 0"),
     ],
@@ -123,11 +126,23 @@ def test_two_stages_of_one_name():
         check(STRUCTURE, [Stage("snow"), Stage("wind"), Stage("snow", after="wind")])
 
 
-@pytest.mark.parametrize("after", ["prestres", "wind", "snow", ""])  # unknown, later, itself, no name
-def test_after_a_stage_that_is_not_before(after):
+@pytest.mark.parametrize(
+    ("after", "remedy"),
+    [
+        ("prestres", "correct the name, or leave `after` out"),
+        ("", "correct the name, or leave `after` out"),
+        ("wind", "put 'wind', which comes later in the list, before it"),
+        ("snow", "name another, or leave `after` out"),
+    ],
+    ids=["unknown", "no name", "later", "itself"],
+)
+def test_after_a_stage_that_is_not_before(after, remedy):
     stages = [Stage("prestress"), Stage("snow", after=after), Stage("wind")]
-    with pytest.raises(ValueError, match=rf"^Stage 'snow' comes after '{after}'; .* are \['prestress'\]"):
+    message = rf"^Stage 'snow' is to follow '{after}', but the stages before it are \['prestress'\]; {remedy}"
+    with pytest.raises(ValueError, match=message):
         check(STRUCTURE, stages)
+    with pytest.raises(ValueError, match=f"^Stage 'snow' is to follow '{after}', but no stage is before it; {remedy}"):
+        check(STRUCTURE, stages[1:])
 
 
 def test_stages_that_fit():

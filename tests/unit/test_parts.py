@@ -138,13 +138,13 @@ def test_bad_bar_prestress(prestress, message):
 @pytest.mark.parametrize(
     ("data", "message"),
     [
-        ({"prestress": (1.0, 2.0)}, r"^Membrane prestress \[1\.0, 2\.0\] has a warp"),
-        ({"prestress": [[1.0, 1], [1, 1]]}, r"^Membrane prestress \[\[1\.0, 1\.0\], \[1\.0, 1\.0\]\] has a warp"),
-        ({"material": WOVEN}, "^Membrane material .*OrthotropicFabric.* has a warp"),
+        ({"prestress": (1.0, 2.0)}, r"^Membrane prestress is \[1\.0, 2\.0\],"),
+        ({"prestress": [[1.0, 1], [1, 1]]}, r"^Membrane prestress is \[\[1\.0, 1\.0\], \[1\.0, 1\.0\]\],"),
+        ({"material": WOVEN}, "^Membrane material is an OrthotropicFabric,"),
     ],
 )
 def test_what_has_a_direction_needs_a_warp(data, message):
-    with pytest.raises(ValueError, match=message + " and a weft; give the warp as a vector"):
+    with pytest.raises(ValueError, match=message + " which has a warp and a weft; give the warp as a vector"):
         Membrane(**{"cells": TRIANGLES, "material": FABRIC, **data})
 
 

@@ -204,6 +204,20 @@ def test_scale_enlarges_the_displacements(result, tmp_path, drawing):
     assert not np.array_equal(picture(tmp_path / "0.0.png"), picture(tmp_path / "3.0.png"))
 
 
+def test_values_beyond_limits_have_the_colour_of_the_end(result, tmp_path, drawing):
+    cells = result.structure.parts["south"].cells
+    smooth = POINTS[cells].mean(axis=1)[:, 0]
+    first = np.arange(len(cells)) == 0
+    fields = {"peak": np.where(first, 1e3, smooth), "end": np.where(first, 2.0, smooth)}
+    for name, values in fields.items():
+        for limits in ({}, {"x": (-1.0, 2.0)}):
+            path = tmp_path / f"{name} {len(limits)}.png"
+            plot.contours(result, {"x": {"south": values}}, path, limits=limits, view=(0, -0.2, 1))
+    assert np.array_equal(picture(tmp_path / "peak 1.png"), picture(tmp_path / "end 1.png"))
+    assert not np.array_equal(picture(tmp_path / "peak 0.png"), picture(tmp_path / "peak 1.png"))
+    assert not np.array_equal(picture(tmp_path / "end 0.png"), picture(tmp_path / "end 1.png"))  # <= and >= are written
+
+
 def half(result):
     """The part of the roof with y < 0 alone, as a model cut at its plane of symmetry."""
     parts = {"south": result.structure.parts["south"]}
@@ -260,11 +274,21 @@ def test_wrong_fields_are_refused(result, tmp_path, field, message):
         ({"view": "above"}, "^view must be an array of numbers .*'above'"),
         ({"scale": "large"}, "^scale is the text 'large'"),
         ({"odd": ["width"]}, r"^odd names 'width'; the fields are \['height'\]"),
+        ({"limits": {"width": (0, 1)}}, r"^limits names 'width'; the fields are \['height'\]"),
+        ({"limits": {"height": (1, 1)}}, r"^limits of 'height' is \(1, 1\); give \(low, high\), the lower one first"),
+        ({"limits": {"height": (2, -1)}}, r"^limits of 'height' is \(2, -1\); give \(low, high\)"),
+        ({"limits": {"height": 5}}, r"^limits of 'height' is 5; give \(low, high\)"),
+        ({"limits": {"height": (0, np.inf)}}, r"^limits of 'height' has a value that is not finite \(inf\)"),
     ],
 )
 def test_wrong_options_are_refused(result, tmp_path, options, message):
     with pytest.raises(ValueError, match=message):
         plot.contours(result, {"height": POINTS[:, 2]}, tmp_path / "never.png", **options)
+
+
+def test_limits_of_states_are_refused(result, tmp_path):
+    with pytest.raises(ValueError, match=r"^limits are given for 'state', which shows states; leave"):
+        plot.contours(result, {"state": states(result)}, tmp_path / "never.png", limits={"state": (0, 1)})
 
 
 @pytest.mark.parametrize(

@@ -47,20 +47,22 @@ def test_table(result):
     lines = report(result, [0, 25], first=1, force_unit="kN", length_unit="cm").splitlines()
     fabric, ridge = result.membrane("fabric"), result.cable("ridge")
     counts = [len(increment.iterations) - 1 for increment in result.increments]
-    assert lines[0] == f"Stage 'fold', iterations per increment: {counts}"
+    assert lines[0] == f"Stage 'fold', iterations per increment: {counts}; units as given: kN, cm"
     labels = ["fabric", "", "", "ridge", "mast"]
     assert [line[2:10].strip() for line in lines[1:6]] == labels
     for line, values in zip(lines[1:3], fabric.principal.T, strict=True):
         assert "kN/cm, principal stress" in line
-        assert numbers(line) == pytest.approx([values.min(), values.max()], rel=1e-5)
+        assert numbers(line)[:2] == pytest.approx([values.min(), values.max()], rel=1e-5)
     states = [np.count_nonzero(fabric.state == state) for state in ("taut", "wrinkled", "slack")]
     assert states[1] > 0
-    assert numbers(lines[3]) == pytest.approx([np.linalg.eigvalsh(fabric.strain).max(), *states], abs=1e-5)
+    strain = np.linalg.eigvalsh(fabric.strain).max()
+    assert [numbers(lines[3])[i] for i in (0, -3, -2, -1)] == pytest.approx([strain, *states], abs=1e-5)
     slack = np.count_nonzero(ridge.slack)
     assert slack > 0
-    assert numbers(lines[4]) == pytest.approx([ridge.force.min(), ridge.force.max(), slack, 4], rel=1e-5)
+    found = numbers(lines[4])
+    assert found[:2] + found[-2:] == pytest.approx([ridge.force.min(), ridge.force.max(), slack, 4], rel=1e-5)
     force = result.mast("mast").force[0]
-    assert numbers(lines[5]) == pytest.approx([force, force], rel=1e-5)
+    assert numbers(lines[5])[:2] == pytest.approx([force, force], rel=1e-5)
     assert "slack" not in lines[5]
     size = np.linalg.norm(result.displacement, axis=1)
     assert numbers(lines[6]) == pytest.approx([size.max(), size.argmax() + 1], rel=1e-5)
@@ -71,6 +73,40 @@ def test_table(result):
     assert "moments to" in lines[10]
     assert max(numbers(lines[10])) < 1e-6
     assert len(lines) == 11
+
+
+def test_largest_values_are_given_with_their_cell(result):
+    points, parts = result.structure.points, result.structure.parts
+    fabric = result.membrane("fabric")
+    largest = {
+        1: ("fabric", fabric.principal[:, 0]),
+        3: ("fabric", np.linalg.eigvalsh(fabric.strain)[:, 1]),
+        4: ("ridge", result.cable("ridge").force),
+        5: ("mast", np.abs(result.mast("mast").force)),
+    }
+    lines = report(result, first=1).splitlines()
+    for row, (name, values) in largest.items():
+        cell, x, y, z = re.search(r"in cell (\d+) at \((.*?), (.*?), (.*?)\)", lines[row]).groups()
+        assert values[int(cell)] == pytest.approx(values.max(), rel=1e-12)
+        centroid = points[parts[name].cells[int(cell)]].mean(axis=0)
+        assert [float(x), float(y), float(z)] == pytest.approx(centroid, rel=1e-3)
+
+
+def test_cable_that_ends_in_the_air():
+    points = [[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [1, 0, -1]]
+    parts = {"line": Cable([[0, 1], [1, 2]], 1e6, 1e3), "rope": Cable([[1, 3]], 1e6)}
+    structure = Structure(points, parts, [Support([0, 2])])
+    weight = DeadLoad((0, 0, -10.0), "rope")
+    lines = report(Analysis(structure).run([Stage("hang", [weight])])["hang"], first=1).splitlines()
+    assert lines[3].strip() == "ends in the air: 1, first cell 0 at node 4"
+    moves = PrescribedDisplacement(3, (0, 0, 0), "x")
+    held = Analysis(structure).run([Stage("hang", [weight], [moves])])["hang"]
+    assert "in the air" not in report(held)
+
+
+def test_numbers_are_not_converted(result):
+    first, other = report(result), report(result, force_unit="kN", length_unit="mm")
+    assert other.replace("kN", "N").replace("mm", "m") == first
 
 
 def test_without_nodes_there_are_no_reactions_of_nodes(result):

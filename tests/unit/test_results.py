@@ -196,10 +196,14 @@ def test_history_runs_through_all_increments(result):
 @pytest.mark.parametrize(
     ("kind", "name", "message"),
     [
-        ("membrane", "edge", r"^No Membrane is named 'edge'; those of the structure are \['fabric'\]"),
+        (
+            "membrane",
+            "edge",
+            r"^No Membrane is named 'edge', which is a Cable; those of the structure are \['fabric'\]",
+        ),
         ("membrane", "fabrik", r"^No Membrane is named 'fabrik'; those of the structure are \['fabric'\]"),
-        ("cable", "mast", r"^No Cable is named 'mast'; those of the structure are \['edge'\]"),
-        ("mast", "edge", r"^No Mast is named 'edge'; those of the structure are \['mast'\]"),
+        ("cable", "mast", r"^No Cable is named 'mast', which is a Mast; those of the structure are \['edge'\]"),
+        ("mast", "edge", r"^No Mast is named 'edge', which is a Cable; those of the structure are \['mast'\]"),
     ],
 )
 def test_wrong_name_is_refused_with_the_names_there_are(result, kind, name, message):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, Support, rectangle
-from fx_membrane.rigid_motion import check_supports, free_motions
+from fx_membrane.rigid_motion import check_supports, free_motions, loose_ends
 from models import rotation
 
 POINTS, TRIANGLES = rectangle(2.0, 1.0, 2, 2)
@@ -127,6 +127,25 @@ def test_floating_cable_is_named_with_its_cell():
     message = r"the piece with node 9 \(3 nodes: Cable 'stays' \(cells 1, 3\)\) can move along x as a rigid body"
     with pytest.raises(ValueError, match=message):
         check_supports(structure, structure.supported)
+
+
+def with_a_bar(kind, *supports):
+    """The sheet and a bar from its middle down to node 9."""
+    parts = {"fabric": Membrane(TRIANGLES, Fabric(Et=1e5, nu=0.3)), "bar": kind([[0, 8], [4, 9]], 1e6)}
+    return Structure(np.vstack([POINTS, [[0.0, 0, -1]]]), parts, [Support(CORNERS), *supports])
+
+
+def test_mast_that_ends_nowhere_is_refused():
+    structure = with_a_bar(Mast)
+    with pytest.raises(ValueError, match=r"^Mast 1 of 'bar' ends nowhere: .* is at node 9\. Support the node, or join"):
+        check_supports(structure, structure.supported)
+
+
+@pytest.mark.parametrize(("kind", "supports"), [(Mast, [Support(9)]), (Cable, []), (Cable, [Support(9, "x")])])
+def test_mast_on_a_support_and_cable_that_hangs_are_accepted(kind, supports):
+    structure = with_a_bar(kind, *supports)
+    check_supports(structure, structure.supported)
+    assert loose_ends(structure, "bar", structure.supported) == ([] if supports else [(1, 9)])
 
 
 def test_nodes_that_no_part_uses_need_no_supports():

@@ -3,7 +3,18 @@
 import numpy as np
 import pytest
 
-from fx_membrane import Analysis, Cable, ConvergenceError, Newton, PointLoad, Stage, Structure, Support
+from fx_membrane import (
+    Analysis,
+    Cable,
+    ConvergenceError,
+    Mast,
+    Newton,
+    PointLoad,
+    PrescribedDisplacement,
+    Stage,
+    Structure,
+    Support,
+)
 from fx_membrane.slackness import slack_parts
 
 POINTS = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [1, 1, 0]])
@@ -29,3 +40,24 @@ def test_failure_names_slack_parts():
     short = Analysis(STRUCTURE, Newton(max_iterations=1, rtol=1e-15, line_search=False))
     with pytest.raises(ConvergenceError, match=r"'side' is slack in 1 of 1 cells"):
         short.run([Stage("load", [PointLoad(1, (0, 2e3, 0))])])
+
+
+@pytest.mark.parametrize(("supports", "words"), [([0, 2], "'side' ends in the air at node 3"), ([0, 2, 3], "")])
+def test_failure_names_a_cable_that_ends_in_the_air(supports, words):
+    structure = Structure(POINTS, PARTS, [Support(supports), Support(1, "z")])
+    short = Analysis(structure, Newton(max_iterations=1, rtol=1e-15, line_search=False))
+    with pytest.raises(ConvergenceError) as failure:
+        short.run([Stage("load", [PointLoad(1, (0, 2e3, 0))])])
+    assert words in str(failure.value)
+    assert ("in the air" in str(failure.value)) == bool(words)
+
+
+@pytest.mark.parametrize(("strain", "force"), [(0.009, -0.1), (0.011, 1e3)])
+def test_negative_prestress_is_an_excess_of_length(strain, force):
+    parts = {"cable": Cable([[0, 1]], 1e6, prestress=-1e4), "mast": Mast([[0, 1]], 1e6, prestress=-1e4)}
+    stretched = np.sqrt(1 + 2 * strain)  # for a Green-Lagrange strain
+    moves = [PrescribedDisplacement([0, 1], [[0, 0, 0], [stretched - 1, 0, 0]])]
+    result = Analysis(Structure(POINTS[:2], parts)).run([Stage("stretch", displacements=moves)])["stretch"]
+    assert result.cable("cable").slack.tolist() == [force < 0]  # 1e-4 of the stiffness is kept
+    assert result.cable("cable").force == pytest.approx([force * stretched], rel=1e-9)
+    assert result.mast("mast").force == pytest.approx([(1e6 * strain - 1e4) * stretched], rel=1e-9)

@@ -1,9 +1,11 @@
 """Supports and structures: what they hold, and which input they refuse."""
 
+import warnings
+
 import numpy as np
 import pytest
 
-from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, Support
+from fx_membrane import Cable, CoincidentNodesWarning, Fabric, Mast, Membrane, Structure, Support
 
 FABRIC = Fabric(Et=1e5, nu=0.3)
 POINTS = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [5, 5, 5]])  # no part uses the last one
@@ -73,6 +75,12 @@ def test_normals_of_a_closed_surface_are_all_on_the_side_of_the_first(seed):
     assert sheet(points=OCTAHEDRON, cells=cells).normals("fabric") == pytest.approx(sign * outwards, abs=1e-14)
 
 
+def test_one_sense_is_found_when_the_structure_is_made(monkeypatch):
+    made = sheet(points=OCTAHEDRON, cells=FACES)
+    monkeypatch.setattr("fx_membrane.structure.senses", None)
+    assert made.senses("fabric").tolist() == [1] * 8
+
+
 def test_branching_membrane_has_no_normals():
     points = [[0.0, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0], [-1, 0, 0], [0, 0, 1]]
     cells = [[0, 2, 1], [2, 1, 3], [0, 1, 4], [0, 1, 5]]  # three sheets on the edge 0 1
@@ -100,7 +108,7 @@ def test_senses_turn_the_cells_own_normals_into_those_of_the_membrane():
 @pytest.mark.parametrize("name", ["roof", "cable", 3])
 def test_only_membranes_have_normals(ask, name):
     parts = {"fabric": Membrane(TRIANGLES, FABRIC), "cable": Cable([[0, 1]], 1e6)}
-    with pytest.raises(ValueError, match=rf"^No Membrane is named {name!r}; those of the structure are \['fabric'\]"):
+    with pytest.raises(ValueError, match=rf"^No Membrane is named {name!r}.*; those of the structure are \['fabric'\]"):
         getattr(Structure(POINTS, parts), ask)(name)
 
 
@@ -178,6 +186,55 @@ def test_structure_does_not_change_with_the_arrays_it_was_made_of():
     points[:], cells[:] = 0, 0
     assert structure.points.tolist() == POINTS.tolist()
     assert structure.parts["fabric"].cells.tolist() == TRIANGLES
+
+
+# Nodes at one place
+
+BESIDE = np.vstack([POINTS[:4], POINTS[:4] + np.array([1, 0, 0])])  # the second square begins where the first ends
+SQUARES = {"west": Membrane(TRIANGLES, FABRIC), "east": Membrane(np.array(TRIANGLES) + 4, FABRIC)}
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1, 1e5])
+@pytest.mark.parametrize("apart", [0, 1e-10])
+def test_parts_that_meet_without_sharing_nodes(scale, apart):
+    points = scale * (BESIDE + np.repeat([0, apart], 4)[:, None])
+    message = (
+        r"^Nodes 1 and 4 are at the same place, \([^)]*, 0, 0\), but nothing joins them \(2 such pairs in all\): "
+        "cell 0 of 'west' and cell 0 of 'east' can part there. To join them, give .* the same node number"
+    )
+    with pytest.warns(CoincidentNodesWarning, match=message) as found:
+        Structure(points, SQUARES)
+    assert len(found) == 1
+    assert found[0].filename == __file__  # where the user made it
+
+
+def test_cells_of_one_part_that_do_not_share_nodes():
+    with pytest.warns(
+        CoincidentNodesWarning, match=r"^Nodes 1 and 2 are .*joins them: cell 0 of 'cable' and cell 1 of 'cable'"
+    ):
+        Structure([[0.0, 0, 0], [1, 0, 0], [1, 0, 0], [2, 0, 0]], {"cable": Cable([[0, 1], [2, 3]], 1e6)})
+
+
+@pytest.mark.parametrize(
+    ("points", "supports"),
+    [
+        (BESIDE + np.repeat([0, 1e-8], 4)[:, None], []),  # a narrow gap
+        (BESIDE, [Support([1, 2, 4]), Support([1, 7, 2])]),  # both held, as two anchors on one foundation
+        (np.vstack([BESIDE, BESIDE]), [Support([1, 2, 4, 7])]),  # no part uses the second ones
+    ],
+)
+def test_nodes_that_need_not_be_joined(points, supports):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        Structure(points, SQUARES, supports)
+
+
+def test_one_held_node_of_two_is_not_enough():
+    with pytest.warns(CoincidentNodesWarning, match="^Nodes 2 and 7 are"):
+        Structure(BESIDE, SQUARES, [Support([1, 2, 4]), Support(7, "xy")])
+
+
+# Objects of another kind
 
 
 @pytest.mark.parametrize(

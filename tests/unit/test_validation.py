@@ -5,7 +5,8 @@ import re
 import numpy as np
 import pytest
 
-from fx_membrane import DeadLoad, validation
+import fx_membrane
+from fx_membrane import Cable, DeadLoad, Mast, validation
 
 
 @pytest.mark.parametrize(
@@ -190,3 +191,23 @@ def test_whole_refuses(value):
 
 def test_whole_accepts_a_number_of_numpy():
     assert validation.whole("steps", np.int32(4)) == 4
+
+
+# Names
+
+
+PUBLIC = [getattr(fx_membrane, name) for name in fx_membrane.__all__]
+
+
+@pytest.mark.parametrize(
+    "public", [entry for entry in PUBLIC if isinstance(entry, type) and not issubclass(entry, dict)]
+)
+def test_wrong_arguments_are_refused_under_the_public_name(public):
+    with pytest.raises(TypeError, match=f"^{public.__name__}\\b"):
+        public(no_such_argument=0)
+
+
+@pytest.mark.parametrize("kind", [Cable, Mast])
+def test_missing_modulus_is_refused_under_a_public_name(kind):
+    with pytest.raises(TypeError, match=r"^[A-Z].* 'E' and 'area'$"):
+        kind.from_modulus([[0, 1]])
