@@ -23,7 +23,7 @@ from .drivers import by_dolfinx, by_snes
 from .geometry import measures
 from .line_search import Point, line, rounding, search
 from .problem import Problem
-from .solver import FAR, ROUNDING, Iteration, Monitor, Solution, Solve, largest, lost, silent, tolerance
+from .solver import FALLEN, FAR, ROUNDING, Iteration, Monitor, Solution, Solve, largest, lost, silent, tolerance
 
 # Artificial tension added to the tangent, as a strain.
 FIRST, LEAST, LARGEST = 1e-4, 1e-8, 1e4
@@ -108,13 +108,16 @@ class _NewtonRaphson:
             return solution
         if solution.converged:
             return self.made_stable(x, solution)
-        start.copy(x)
-        self.draw_smooth(x)
-        second = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
-        if second.converged and not self.collapsed(x):
-            return replace(self.made_stable(x, second), drawn_smooth=True)
-        reason = mechanism(self.problem, start) or solution.reason
-        return replace(solution, reason=reason + unlikely_units(self.problem, start))
+        free = mechanism(self.problem, start)
+        # What falls finds no way back, and is as free at the start of any shorter increment.
+        if not (free and largest(x - start) > FALLEN * self.size):
+            start.copy(x)
+            self.draw_smooth(x)
+            second = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
+            if second.converged and not self.collapsed(x):
+                return replace(self.made_stable(x, second), drawn_smooth=True)
+        reason = (free or solution.reason) + unlikely_units(self.problem, start)
+        return replace(solution, reason=reason, retry=solution.retry and not free)
 
     def collapsed(self, x: PETSc.Vec) -> bool:
         """Whether a cell has shrunk to nothing: where nothing else holds a structure, artificial tension does that."""
