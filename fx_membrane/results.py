@@ -66,7 +66,8 @@ class BarResult:
     Attributes:
         strain: Green-Lagrange strain, shape (cells,) [-].
         force: Axial force in the current shape, tension positive, shape (cells,) [N].
-        slack: Which cells are slack, shape (cells,); masts never are, nor cables with `compression_stiffness=1`.
+        slack: Which cells carry no tension, shape (cells,); masts do not count, nor cables with
+            `compression_stiffness=1`.
     """
 
     strain: Array
