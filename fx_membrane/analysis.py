@@ -139,7 +139,8 @@ class Analysis:
                 factor = min(state.factor + state.size, Fraction(1))
                 self._problem.apply(load_case.between(start, end, float(factor)))
                 solution = self._solve(x, bar.iteration)
-                increment = Increment(float(factor), solution.iterations, solution.drawn_smooth, solution.unstable)
+                remarks = (solution.drawn_smooth, solution.unstable, solution.unlisted)
+                increment = Increment(float(factor), solution.iterations, *remarks)
                 if solution.unstable:
                     _warn_of_unstable_state(stage.name, factor)
                 if solution.converged:

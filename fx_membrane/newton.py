@@ -80,6 +80,7 @@ class _NewtonRaphson:
     Attributes:
         length: Length of the last step.
         added: Tension added to the tangent for it, as a strain.
+        iterates: Their number since the solve began, whatever came of them.
     """
 
     def __init__(self, settings: Newton, problem: Problem):
@@ -90,7 +91,7 @@ class _NewtonRaphson:
         self.history: list[Iteration] = []
         self.monitor: Monitor = silent
         self.rtol = self.tolerance = self.length = self.added = 0.0
-        self.most = settings.max_iterations
+        self.most, self.iterates = settings.max_iterations, 0
         self.symmetric = True
         self.size = float(np.ptp(problem.discretization.structure.points, axis=0).max())
         self.newton = _dolfinx.newton_solver(problem.discretization.comm)
@@ -101,7 +102,12 @@ class _NewtonRaphson:
         factorization.keep_until_all_are_done(self, problem.discretization.comm, self.ksp)
 
     def __call__(self, x: PETSc.Vec, monitor: Monitor = silent) -> Solution:
-        self.monitor = monitor
+        self.monitor, self.iterates = monitor, 0
+        solution = self.solve(x)
+        return replace(solution, unlisted=self.iterates - len(solution.iterations))
+
+    def solve(self, x: PETSc.Vec) -> Solution:
+        """All that is tried, one after the other."""
         start = x.copy()
         solution = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
         if not self.settings.line_search:
@@ -198,6 +204,7 @@ class _NewtonRaphson:
         self.problem.hold(x, b)
         unbalanced = largest(b)
         self.history.append(Iteration(self.problem.energy(x), unbalanced, self.length, self.added))
+        self.iterates += 1
         self.monitor(len(self.history) - 1, self.history[-1])
         if lost(self.problem, x, unbalanced):
             raise _Stop(self.stalled(x))
