@@ -25,6 +25,8 @@ from .line_search import Point, line, rounding, search
 from .problem import Problem
 from .solver import FALLEN, FAR, ROUNDING, Iteration, Monitor, Solution, Solve, largest, lost, silent, tolerance
 
+# The numbers from here to NUDGES have no source: they were chosen by trial on tests/benchmarks/hard_cases.py.
+
 # Artificial tension added to the tangent, as a strain.
 FIRST, LEAST, LARGEST = 1e-4, 1e-8, 1e4
 GROWTH, DECAY = 4.0, 0.3
@@ -34,10 +36,10 @@ SHORT = 0.3  # a step that asks for more of it
 FADING = tuple(10.0**-i for i in range(2, 9))
 ROUGH, FEW = 1e-3, 40  # tolerance and iterations of these solves
 
-NOTHING = 1e-6  # of its size, left of a cell
-
 # Equilibrium at a saddle of the energy.
 NUDGE, NUDGES = 1e-3, 3  # step off it, in sizes of the structure, and how often it is tried
+
+NOTHING = 1e-6  # of its size, left of a cell
 
 
 @dataclass(frozen=True)
