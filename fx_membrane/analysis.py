@@ -26,7 +26,7 @@ from .recorder import Recorder
 from .results import Increment, StageResult, StageResults
 from .rigid_motion import check_supports
 from .slackness import hanging_ends, slack_parts
-from .solver import Iteration
+from .solver import FALLEN, Iteration
 from .structure import Structure
 
 HALVINGS = 8
@@ -57,9 +57,9 @@ class Analysis:
     """Nonlinear statics of a structure; meshes are made and forms compiled once, for all its stages.
 
     An increment that does not converge is halved, up to eight times, unless that cannot help (a stage that applies
-    nothing; a first-order method that ran out of iterations); after one that does, the next is twice as long, up to
-    what the stage asks for. An increment in which a node moves by more than half the size of the structure is reported
-    by an `UnstableStateWarning`: the structure has fallen or snapped into another shape.
+    nothing; a mechanism; a first-order method that ran out of iterations); after one that does, the next is twice as
+    long, up to what the stage asks for. An increment in which a node moves by more than half the size of the structure
+    is reported by an `UnstableStateWarning`: the structure has fallen or snapped into another shape.
 
     Args:
         structure: The structure.
@@ -140,7 +140,8 @@ class Analysis:
                 factor = min(state.factor + state.size, Fraction(1))
                 self._problem.apply(load_case.between(start, end, float(factor)))
                 solution = self._solve(x, bar.iteration)
-                increment = Increment(float(factor), solution.iterations, solution.drawn_smooth, solution.unstable)
+                remarks = (solution.drawn_smooth, solution.unstable, solution.unlisted)
+                increment = Increment(float(factor), solution.iterations, *remarks)
                 if solution.unstable:
                     _warn_of_unstable_state(stage.name, factor)
                 if solution.converged:
@@ -191,7 +192,7 @@ def _warn_of_fall(
     """Warns where a node moved very far in one increment, further than what is moved by prescription."""
     moved, given = (np.linalg.norm(np.where(where, motion, 0.0), axis=1) for where in (~held, held))
     node = int(moved.argmax())
-    if moved[node] > 0.5 * np.ptp(structure.points, axis=0).max() + given.max():
+    if moved[node] > FALLEN * np.ptp(structure.points, axis=0).max() + given.max():
         warnings.warn(
             f"Stage {name!r}: up to load factor {float(factor):.6g} node {node} moved by {moved[node]:.3g}, more than "
             "half the size of the structure: it has fallen or snapped into another shape. Add supports, members or "

@@ -21,7 +21,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from . import load_case, loads, validation
+from . import load_case, loads, path_ends, validation
 from .bordered_newton import BorderedNewton, Plane, Point, Step
 from .diagnosis import linear_failure
 from .equilibrium_path import EquilibriumPath, PathPoint
@@ -76,6 +76,7 @@ def trace(
         load_factor: Where the path ends, whatever way it takes there, above 0; None: nowhere. For the other sense, turn
             the loads.
         displacement: A node, one of the components "x", "y" and "z", and its displacement [m]: where the path ends too.
+            The component must be free, or one that the stage moves.
         max_points: Most points, the start included.
         rtol: Converged when the 2-norm of the unbalanced forces is below rtol times that of all nodal forces,
             reactions and loads included, or at rounding.
@@ -98,8 +99,10 @@ def trace(
     problem = Problem(structure, comm)
     after = load_case.target(problem, stage, before)
     check_supports(structure, after.held)
-    ends = _ends(problem, load_factor, displacement)
-    path = EquilibriumPath(stage.name, structure, load_case.taking_hold(before, after, shape), after, (), False)
+    begin = load_case.taking_hold(before, after, shape)
+    fixed = after.held & (after.displacement == begin.displacement)
+    ends = path_ends.ends(problem, load_factor, displacement, fixed)
+    path = EquilibriumPath(stage.name, structure, begin, after, (), False)
     x = problem.discretization.distribute(shape)
     newton = BorderedNewton(problem, path.start, path.end, x, rtol)
     try:
@@ -117,29 +120,6 @@ def _check_stage(structure: Structure, start: Structure | StageResult, stage: St
             f"start from what the stage comes after, or give it after={name!r}."
         )
     loads.check(structure, [replace(stage, after=None)])
-
-
-def _ends(problem: Problem, load_factor: float | None, displacement: tuple[int, str, float] | None) -> list[Plane]:
-    """Where a path ends."""
-    ends = []
-    if load_factor is not None:
-        value = validation.positive("trace load_factor", load_factor)
-        ends.append(Plane(problem.discretization.create_vector(), 1.0, value))
-    if displacement is not None:
-        if not isinstance(displacement, tuple) or len(displacement) != 3:
-            shown = validation.shown(displacement)
-            raise ValueError(f'trace displacement is {shown}; give (node, component, value), like (7, "z", -0.4).')
-        node = validation.rows("trace displacement node", displacement[0])
-        component = validation.components("trace displacement component", displacement[1])
-        if len(node) * len(component) > 1:
-            raise ValueError("trace displacement names several components; give one node and one of x, y and z.")
-        structure = problem.discretization.structure
-        structure.check_nodes("trace displacement", node)
-        chosen = np.zeros(structure.points.shape)
-        chosen[node, component] = 1.0
-        value = validation.number("trace displacement value", displacement[2])
-        ends.append(Plane(problem.discretization.distribute(chosen), 0.0, value))
-    return ends
 
 
 class _Arrival(NamedTuple):
@@ -174,7 +154,7 @@ class _Tracer:
             here, length, complete = self.next(last, length, ends)
             if last.direction.factor * here.direction.factor < 0 and len(self.path.points) < max_points - 1:
                 limit = self.limit_point(last, here)
-                end = limit and _passed(last.point, limit.point, ends)  # and passed again behind it
+                end = limit and path_ends.passed(last.point, limit.point, ends)  # and passed again behind it
                 point = end and self.newton.find(*end)
                 if point:
                     here, complete = self.arrive(last, point), True
@@ -206,7 +186,7 @@ class _Tracer:
         """The next point, the length of the step to it, and whether it is an end."""
         for halvings in range(HALVINGS + 1):
             point = self.find(last, length)
-            end = point and _passed(last.point, point, ends)
+            end = point and path_ends.passed(last.point, point, ends)
             if end:
                 point = self.newton.find(*end)
                 if point and not 0 <= self.product(last.direction, point.since(last.point)) <= length * (1 + 1e-6):
@@ -279,16 +259,3 @@ class _Tracer:
             shape = self.newton.problem.discretization.gather(x)
             point = PathPoint(factor, shape, found.negative_pivots, iterations)
             self.path = replace(self.path, points=(*self.path.points, point), complete=complete)
-
-
-def _passed(last: Point, point: Point, ends: list[Plane]) -> tuple[Point, Plane] | None:
-    """The first end on the way from one point to another, and about where; None if there is none."""
-    found = []
-    for end in ends:
-        before, after = end.beyond(last), end.beyond(point)
-        if before and before * after <= 0:
-            found.append((before / (before - after), end))
-    if not found:
-        return None
-    share, end = min(found, key=lambda entry: entry[0])
-    return last.moved(point.since(last), share), end

@@ -21,9 +21,10 @@ def linear_failure(problem: Problem, A: PETSc.Mat) -> str:
             "A flat membrane or a straight cable without prestress has no stiffness across; give it a small prestress "
             "to begin with (prescribed displacements can bring the rest), a curved shape, or supports."
         )
+    less = "" if problem.unloaded() else ", or apply less load per step (steps=...)"
     return (
         "the tangent stiffness is singular: parts of the structure can move without resistance (a mechanism, or the "
-        "point where it buckles). Add prestress, supports or members, or apply less load per step (steps=...)."
+        f"point where it buckles). Add prestress, supports or members{less}."
     )
 
 
@@ -77,10 +78,17 @@ def stalled(
         )
     size = np.ptp(problem.discretization.structure.points, axis=0).max()
     displacement = largest(x)
-    advice = (
-        "apply the loads in more steps (steps=...), give more prestress, start from a shape in which the prestress "
-        f"is nearer to balance, or allow more iterations ({solver}(max_iterations=...))"
-    )
+    if problem.unloaded():
+        advice = (
+            "nothing is applied that could come in more steps: give a prestress that the shape and its supports can "
+            "balance (force_density and updated_reference find such shapes), or a load that slack parts can hang by"
+        )
+    else:
+        advice = (
+            "apply the loads in more steps (steps=...), give more prestress, start from a shape in which the prestress "
+            "is nearer to balance"
+        )
+    advice += f", or allow more iterations ({solver}(max_iterations=...))"
     if not displacement <= 10 * size:
         return (
             f"the iteration diverged: displacements of {displacement:.3g} in a structure of size {size:.3g}. "

@@ -14,6 +14,7 @@ from petsc4py import PETSc
 from slepc4py import SLEPc
 
 from . import factorization
+from .solver import ROUNDING
 
 PREFIX = "fx_membrane_eigenvalues_"
 FIRST_SHIFT, LAST_SHIFT = 1e-12, 1e8  # below zero, as shares of a typical eigenvalue
@@ -23,7 +24,10 @@ TOLERANCE = 1e-12  # error of an eigenvalue, estimated, relative
 
 
 class Eigenpair(NamedTuple):
-    """One eigenvalue and its vector, of unit norm in M; the imaginary part is zero where K is symmetric."""
+    """One eigenvalue and its vector, of unit norm in M; the imaginary part is zero where K is symmetric.
+
+    An eigenvalue that is rounding is zero.
+    """
 
     value: complex
     real: PETSc.Vec
@@ -162,6 +166,9 @@ def _pair(eps: SLEPc.EPS, i: int) -> Eigenpair:
         square += work.dot(part)
     for part in (real, imaginary):
         part.scale(square**-0.5)
+    # What is left of K phi where there is no stiffness; its sign means nothing.
+    if abs(value) <= ROUNDING * K.norm(PETSc.NormType.INFINITY) * (real.norm() ** 2 + imaginary.norm() ** 2):
+        value = 0j
     return Eigenpair(value, real, imaginary)
 
 

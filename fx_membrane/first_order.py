@@ -241,7 +241,8 @@ class _Descent:
         name, last = type(self.settings).__name__, self.history[-1].residual
         reason = stalled(self.problem, x, len(self.history) - 1, last, at_rounding=False, solver=name)
         if slow:
-            reason += (
-                ' First-order methods are slow; Newton() needs fewer iterations, and so does preconditioner="tangent".'
-            )
+            steepest = ["ConjugateGradient()"] * isinstance(self.settings, SteepestDescent)
+            divided = ['preconditioner="tangent"'] * (self.settings.preconditioner != "tangent")
+            helpful = " or ".join(["Newton()", *steepest, *divided])
+            reason += f" First-order methods are slow; fewer iterations are needed with {helpful}."
         return Solution(False, reason, tuple(self.history), retry=not slow)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from .results import BarResult, MembraneResult, StageResult
 
 MODERATE = 0.05
+ABSURD = 1.0  # no fabric or cable bears that
 
 
 class LargeStrainWarning(UserWarning):
@@ -27,10 +28,13 @@ def warn_of_large_strains(result: StageResult, stacklevel: int) -> None:
         return
     also = sum(int((size > MODERATE).sum()) for size in sizes.values()) - 1
     strain = f"{100 * sizes[name][cell]:.3g} %" + (f" ({also} more cells by over {100 * MODERATE:g} %)" if also else "")
+    if sizes[name][cell] > ABSURD:
+        advice = "Units are probably mixed: check that loads, prestress, stiffness and lengths are in the same system."
+    else:
+        advice = "Check stiffness, loads and units; if they are right, take forces and stresses there for rough values."
     warnings.warn(
         f"Stage {result.name!r}: cell {cell} of part {name!r} is strained by {strain}; the Saint Venant-Kirchhoff "
-        f"law is meant for less than {100 * MODERATE:g} %. Check stiffness, loads and their units; if they are right, "
-        "take forces and stresses there for rough values.",
+        f"law is meant for less than {100 * MODERATE:g} %. {advice}",
         LargeStrainWarning,
         stacklevel=stacklevel,
     )

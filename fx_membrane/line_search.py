@@ -38,7 +38,8 @@ def search(along: Callable[[float], Point], rounding: float, flatness: float = 0
         along: What is found at a length of step; at zero the slope is negative. Energies that are not numbers count as
             too high.
         rounding: Difference of energies that means nothing [J].
-        flatness: Accepted slope at the end, as part of that at zero; a full step may also end on a descent.
+        flatness: Accepted slope at the end, as part of that at zero; a full step may also end on a descent. The default
+            has no source: it was chosen by trial on tests/benchmarks/hard_cases.py.
 
     Returns:
         The length; None where no length lowers the energy.

@@ -23,7 +23,9 @@ from .drivers import by_dolfinx, by_snes
 from .geometry import measures
 from .line_search import Point, line, rounding, search
 from .problem import Problem
-from .solver import FAR, ROUNDING, Iteration, Monitor, Solution, Solve, largest, lost, silent, tolerance
+from .solver import FALLEN, FAR, ROUNDING, Iteration, Monitor, Solution, Solve, largest, lost, silent, tolerance
+
+# The numbers from here to NUDGES have no source: they were chosen by trial on tests/benchmarks/hard_cases.py.
 
 # Artificial tension added to the tangent, as a strain.
 FIRST, LEAST, LARGEST = 1e-4, 1e-8, 1e4
@@ -34,10 +36,10 @@ SHORT = 0.3  # a step that asks for more of it
 FADING = tuple(10.0**-i for i in range(2, 9))
 ROUGH, FEW = 1e-3, 40  # tolerance and iterations of these solves
 
-NOTHING = 1e-6  # of its size, left of a cell
-
 # Equilibrium at a saddle of the energy.
 NUDGE, NUDGES = 1e-3, 3  # step off it, in sizes of the structure, and how often it is tried
+
+NOTHING = 1e-6  # of its size, left of a cell
 
 
 @dataclass(frozen=True)
@@ -80,6 +82,7 @@ class _NewtonRaphson:
     Attributes:
         length: Length of the last step.
         added: Tension added to the tangent for it, as a strain.
+        iterates: Their number since the solve began, whatever came of them.
     """
 
     def __init__(self, settings: Newton, problem: Problem):
@@ -90,7 +93,7 @@ class _NewtonRaphson:
         self.history: list[Iteration] = []
         self.monitor: Monitor = silent
         self.rtol = self.tolerance = self.length = self.added = 0.0
-        self.most = settings.max_iterations
+        self.most, self.iterates = settings.max_iterations, 0
         self.symmetric = True
         self.size = float(np.ptp(problem.discretization.structure.points, axis=0).max())
         self.newton = _dolfinx.newton_solver(problem.discretization.comm)
@@ -101,20 +104,28 @@ class _NewtonRaphson:
         factorization.keep_until_all_are_done(self, problem.discretization.comm, self.ksp)
 
     def __call__(self, x: PETSc.Vec, monitor: Monitor = silent) -> Solution:
-        self.monitor = monitor
+        self.monitor, self.iterates = monitor, 0
+        solution = self.solve(x)
+        return replace(solution, unlisted=self.iterates - len(solution.iterations))
+
+    def solve(self, x: PETSc.Vec) -> Solution:
+        """All that is tried, one after the other."""
         start = x.copy()
         solution = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
         if not self.settings.line_search:
             return solution
         if solution.converged:
             return self.made_stable(x, solution)
-        start.copy(x)
-        self.draw_smooth(x)
-        second = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
-        if second.converged and not self.collapsed(x):
-            return replace(self.made_stable(x, second), drawn_smooth=True)
-        reason = mechanism(self.problem, start) or solution.reason
-        return replace(solution, reason=reason + unlikely_units(self.problem, start))
+        free = mechanism(self.problem, start)
+        # What falls finds no way back, and is as free at the start of any shorter increment.
+        if not (free and largest(x - start) > FALLEN * self.size):
+            start.copy(x)
+            self.draw_smooth(x)
+            second = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
+            if second.converged and not self.collapsed(x):
+                return replace(self.made_stable(x, second), drawn_smooth=True)
+        reason = (free or solution.reason) + unlikely_units(self.problem, start)
+        return replace(solution, reason=reason, retry=solution.retry and not free)
 
     def collapsed(self, x: PETSc.Vec) -> bool:
         """Whether a cell has shrunk to nothing: where nothing else holds a structure, artificial tension does that."""
@@ -195,6 +206,7 @@ class _NewtonRaphson:
         self.problem.hold(x, b)
         unbalanced = largest(b)
         self.history.append(Iteration(self.problem.energy(x), unbalanced, self.length, self.added))
+        self.iterates += 1
         self.monitor(len(self.history) - 1, self.history[-1])
         if lost(self.problem, x, unbalanced):
             raise _Stop(self.stalled(x))

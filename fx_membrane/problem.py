@@ -103,6 +103,11 @@ class Problem:
         total.axpy(1.0, self._loads)
         return total
 
+    def unloaded(self) -> bool:
+        """Whether there are neither loads nor prescribed displacements, but supports and prestress alone."""
+        moved = bool(self._prescribed.array_r[self._held_here].any())
+        return self.symmetric and not self._loads.norm() and not self.discretization.comm.allreduce(moved, MPI.LOR)
+
     def load_norm(self, x: PETSc.Vec) -> float:
         """2-norm of the nodal loads in the shape x, dead loads and pressures [N]."""
         dead = float(self._loads.norm())

@@ -11,9 +11,10 @@ from petsc4py import PETSc
 from . import _dolfinx
 from .forms import kinematics, stress
 from .part_forms import PartForms
-from .parts import Membrane
+from .parts import Cable, Membrane
 from .problem import Actions, Problem
 from .results import BarResult, Equilibrium, Increment, MembraneResult, StageResult
+from .solver import ROUNDING
 
 STATES = np.array(["taut", "wrinkled", "slack"])  # in the order of `forms.wrinkling`
 
@@ -67,7 +68,8 @@ class Recorder:
 
     def _part_result(self, name: str) -> MembraneResult | BarResult:
         discretization = self.problem.discretization
-        membrane = isinstance(discretization.structure.parts[name], Membrane)
+        part = discretization.structure.parts[name]
+        membrane = isinstance(part, Membrane)
         shapes = MEMBRANE if membrane else BAR
         sizes = [int(np.prod(shape)) for shape in shapes.values()]
         here = self.expressions[name]() if name in self.expressions else None
@@ -78,7 +80,12 @@ class Recorder:
             for (field, shape), column in zip(shapes.items(), columns, strict=True)
         }
         state = STATES[fields.pop("state").astype(int)]
-        return MembraneResult(**fields, state=state) if membrane else BarResult(**fields, slack=state == "slack")
+        if membrane:
+            return MembraneResult(**fields, state=state)
+        slack = state == "slack"
+        if isinstance(part, Cable) and part.compression_stiffness < 1:  # a cable without force, or with rounding
+            slack |= fields["force"] <= ROUNDING * (part.axial_stiffness + np.abs(part.prestress))
+        return BarResult(**fields, slack=slack)
 
 
 def _expression(part: PartForms) -> Callable[[], NDArray[np.float64]]:

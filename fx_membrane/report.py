@@ -39,7 +39,8 @@ def report(
     validation.instance("The first argument of report", result, StageResult)
     validation.in_range("nodes", np.asarray(nodes, dtype=np.int64), len(result.structure.points), "node")
     iterations = [len(increment.iterations) - 1 for increment in result.increments]
-    remarks = ", drawn smooth first" * any(increment.drawn_smooth for increment in result.increments)
+    more = sum(increment.unlisted for increment in result.increments)
+    remarks = f", drawn smooth first ({more} iterates more)" * any(entry.drawn_smooth for entry in result.increments)
     remarks += ", not stable" * any(increment.unstable for increment in result.increments)
     units = f"units as given: {force_unit}, {length_unit}"
     lines = [f"Stage {result.name!r}, iterations per increment: {iterations}{remarks}; {units}"]

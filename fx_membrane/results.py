@@ -26,12 +26,15 @@ class Increment(NamedTuple):
         drawn_smooth: Whether these begin with what an artificial tension in the structure came to while it was faded
             out, since the solver found no way from the last increment.
         unstable: Whether the equilibrium is not stable, as far as the solver looked (see `stability`).
+        unlisted: Number of iterates that are not among `iterations`: of tries that came to nothing, and of those that
+            drew the structure smooth.
     """
 
     load_factor: float
     iterations: tuple[Iteration, ...]
     drawn_smooth: bool = False
     unstable: bool = False
+    unlisted: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +69,8 @@ class BarResult:
     Attributes:
         strain: Green-Lagrange strain, shape (cells,) [-].
         force: Axial force in the current shape, tension positive, shape (cells,) [N].
-        slack: Which cells are slack, shape (cells,); masts never are, nor cables with `compression_stiffness=1`.
+        slack: Which cells carry no tension, shape (cells,); masts do not count, nor cables with
+            `compression_stiffness=1`.
     """
 
     strain: Array

@@ -11,6 +11,7 @@ from petsc4py import PETSc
 from .problem import Problem
 
 ROUNDING = 1e-14
+FALLEN = 0.5  # displacement, in sizes of the structure, beyond which it has fallen or snapped into another shape
 FAR = 1e3  # displacements beyond so many sizes of the structure are no solution
 
 
@@ -44,6 +45,8 @@ class Solution:
         drawn_smooth: Whether the start of the iterates is not the one given, but what an artificial tension in the
             structure came to while it was faded out.
         unstable: Whether the equilibrium found is not stable, and no stable one was found from there.
+        unlisted: Number of iterates that are not among `iterations`: of tries that came to nothing, and of those that
+            drew the structure smooth.
     """
 
     converged: bool
@@ -52,6 +55,7 @@ class Solution:
     retry: bool = False
     drawn_smooth: bool = False
     unstable: bool = False
+    unlisted: int = 0
 
 
 Monitor = Callable[[int, Iteration], None]

@@ -144,6 +144,8 @@ def test_cables_that_slacken():
         ((arch(), PUSH, 1.0, (9, "z", 0.1)), r"^trace displacement names node 9, which does not exist"),
         ((arch(), PUSH, 1.0, (1, "w", 0.1)), r"^trace displacement component is 'w'"),
         ((arch(), PUSH, 1.0, (1, "xz", 0.1)), r"^trace displacement names several components"),
+        ((arch(), PUSH, 1.0, (2, "z", 0.1)), r"^trace displacement names component 'z' of node 2, which is held"),
+        ((arch(), PUSH, 1.0, (1, "y", 0.1)), r"^trace displacement names component 'y' of node 1, which is held"),
         ((arch(), PUSH, 1.0, (1, "z", np.nan)), r"^trace displacement value is nan"),
         ((arch(), PUSH, 1.0, None, 0), r"^trace max_points is 0"),
         ((arch(), PUSH, 1.0, None, 9, -1.0), r"^trace rtol is -1.0"),
@@ -211,6 +213,22 @@ def test_factorizations_are_one_for_each_iteration_and_one_for_each_point(monkey
     path = trace(arch(), Stage("push", PUSH.loads, steps=40), 0.5, max_points=10)
     iterations = sum(len(point.iterations) - 1 for point in path.points)
     assert len(count) == iterations + len(path.points)
+
+
+def test_ends_where_a_component_is_that_the_stage_moves():
+    drive = Stage("drive", displacements=[PrescribedDisplacement(1, (0, 0, -0.6), "z")], steps=5)
+    path = trace(arch(), drive, displacement=(1, "z", -0.45))
+    assert path.complete
+    assert path.load_factors[-1] == pytest.approx(0.75, rel=1e-13)
+
+
+@pytest.mark.parametrize("steps", [7, 10, 16])  # of seven and ten, the sum is one but for rounding
+def test_last_point_comes_once(steps):
+    drive = Stage("drive", displacements=[PrescribedDisplacement(1, (0, 0, -0.6), "z")], steps=steps)
+    path = trace(arch(), drive)
+    assert path.complete
+    assert path.load_factors == pytest.approx(np.arange(steps + 1) / steps, abs=1e-14)
+    assert path.load_factors[-1] == 1.0
 
 
 def test_displacement_driven_stage_holds_what_it_moves():

@@ -58,13 +58,42 @@ def test_compressed_mast_in_the_middle_of_a_weak_cable_is_unstable():
     assert abs(motion[1, 0]) < 1e-6
 
 
-def test_pressure_counts_by_its_symmetric_part():
-    structure = Structure(POINTS, sheet(1e3).parts, [Support(EDGE[POINTS[EDGE, 0] < -0.9])])
-    problem = Problem(structure)
-    zero = np.zeros(POINTS.shape)
-    problem.apply(Actions(zero, structure.supported, zero, {"fabric": np.full(len(TRIANGLES), 100.0)}))
-    x = problem.discretization.create_vector()
-    assert np.isfinite(softest(problem, x, 1e-3).stiffness)
+def dense(problem, motion):
+    """The tangent at rest as an array, of the components that are free; and those of a motion."""
+    discretization = problem.discretization
+    A, b, x = discretization.create_matrix(), discretization.create_vector(), discretization.create_vector()
+    problem.tangent(x, A)
+    free = ~discretization.structure.supported
+    columns = []
+    for component in np.flatnonzero(free):
+        unit = np.zeros(free.shape)
+        unit.flat[component] = 1.0
+        A.mult(discretization.distribute(unit), b)
+        columns.append(discretization.gather(b)[free])
+    return np.stack(columns, axis=1), discretization.gather(motion)[free]
+
+
+@pytest.mark.parametrize(
+    ("held", "negative"), [([0, 4, 20, 24], 0), (EDGE[POINTS[EDGE, 0] < -0.9], 1)], ids=["corners", "one side"]
+)
+def test_pressure_counts_by_its_symmetric_part(held, negative):
+    # The forces of a pressure at free edges leave the tangent A unsymmetric. Its own eigenvalues are above zero in both
+    # cases; of its lower triangle alone, which a factorization might read, one is negative in both.
+    structure = Structure(POINTS, sheet(1e3).parts, [Support(held)])
+    problem, zero = Problem(structure), np.zeros(POINTS.shape)
+    problem.apply(Actions(zero, structure.supported, zero, {"fabric": np.full(len(TRIANGLES), 1.2e4)}))
+    result = softest(problem, problem.discretization.create_vector(), 0.0)
+    A, motion = dense(problem, result.motion)
+    eigenvalues = np.linalg.eigvalsh((A + A.T) / 2)
+    assert np.count_nonzero(eigenvalues < 0) == negative == result.negative
+    lowest = np.abs(eigenvalues).min()
+    assert motion @ A @ motion == pytest.approx(lowest, rel=1e-4)
+    own = np.linalg.eigvals(A).real
+    assert (own > 1.5 * lowest).all()
+    lower = np.tril(A) + np.tril(A, -1).T
+    assert np.count_nonzero(np.linalg.eigvalsh(lower) < 0) == 1
+    work = problem.tension_work(result.motion)
+    assert result.stiffness == pytest.approx(motion @ A @ motion / work, rel=1e-9)
 
 
 def test_what_wrinkles_keep_is_tolerated():

@@ -70,6 +70,13 @@ def test_linear_failure_of_a_mechanism_without_a_loose_node():
     assert "mechanism" in linear_failure(problem, A)
 
 
+def lifted(height):
+    """Nothing but a prescribed displacement of one corner."""
+    displacement = np.zeros(POINTS.shape)
+    displacement[0, 2] = height
+    return Actions(np.zeros(POINTS.shape), sheet(1e3).supported, displacement)
+
+
 @pytest.mark.parametrize(
     ("displacement", "words"),
     [
@@ -80,10 +87,25 @@ def test_linear_failure_of_a_mechanism_without_a_loose_node():
 )
 def test_stalled(displacement, words):
     problem = Problem(sheet(1e3))
+    problem.apply(lifted(1e-3))
     x = problem.discretization.distribute(np.full(POINTS.shape, displacement))
     message = stalled(problem, x, iterations=30, residual=2.5, at_rounding=False)
     assert words in message
     assert "steps=..." in message
+
+
+def test_more_steps_are_not_advised_where_nothing_is_applied():
+    problem = Problem(sheet(1e3))
+    problem.apply(lifted(0.0))
+    x, A = problem.discretization.create_vector(), problem.discretization.create_matrix()
+    message = stalled(problem, x, iterations=30, residual=2.5, at_rounding=False)
+    assert "steps=" not in message
+    assert "nothing is applied" in message
+    assert "force_density" in message
+    problem.tangent(x, A)
+    assert "steps=" not in linear_failure(problem, A)
+    problem.apply(lifted(1e-3))
+    assert "steps=" in linear_failure(problem, A)
 
 
 def test_stalled_at_rounding_advises_another_tolerance():

@@ -5,6 +5,7 @@ import pytest
 
 from fx_membrane import (
     Analysis,
+    Cable,
     ConvergenceError,
     DeadLoad,
     Mast,
@@ -15,6 +16,7 @@ from fx_membrane import (
     Structure,
     Support,
     UnstableStateWarning,
+    newton,
 )
 from fx_membrane.analysis import HALVINGS
 from models import LIFT, LIMIT, POINTS, SNOW, TOO_MUCH, arch, rotation, same_state, sheet
@@ -123,6 +125,25 @@ def test_bad_stage_is_refused_before_anything_is_solved():
     short = Analysis(sheet(), Newton(max_iterations=1, line_search=False))  # would fail in the first stage
     with pytest.raises(ValueError, match="node 99"):
         short.run([Stage("snow", [SNOW]), Stage("wind", [PointLoad(99, (0, 0, 1))])])
+
+
+@pytest.mark.parametrize("masts", [2, 4])
+def test_frame_that_sways_is_given_up_after_one_try(masts, monkeypatch):
+    """Hinged masts with cables between their tops: pushed aside they fall, on their way down at every load."""
+    feet = np.array([[0.0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0]])[:masts]
+    tops = np.arange(masts, 2 * masts)
+    ties = np.column_stack([tops, np.roll(tops, -1)])[: 1 if masts == 2 else 4]
+    parts = {
+        "masts": Mast(np.column_stack([np.arange(masts), tops]), 1e6),
+        "ties": Cable(ties, 1e5, prestress=0.0 if masts == 2 else 100.0),
+    }
+    supports = [Support(range(masts)), *([Support(tops, "y")] if masts == 2 else [])]
+    structure = Structure(np.vstack([feet, np.add(feet, [0, 0, 3.0])]), parts, supports)
+    monkeypatch.setattr(newton._NewtonRaphson, "draw_smooth", lambda *_: pytest.fail("is of no use here"))
+    with pytest.raises(ConvergenceError, match=r"the structure is a mechanism: node \d moves freely") as error:
+        Analysis(structure).run([Stage("push", [PointLoad(masts, (10.0, 0, 0))])])
+    assert error.value.failed.load_factor == 1
+    assert len(error.value.failed.iterations) == 1 + Newton().max_iterations
 
 
 def test_column_that_falls_over_is_reported():

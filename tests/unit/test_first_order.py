@@ -258,12 +258,21 @@ def test_monitor_is_told_each_iterate():
     assert again.iterations[1].energy == pytest.approx(solution.iterations[1].energy, rel=1e-12)
 
 
-@pytest.mark.parametrize("solver", [ConjugateGradient(max_iterations=3), SteepestDescent(max_iterations=3)])
-def test_too_few_iterations(solver):
+@pytest.mark.parametrize(
+    ("solver", "helpful"),
+    [
+        (ConjugateGradient(max_iterations=3), 'Newton() or preconditioner="tangent".'),
+        (ConjugateGradient(preconditioner="tangent", max_iterations=3), "Newton()."),
+        (SteepestDescent(max_iterations=3), 'Newton() or ConjugateGradient() or preconditioner="tangent".'),
+        (SteepestDescent("tangent", max_iterations=3), "Newton() or ConjugateGradient()."),
+    ],
+    ids=["CG", "CG tangent", "SD", "SD tangent"],
+)
+def test_too_few_iterations(solver, helpful):
     with pytest.raises(ConvergenceError, match=r"after 3 iterations .* First-order methods are slow") as error:
         Analysis(sheet(), solver).run([Stage("snow", [SNOW])])
     assert f"{type(solver).__name__}(max_iterations=...)" in str(error.value)
-    assert 'preconditioner="tangent"' in str(error.value)
+    assert f"fewer iterations are needed with {helpful}" in str(error.value)
     assert len(error.value.failed.iterations) == 4
     assert error.value.failed.load_factor == 1  # smaller increments would not be faster
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from petsc4py import PETSc
 
-from fx_membrane import Analysis, ConvergenceError, Newton, Pressure, Stage
-from fx_membrane.newton import DECAY, FIRST
+from fx_membrane import Analysis, ConvergenceError, Newton, Pressure, Stage, newton, report
+from fx_membrane.newton import DECAY, FADING, FIRST
 from fx_membrane.problem import Problem
 from models import SNOW, end, sheet
 
@@ -87,12 +87,39 @@ def test_ordinary_sail_finds_its_form_and_carries_snow_and_wind():
     assert prestress.energy == pytest.approx(plain.energy, rel=1e-12)
 
 
-def test_increment_tells_that_the_structure_was_drawn_smooth():
+@pytest.fixture
+def iterates(monkeypatch):
+    """One entry for each iterate, whatever comes of it."""
+    found = []
+    residual = newton._NewtonRaphson.residual
+    monkeypatch.setattr(newton._NewtonRaphson, "residual", lambda *args: found.append(1) or residual(*args))
+    return found
+
+
+def test_increment_tells_that_the_structure_was_drawn_smooth(iterates):
     structure, stages = HARD["pulled"](-0.1, 0.6, 0.0, HARD["FABRIC"])
     (twisted,) = solved(structure, stages)
-    assert [increment.drawn_smooth for increment in twisted.increments] == [True]
+    (increment,) = twisted.increments
+    assert increment.drawn_smooth
+    assert increment.unlisted > Newton().max_iterations  # of the first try
+    assert increment.unlisted + len(increment.iterations) == len(iterates)
+    assert f"drawn smooth first ({increment.unlisted} iterates more)" in report(twisted)
+    iterates.clear()
     (sheared,) = solved(*HARD["pulled"](0.01, 0.0, 0.15, HARD["FABRIC"]))
-    assert [increment.drawn_smooth for increment in sheared.increments] == [False]
+    (increment,) = sheared.increments
+    assert (increment.drawn_smooth, increment.unlisted) == (False, 0)
+    assert len(increment.iterations) == len(iterates)
+    assert "drawn" not in report(sheared)
+
+
+def test_failure_counts_the_iterates_that_drew_the_structure_smooth(iterates):
+    structure, stages = HARD["hypar"](2e3, 20e3, 1.5, [Stage("prestress")])
+    with pytest.raises(ConvergenceError) as error:
+        Analysis(structure, Newton(rtol=1e-14, max_iterations=1)).run(stages)
+    failed = error.value.failed
+    assert len(failed.iterations) == 2
+    assert failed.unlisted > len(FADING)
+    assert failed.unlisted + len(failed.iterations) == len(iterates)
 
 
 def test_plain_newton_draws_nothing_smooth():

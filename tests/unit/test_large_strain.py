@@ -75,6 +75,19 @@ def test_moderate_strain_and_what_is_not_resisted(points, part, x, y):
         stretched(points, part, x, y)
 
 
+@pytest.mark.parametrize(("stretch", "absurd"), [(0.7, False), (0.8, True), (50.0, True)])
+def test_strain_above_one_points_to_the_units(stretch, absurd):
+    """The strain e + e^2 / 2 is 0.945 and 1.12 in the first two."""
+    if MPI.COMM_WORLD.rank:
+        stretched(LINE, Cable([[0, 1]], 1e6), stretch)
+        return
+    with pytest.warns(LargeStrainWarning) as found:
+        stretched(LINE, Cable([[0, 1]], 1e6), stretch)
+    words = str(found[0].message)
+    assert ("Units are probably mixed" in words) == absurd
+    assert ("rough values" in words) != absurd
+
+
 def test_most_strained_part_and_the_number_of_others_are_named():
     points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 3, 0]])
     parts = {"short": Cable([[0, 1]], 1e6), "long": Cable([[0, 2], [2, 3]], 1e6)}

@@ -51,6 +51,32 @@ def test_parts_without_mass_follow():
     assert np.linalg.norm(modes.shapes[:, 1], axis=1) == pytest.approx((MASS * L / 3) ** -0.5, rel=1e-12)
 
 
+@pytest.mark.parametrize("count", [4, 10])
+@pytest.mark.parametrize("stiffness", [1.0, 1e6, 1e12])
+def test_no_stiffness_is_no_instability(stiffness, count):
+    """A string without tension has none across: a zero frequency, whatever rounding leaves."""
+    nodes = np.arange(count + 1)
+    line = np.linspace([0.0, 0.1, 0.3], [2.0, 0.7, 1.2], count + 1)
+    string = Cable(np.column_stack([nodes[:-1], nodes[1:]]), stiffness, mass=1.0)
+    state = rest(Structure(line, {"string": string}, [Support([0, count])]))
+    across = 2 * (count - 1)
+    modes = natural_frequencies(state, across + 1)
+    assert not modes.growth.any()
+    assert not modes.frequencies[:across].any()
+    along = 0.5 / np.linalg.norm(line[-1] - line[0]) * stiffness**0.5
+    assert modes.frequencies[across] == pytest.approx(along, rel=0.03)
+    assert not stability(state, across).stiffnesses.any()
+
+
+@pytest.mark.parametrize("prestress", [1e-6, -1e-6])
+def test_little_stiffness_is_not_taken_for_none(prestress):
+    nodes = np.arange(5)
+    bars = Mast(np.column_stack([nodes[:-1], nodes[1:]]), 1e6, prestress=prestress, mass=1.0)
+    modes = natural_frequencies(rest(Structure(np.outer(nodes, [0.5, 0, 0]), {"bars": bars}, [Support([0, 4])])), 6)
+    assert (modes.frequencies > 0).all() == (prestress > 0)
+    assert (modes.growth > 0).all() == (prestress < 0)
+
+
 def test_more_modes_than_there_are():
     state = rest(guyed())
     with pytest.raises(ValueError, match="count is 4, but 3 components with mass can move"):

@@ -14,6 +14,7 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
+    report,
 )
 from fx_membrane.slackness import slack_parts
 
@@ -34,6 +35,28 @@ def test_parts_that_are_slack_are_named():
 
 def test_nothing_is_said_where_all_is_taut():
     assert slack_parts(state(0.0)) == ""
+
+
+def idle(prestress=0.0, stiffness=1e6, **data):
+    """The cables in the shape they were given, under no load."""
+    cables = Cable([[0, 1], [1, 2], [1, 3]], stiffness, prestress, **data)
+    structure = Structure(POINTS, {"net": cables}, [Support([0, 2, 3]), Support(1, "z")])
+    return Analysis(structure).run([Stage("rest")])["rest"]
+
+
+def test_cables_without_force_are_slack():
+    state = idle()
+    assert state.cable("net").slack.all()
+    assert "'net' is slack in 3 of 3 cells" in slack_parts(state)
+    assert "3 of 3 cells slack" in report(state)
+    assert idle(stiffness=1e12).cable("net").slack.all()
+
+
+def test_what_has_little_force_or_carries_compression_is_not_slack():
+    assert not idle([1e-6, 1e-6, 0.0]).cable("net").slack[:2].any()
+    assert not idle(compression_stiffness=1.0).cable("net").slack.any()
+    bar = Structure(POINTS[:2], {"mast": Mast([[0, 1]], 1e6)}, [Support([0, 1])])
+    assert not Analysis(bar).run([Stage("rest")])["rest"].mast("mast").slack.any()
 
 
 def test_failure_names_slack_parts():
