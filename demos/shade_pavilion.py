@@ -18,7 +18,8 @@ from fx_membrane import (
 )  # fmt: skip
 
 folder = Path("output/shade_pavilion")
-say = print if MPI.COMM_WORLD.rank == 0 else (lambda *_: None)
+shown = __name__ == "__main__"  # not where `solvers.py` takes the structure from here
+say = print if shown and MPI.COMM_WORLD.rank == 0 else (lambda *_: None)
 
 # %% [markdown]
 # ## Form finding
@@ -109,7 +110,7 @@ for result in results.values():
 # ## Figures 12 to 19, mirrored about x = 0
 
 # %%
-if "--no-pictures" not in sys.argv:
+if shown and "--no-pictures" not in sys.argv:
     plan, iso = {"net": branches, "cables": branches[q == 10.0]}, (1.5, -2.0, 1.3)
     plot.wireframe(found.points, plan, folder / "fig12_plan.png", labels=range(247), first=1)
     plot.wireframe(found.points, plan, folder / "fig13_isometric.png", view=iso, labels=range(247), first=1)
