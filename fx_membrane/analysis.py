@@ -42,11 +42,21 @@ class ConvergenceError(RuntimeError):
         last: The last converged state of the stage that failed: that of its last increment that converged, or else
             the state it started from.
         failed: The increment that did not converge, with its iterations.
+        motion: Where the structure is a mechanism, how its nodes move freely, the largest displacement of size one,
+            shape (n, 3); None otherwise. `plot.contours(error.last, {"free motion": np.linalg.norm(error.motion,
+            axis=1)}, path)` shows it.
     """
 
-    def __init__(self, message: str, results: StageResults, last: StageResult, failed: Increment):
+    def __init__(
+        self,
+        message: str,
+        results: StageResults,
+        last: StageResult,
+        failed: Increment,
+        motion: NDArray[np.float64] | None = None,
+    ):
         super().__init__(message)
-        self.results, self.last, self.failed = results, last, failed
+        self.results, self.last, self.failed, self.motion = results, last, failed, motion
 
 
 class UnstableStateWarning(UserWarning):
@@ -160,7 +170,7 @@ class Analysis:
                         f"Stage {stage.name!r} found no equilibrium at load factor {float(factor):.6g} "
                         f"(the last found is at {float(state.factor):.6g}): {solution.reason}{slack}"
                     )
-                    raise ConvergenceError(message, results, last, increment)
+                    raise ConvergenceError(message, results, last, increment, solution.motion)
         return self._result(stage, start, end, state)
 
     def _slack(self, stage: Stage, x: PETSc.Vec, actions: Actions) -> str:

@@ -1,7 +1,10 @@
 """Why a solve failed, in words, and what to try."""
 
+from typing import NamedTuple
+
 import numpy as np
 from mpi4py import MPI
+from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from .curvature import WEAK, softest
@@ -28,22 +31,36 @@ def linear_failure(problem: Problem, A: PETSc.Mat) -> str:
     )
 
 
-def mechanism(problem: Problem, x: PETSc.Vec) -> str:
-    """Which nodes move freely in a state, in words; nothing where none does."""
+class Mechanism(NamedTuple):
+    """A motion without resistance.
+
+    Attributes:
+        motion: Displacements of the nodes, the largest of size one, shape (n, 3).
+        words: Which nodes move, where, and what to do about it.
+    """
+
+    motion: NDArray[np.float64]
+    words: str
+
+
+def mechanism(problem: Problem, x: PETSc.Vec) -> Mechanism | None:
+    """The free motion of a structure in a state; None where every motion meets with resistance."""
     found = softest(problem, x, WEAK)
     # Written so that a number that is not one is no mechanism.
     if not abs(found.stiffness) < WEAK:
-        return ""
+        return None
     motion = problem.discretization.gather(found.motion)
     sizes = np.linalg.norm(motion, axis=1)
     most = int(sizes.argmax())
-    direction = ", ".join(f"{component + 0.0:.3g}" for component in motion[most] / sizes[most])
+    motion /= sizes[most]
+    direction = ", ".join(f"{component + 0.0:.3g}" for component in motion[most])
     also = int((sizes > 0.1 * sizes[most]).sum()) - 1
-    return (
+    words = (
         f"the structure is a mechanism: node {most} moves freely in the direction ({direction})"
         + (f", and {also} more nodes with it" if also else "")
         + ". Add supports, members or prestress that hold it."
     )
+    return Mechanism(motion, words)
 
 
 def unlikely_units(problem: Problem, x: PETSc.Vec) -> str:

@@ -124,8 +124,13 @@ class _NewtonRaphson:
             second = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
             if second.converged and not self.collapsed(x):
                 return replace(self.made_stable(x, second), drawn_smooth=True)
-        reason = (free or solution.reason) + unlikely_units(self.problem, start)
-        return replace(solution, reason=reason, retry=solution.retry and not free)
+        reason = free.words if free else solution.reason
+        return replace(
+            solution,
+            reason=reason + unlikely_units(self.problem, start),
+            retry=solution.retry and not free,
+            motion=free.motion if free else None,
+        )
 
     def collapsed(self, x: PETSc.Vec) -> bool:
         """Whether a cell has shrunk to nothing: where nothing else holds a structure, artificial tension does that."""

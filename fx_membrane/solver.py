@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from .problem import Problem
@@ -47,6 +48,8 @@ class Solution:
         unstable: Whether the equilibrium found is not stable, and no stable one was found from there.
         unlisted: Number of iterates that are not among `iterations`: of tries that came to nothing, and of those that
             drew the structure smooth.
+        motion: Where it failed because the structure is a mechanism, the free motion, its largest displacement of size
+            one, shape (n, 3).
     """
 
     converged: bool
@@ -56,6 +59,7 @@ class Solution:
     drawn_smooth: bool = False
     unstable: bool = False
     unlisted: int = 0
+    motion: NDArray[np.float64] | None = None
 
 
 Monitor = Callable[[int, Iteration], None]

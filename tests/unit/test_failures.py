@@ -142,6 +142,14 @@ def test_frame_that_sways_is_given_up_after_one_try(masts, monkeypatch):
     monkeypatch.setattr(newton._NewtonRaphson, "draw_smooth", lambda *_: pytest.fail("is of no use here"))
     with pytest.raises(ConvergenceError, match=r"the structure is a mechanism: node \d moves freely") as error:
         Analysis(structure).run([Stage("push", [PointLoad(masts, (10.0, 0, 0))])])
+    motion = error.value.motion
+    assert np.linalg.norm(motion, axis=1).max() == pytest.approx(1)
+    assert motion[:masts] == pytest.approx(0)  # the feet
+    # Nothing gets longer or shorter to first order.
+    for part in parts.values():
+        ends = structure.points[part.cells], motion[part.cells]
+        along, apart = (np.diff(end, axis=1)[:, 0] for end in ends)
+        np.testing.assert_allclose(np.sum(along * apart, axis=1), 0, rtol=0, atol=1e-6)
     assert error.value.failed.load_factor == 1
     assert len(error.value.failed.iterations) == 1 + Newton().max_iterations
 
