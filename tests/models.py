@@ -1,13 +1,15 @@
-"""Structures that several tests use, a square sheet and an arch that snaps through, and comparisons of states."""
+"""Structures that several tests use: a square sheet, an arch that snaps through, one of all parts; and comparisons."""
 
 import numpy as np
 import pytest
 
 from fx_membrane import (
+    Cable,
     DeadLoad,
     Fabric,
     Mast,
     Membrane,
+    OrthotropicFabric,
     PrescribedDisplacement,
     Stage,
     Structure,
@@ -60,6 +62,22 @@ def arch(supports=(Support([0, 2]), Support(1, "y"))):
 
 # The largest load on it: the force EA (h^2 - z^2) / l^2 z / l, twice, at z = h / sqrt(3).
 LIMIT = 2 / 3**1.5 * 1e6 * 0.3**3 / 1.09**1.5
+
+
+# All kinds of parts: two fabrics side by side, an edge cable, a mast under the middle.
+FOOT = 9
+_points, _triangles = rectangle(2.0, 1.0, 2, 2)
+_woven = OrthotropicFabric(Et_warp=1e3, Et_weft=3e3, nu=0.2, Gt=4e2)
+MIXED = Structure(
+    np.vstack([_points, [[0, 0, -1]]]),
+    {
+        "fabric": Membrane(_triangles[:4], Fabric(Et=2e3, nu=0.3), prestress=50.0),
+        "woven": Membrane(_triangles[4:], _woven, prestress=(40.0, 60.0), warp=(1, 0.5, 0)),
+        "edge": Cable([[0, 1], [1, 2]], 5e3, prestress=[70.0, 80.0]),
+        "mast": Mast([[FOOT, 4]], 9e3, prestress=-30.0),
+    },
+    [Support([0, 2], "xyz"), Support(FOOT, "xy")],
+)
 
 
 def close(a, b):

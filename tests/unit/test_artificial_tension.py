@@ -3,34 +3,22 @@
 import numpy as np
 import pytest
 
-from fx_membrane import Cable, Fabric, Mast, Membrane, OrthotropicFabric, Structure, Support, rectangle
 from fx_membrane.problem import Actions, Problem
+from models import FOOT, MIXED
 from taylor import remainders
 
-POINTS, TRIANGLES = rectangle(2.0, 1.0, 2, 2)
-POINTS = np.vstack([POINTS, [[0, 0, -1]]])
-TOP, FOOT = 4, 9
+POINTS = MIXED.points
 TENSION = 0.3
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def structure():
-    woven = OrthotropicFabric(Et_warp=1e3, Et_weft=3e3, nu=0.2, Gt=4e2)
-    return Structure(
-        POINTS,
-        {
-            "fabric": Membrane(TRIANGLES[:4], Fabric(Et=2e3, nu=0.3), prestress=50.0),
-            "woven": Membrane(TRIANGLES[4:], woven, prestress=(40.0, 60.0), warp=(1, 0.5, 0)),
-            "edge": Cable([[0, 1], [1, 2]], 5e3, prestress=[70.0, 80.0]),
-            "mast": Mast([[FOOT, TOP]], 9e3, prestress=-30.0),
-        },
-        [Support([0, 2], "xyz"), Support(FOOT, "xy")],
-    )
+    return MIXED
 
 
 @pytest.fixture
-def problem(structure):
-    return Problem(structure)
+def problem():
+    return Problem(MIXED)
 
 
 def state(seed, size=0.1):

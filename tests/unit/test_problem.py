@@ -3,33 +3,22 @@
 import numpy as np
 import pytest
 
-from fx_membrane import Cable, Fabric, Mast, Membrane, OrthotropicFabric, Structure, Support, rectangle
+from fx_membrane import Cable, Structure, Support
 from fx_membrane.geometry import measures
 from fx_membrane.problem import Actions, Problem
+from models import MIXED
 
-POINTS, TRIANGLES = rectangle(2.0, 1.0, 2, 2)
-POINTS = np.vstack([POINTS, [[0, 0, -1]]])  # foot of the mast
-TOP, FOOT = 4, 9
-
-
-@pytest.fixture(scope="module")
-def structure():
-    woven = OrthotropicFabric(Et_warp=3e3, Et_weft=1e3, nu=0.2, Gt=4e2)
-    return Structure(
-        POINTS,
-        {
-            "fabric": Membrane(TRIANGLES[:4], Fabric(Et=2e3, nu=0.3), prestress=50.0),
-            "woven": Membrane(TRIANGLES[4:], woven, prestress=(40.0, 60.0), warp=(1, 0.5, 0)),
-            "edge": Cable([[0, 1], [1, 2]], 5e3, prestress=[70.0, 80.0]),
-            "mast": Mast([[FOOT, TOP]], 9e3, prestress=-30.0),
-        },
-        [Support([0, 2], "xyz"), Support(FOOT, "xy")],
-    )
+POINTS = MIXED.points
 
 
 @pytest.fixture
-def problem(structure):
-    return Problem(structure)
+def structure():
+    return MIXED
+
+
+@pytest.fixture
+def problem():
+    return Problem(MIXED)
 
 
 def state(seed, size):
