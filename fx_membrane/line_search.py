@@ -66,7 +66,12 @@ def search(along: Callable[[float], Point], rounding: float, flatness: float = 0
 
 
 def line(problem: Problem, start: PETSc.Vec, step: PETSc.Vec, first: Point | None = None) -> Callable[[float], Point]:
-    """Energy and slope along a step from a start, the work of pressures included; first, if known, is at the start."""
+    """Energy and slope along a step from a start; first, if known, is at the start.
+
+    The slope is the residual along the step. Where a pressure has no potential the search is for a zero of that, as in
+    H. Matthies, G. Strang, Int. J. Numer. Methods Eng. 14 (1979) 1613-1626, and the energy, with the work of the
+    pressure since the start, is its integral.
+    """
     energy = problem.energy_along(start, step)
     x, b = start.duplicate(), start.duplicate()
 

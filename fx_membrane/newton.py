@@ -5,7 +5,8 @@ without prestress has no stiffness across at all. Three things make Newton's met
 
 - a line search on the total potential energy shortens steps that overshoot;
 - where the tangent has negative curvature or none (the signs of the pivots tell) or steps are short, an artificial
-  tension is added to it, as little as helps; it changes the way, not the goal;
+  tension is added to it, as little as helps; it changes the way, not the goal, and falls with the residual: pseudo-
+  transient continuation (C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508-523) with a tension for a mass;
 - where that does not get there either, an artificial tension in the structure itself draws it smooth, and is faded out.
 """
 
