@@ -39,6 +39,7 @@ from fx_membrane import (
     Structure,
     Support,
     boundary,
+    force_density,
     rectangle,
 )
 from fx_membrane.problem import Problem
@@ -160,6 +161,25 @@ def tent(force: float, fabric_prestress: float, load: float, n: int = 12) -> Cas
     return Structure(points, parts, supports), [Stage("prestress"), snow, wind]
 
 
+def slack_roof(move: float, load: float, n: int = 8) -> Case:
+    """Roof of 8 m by 8 m between two high and two low corners, its low ones let in and up: slack all over."""
+    plan, triangles = rectangle(8.0, 8.0, n, n)
+    node = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
+    low, high = [node[0, -1], node[-1, 0]], [node[0, 0], node[-1, -1]]
+    plan[high, 2] = 2.0
+    inner = np.vstack([path(line) for line in (*node[1:-1], *node.T[1:-1])])
+    rim = np.vstack([path(line) for line in (node[0], node[-1], node[:, 0], node[:, -1])])
+    densities = np.repeat([1.0, 10.0], [len(inner), len(rim)])
+    form = force_density(plan, np.vstack([inner, rim]), densities, [Support(low + high)])
+    parts = {
+        "fabric": Membrane(triangles, FABRIC, prestress=10.0),
+        "cables": Cable(rim, axial_stiffness=12e6, prestress=100.0),
+    }
+    let_in = [PrescribedDisplacement(corner, -move * np.sign(plan[corner] - (0, 0, 1))) for corner in low]
+    weight = DeadLoad((0, 0, -load), "fabric")
+    return Structure(form.points, parts, [Support(high)]), [Stage("weight", [weight], let_in)]
+
+
 def service(load: float) -> list[Stage]:
     """Prestress, then snow, wind suction and a point load."""
     return [
@@ -216,6 +236,8 @@ def cables_clamps_masts() -> Iterator[tuple[str, Callable[[], Case]]]:
     for sag in (0.0, 0.5, 2.0):
         for load in (1.0, 1e3):
             yield f"hanging cable, waves of {sag:g}, weight {load:g}", lambda s=sag, q=load: hanging(s, q)
+    for move in (0.05, 0.2):
+        yield f"slack roof, let in by {move:g}, its own weight", lambda m=move: slack_roof(m, 10.0)
     for fabric, name in ((FABRIC, "sheet"), (WOVEN, "woven sheet")):
         yield f"{name}, sheared", lambda f=fabric: pulled(0.01, 0.0, 0.15, f)
         yield f"{name}, sheared and shortened", lambda f=fabric: pulled(-0.02, 0.0, 0.3, f)

@@ -87,6 +87,18 @@ def test_ordinary_sail_finds_its_form_and_carries_snow_and_wind():
     assert prestress.energy == pytest.approx(plain.energy, rel=1e-12)
 
 
+@pytest.mark.parametrize("move", [0.05, 0.2])
+def test_slack_roof_hangs_by_its_own_weight(move):
+    structure, stages = HARD["slack_roof"](move, 10.0)
+    (weight,) = solved(structure, stages)
+    assert not (weight.membrane("fabric").state == "taut").all()
+    assert (weight.cable("cables").force > 0).all()
+    # Full steps fall into the same shape.
+    plain = Analysis(structure, PLAIN).run(stages)["weight"]
+    assert weight.displacement == pytest.approx(plain.displacement, abs=1e-6 * np.abs(plain.displacement).max())
+    assert weight.energy == pytest.approx(plain.energy, rel=1e-10)
+
+
 @pytest.fixture
 def iterates(monkeypatch):
     """One entry for each iterate, whatever comes of it."""
