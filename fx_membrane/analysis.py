@@ -60,7 +60,7 @@ class ConvergenceError(RuntimeError):
 
 
 class UnstableStateWarning(UserWarning):
-    """An equilibrium that is not stable, or a structure that fell into another shape on the way to a stable one."""
+    """An equilibrium that is not stable, or one that is very far from where the increment of load began."""
 
 
 class Analysis:
@@ -68,8 +68,9 @@ class Analysis:
 
     An increment that does not converge is halved, up to eight times, unless that cannot help (a stage that applies
     nothing; a mechanism; a first-order method that ran out of iterations); after one that does, the next is twice as
-    long, up to what the stage asks for. An increment in which a node moves by more than half the size of the structure
-    is reported by an `UnstableStateWarning`: the structure has fallen or snapped into another shape.
+    long, up to what the stage asks for. The first increment of a stage in which a node moves by more than half the size
+    of the structure is reported by an `UnstableStateWarning`: the structure has fallen, snapped, hung down or been
+    stretched into quite another shape.
 
     Args:
         structure: The structure.
@@ -145,6 +146,7 @@ class Analysis:
         """Load increments of a stage from a converged state, between the actions at its start and its end."""
         full = Fraction(1, stage.steps)
         x = self._problem.discretization.distribute(state.displacement)
+        far = False
         with _ProgressBar(stage.name, state.factor, shown=self._comm.rank == 0) as bar:
             while state.factor < 1:
                 factor = min(state.factor + state.size, Fraction(1))
@@ -156,7 +158,8 @@ class Analysis:
                     _warn_of_unstable_state(stage.name, factor)
                 if solution.converged:
                     shape = self._problem.discretization.gather(x)
-                    _warn_of_fall(stage.name, factor, self.structure, shape - state.displacement, end.held)
+                    moved = shape - state.displacement
+                    far = far or _warn_of_fall(stage.name, factor, self.structure, moved, end.held)
                     state = Progress(shape, factor, min(2 * state.size, full), (*state.increments, increment))
                     save(stage.name, state)
                     bar.increment(factor)
@@ -198,18 +201,21 @@ def _warn_of_unstable_state(name: str, factor: Fraction) -> None:
 
 def _warn_of_fall(
     name: str, factor: Fraction, structure: Structure, motion: NDArray[np.float64], held: NDArray[np.bool_]
-) -> None:
-    """Warns where a node moved very far in one increment, further than what is moved by prescription."""
+) -> bool:
+    """Warns where a node moved very far in one increment, further than what is moved by prescription; whether it did."""
     moved, given = (np.linalg.norm(np.where(where, motion, 0.0), axis=1) for where in (~held, held))
     node = int(moved.argmax())
-    if moved[node] > FALLEN * np.ptp(structure.points, axis=0).max() + given.max():
+    far = bool(moved[node] > FALLEN * np.ptp(structure.points, axis=0).max() + given.max())
+    if far:
         warnings.warn(
             f"Stage {name!r}: up to load factor {float(factor):.6g} node {node} moved by {moved[node]:.3g}, more than "
-            "half the size of the structure: it has fallen or snapped into another shape. Add supports, members or "
-            "prestress if that is not meant; `trace` shows how it gives way.",
+            "half the size of the structure in one increment: it has fallen, snapped, hung down or been stretched into "
+            "quite another shape. If that is not meant, check units and stiffness, and whether something is slack or "
+            "missing; `trace` shows the way there.",
             UnstableStateWarning,
             stacklevel=4,
         )
+    return far
 
 
 class _ProgressBar:

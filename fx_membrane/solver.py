@@ -12,7 +12,7 @@ from petsc4py import PETSc
 from .problem import Problem
 
 ROUNDING = 1e-14
-FALLEN = 0.5  # displacement, in sizes of the structure, beyond which it has fallen or snapped into another shape
+FALLEN = 0.5  # displacement, in sizes of the structure, beyond which it is in quite another shape
 FAR = 1e3  # displacements beyond so many sizes of the structure are no solution
 
 

@@ -1,5 +1,7 @@
 """What is left when a load increment finds no equilibrium, and what the message says."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -160,3 +162,19 @@ def test_column_that_falls_over_is_reported():
     structure = Structure([[0, 0, 0], [0, 0, 1.0], [0, 0, 2.0]], {"column": column}, supports)
     with pytest.warns(UnstableStateWarning, match=r"moved by .*fallen"):
         Analysis(structure).run([Stage("load", [PointLoad(2, (0, 0, -100.0))])])
+
+
+def test_soft_cable_that_is_stretched_far_is_reported_once():
+    points = np.linspace([0.0, 0, 0], [4, 0, 0], 9)
+    rope = Cable(np.column_stack([range(8), range(1, 9)]), 1e3)
+    structure = Structure(points, {"rope": rope}, [Support([0, 8])])
+    stage = Stage("weight", [DeadLoad((0, 0, -1e5), "rope")], steps=4)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        result = Analysis(structure).run([stage])["weight"]
+    said = [str(entry.message) for entry in caught if entry.category is UnstableStateWarning]
+    assert -result.displacement[4, 2] > 4 * 2  # far in more than one of the increments
+    assert len(said) == 1
+    assert "up to load factor 0.25 node 4 moved by" in said[0]
+    assert "hung down or been stretched" in said[0]
+    assert "check units and stiffness" in said[0]
