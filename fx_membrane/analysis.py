@@ -18,7 +18,7 @@ from tqdm import tqdm
 from . import checkpoint, load_case, loads, validation
 from .checkpoint import Progress
 from .first_order import ConjugateGradient, SteepestDescent
-from .large_strain import warn_of_large_strains
+from .large_strain import warn_of_large_prestress, warn_of_large_strains
 from .loads import Stage
 from .newton import Newton
 from .problem import Actions, Problem
@@ -104,9 +104,11 @@ class Analysis:
             ConvergenceError: A load increment found no equilibrium; what was computed before is on the exception.
 
         Warns:
-            LargeStrainWarning: Strains of a stage are above 5 %.
+            LargeStrainWarning: Strains of a stage, or those that belong to the prestress, are above 5 %.
         """
         self._check(stages)
+        if self._comm.rank == 0:
+            warn_of_large_prestress(self.structure, stacklevel=3)
         path = None if checkpoint_file is None else Path(checkpoint_file)
         progress = {} if path is None else checkpoint.load(path, self.structure, stages)
 
@@ -202,7 +204,7 @@ def _warn_of_unstable_state(name: str, factor: Fraction) -> None:
 def _warn_of_fall(
     name: str, factor: Fraction, structure: Structure, motion: NDArray[np.float64], held: NDArray[np.bool_]
 ) -> bool:
-    """Warns where a node moved very far in one increment, further than what is moved by prescription; whether it did."""
+    """Warns where a node moved very far in one increment, further than what is moved by prescription; whether so."""
     moved, given = (np.linalg.norm(np.where(where, motion, 0.0), axis=1) for where in (~held, held))
     node = int(moved.argmax())
     far = bool(moved[node] > FALLEN * np.ptp(structure.points, axis=0).max() + given.max())

@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from .validation import number, positive
 
 
@@ -29,6 +32,10 @@ class Fabric:
     def from_modulus(cls, E: float, nu: float, thickness: float) -> "Fabric":
         """Fabric of a Young's modulus E [Pa], Poisson's ratio nu [-] and a thickness [m]."""
         return cls(positive("Fabric E", E) * positive("Fabric thickness", thickness), nu)
+
+    def strain(self, stress: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Green-Lagrange strains that belong to stresses [N/m] of cells, both of shape (n, 2, 2)."""
+        return _strain(stress, self.Et, self.Et, self.nu, self.Et / (2 * (1 + self.nu)))
 
 
 @dataclass(frozen=True)
@@ -59,3 +66,14 @@ class OrthotropicFabric:
             raise ValueError(
                 f"OrthotropicFabric nu is {self.nu}; with these stiffnesses its magnitude must be below {limit:.6g}."
             )
+
+    def strain(self, stress: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Green-Lagrange strains that belong to stresses [N/m] of cells in the warp/weft frame, both (n, 2, 2)."""
+        return _strain(stress, self.Et_warp, self.Et_weft, self.nu, self.Gt)
+
+
+def _strain(stress: NDArray[np.float64], Et_warp: float, Et_weft: float, nu: float, Gt: float) -> NDArray[np.float64]:
+    strain = stress / (2 * Gt)
+    strain[:, 0, 0] = stress[:, 0, 0] / Et_warp - nu * stress[:, 1, 1] / Et_warp
+    strain[:, 1, 1] = stress[:, 1, 1] / Et_weft - nu * stress[:, 0, 0] / Et_warp
+    return strain

@@ -13,6 +13,7 @@ from fx_membrane import (
     LargeStrainWarning,
     Mast,
     Membrane,
+    OrthotropicFabric,
     PrescribedDisplacement,
     Stage,
     Structure,
@@ -99,3 +100,61 @@ def test_most_strained_part_and_the_number_of_others_are_named():
         analysis.run([Stage("stretch", displacements=[moves])])
     assert len(found) == 1
     assert found[0].filename == __file__  # where the user called
+
+
+def at_rest(part, points=POINTS):
+    """Everything held, the prestress alone."""
+    return Analysis(Structure(points, {"part": part}, [Support(range(len(points)))]), comm=MPI.COMM_SELF).run(
+        [Stage("first"), Stage("second", after="first")]
+    )
+
+
+WOVEN = OrthotropicFabric(Et_warp=2e5, Et_weft=1e5, nu=0.3, Gt=1e4)
+
+
+@pytest.mark.parametrize(
+    ("points", "part", "strain", "advice"),
+    [
+        (POINTS, Membrane(TRIANGLES, Fabric(5e5, 0.3), prestress=2e6), "280", "Units are probably mixed"),
+        (POINTS, membrane(prestress=(1e4, 0.0), warp=(1, 1, 0)), "10", "rough value"),
+        (POINTS, Membrane(TRIANGLES, WOVEN, prestress=(0.0, 1e4), warp=(0, 1, 0)), "10", "rough value"),
+        (POINTS, Membrane(TRIANGLES, WOVEN, prestress=[[0, 2e3], [2e3, 0]], warp=(0, 1, 0)), "10", "rough value"),
+        (LINE, Cable([[0, 1]], 1e6, prestress=6e4), "6", "rough value"),
+        (LINE, Cable([[0, 1]], 1e6, prestress=-6e4), "-6", "too stiff"),
+    ],
+    ids=["isotropic", "one way", "weft", "shear", "cable", "excess"],
+)
+def test_large_prestress(points, part, strain, advice):
+    with pytest.warns(LargeStrainWarning, match=rf"^Part 'part' is prestressed by {strain} %.*{advice}") as found:
+        at_rest(part, points)
+    assert len(found) == 1  # of two stages
+    assert found[0].filename == __file__
+
+
+@pytest.mark.parametrize(
+    ("points", "part"),
+    [(POINTS, membrane(prestress=7e3)), (LINE, Cable([[0, 1]], 1e6, [4e4])), (LINE, Mast([[0, 1]], 1e6, -4e4))],
+    ids=["membrane", "cable", "mast"],
+)
+def test_moderate_prestress(points, part):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        at_rest(part, points)
+
+
+@pytest.mark.parametrize(
+    ("points", "excess"),
+    [(LINE, lambda p: Cable([[0, 1]], 1e6, p * 1e6)), (POINTS, lambda p: membrane(prestress=p * 1e5 / 0.7))],
+    ids=["cable", "membrane"],
+)
+@pytest.mark.parametrize(("stretch", "large"), [(0.08, False), (0.10, True)])
+def test_what_takes_up_an_excess_is_no_strain(points, excess, stretch, large):
+    """The excess is 4 %, strains are 8.3 % and 10.5 % from the reference shape."""
+    if MPI.COMM_WORLD.rank:
+        stretched(points, excess(-0.04), stretch, stretch)
+        return
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always", LargeStrainWarning)
+        stretched(points, excess(-0.04), stretch, stretch)
+    assert any("is strained by 6.5 %" in str(entry.message) for entry in found) == large
+    assert len(found) == large
