@@ -22,7 +22,9 @@ class Membrane:
         prestress: Cauchy stress times thickness in the reference shape [N/m]: a number (isotropic), a pair
             (warp, weft), or a tensor (2, 2) in the warp/weft frame; or one of these per cell, shape (n, 1),
             (n, 2) or (n, 2, 2). Shape (2, 2) is always one tensor. A negative one is an excess of cloth: the cloth is
-            larger than the reference shape, and carries nothing until it is stretched to its own size.
+            larger than the reference shape, and carries nothing until it is stretched to its own size. It is meant for
+            a small excess: stiffness and loads are per size of the reference shape, and cloth with an excess strain E0
+            in all directions is 1 + 2 E0 times as stiff as its data (4 % more with 2 %).
         warp: A vector (3,), or one per cell (n, 3), that projected on the cell gives the warp direction. The weft
             is a right angle further, counter-clockwise about the normal of the cell. Without a warp the global x
             axis is taken, or y where a cell is nearly normal to x, for results only.
@@ -131,7 +133,9 @@ class Cable(Bar):
         axial_stiffness: Young's modulus times cross-section [N].
         prestress: Axial force in the reference shape [N], a number or one per cell, shape (n,). A negative one is
             an excess of length: the cable is slack until it is stretched by the Green-Lagrange strain
-            -prestress / axial_stiffness, about the share by which it is longer than its reference shape.
+            -prestress / axial_stiffness, about the share by which it is longer than its reference shape. It is meant
+            for a small excess: stiffness and loads are per length of the reference shape, and a cable with the excess
+            strain E0 is (1 + 2 E0)^1.5 times as stiff as its data: 6 % more with 2 %, 31 % with 10 %.
         compression_stiffness: Share of the stiffness that is kept where the cable is slack, in (0, 1] [-].
             With 1 it carries compression, and is never called slack.
         mass: Mass per length of the reference shape [kg/m], for `natural_frequencies`; it brings no weight.

@@ -158,3 +158,22 @@ def test_what_takes_up_an_excess_is_no_strain(points, excess, stretch, large):
         stretched(points, excess(-0.04), stretch, stretch)
     assert any("is strained by 6.5 %" in str(entry.message) for entry in found) == large
     assert len(found) == large
+
+
+@pytest.mark.parametrize(("excess", "stiffer"), [(0.02, 1.06), (0.1, 1.31)])
+def test_stiffness_of_a_cable_with_an_excess(excess, stiffer):
+    """As the docstring of `Cable` says: the force at a strain of 1e-6 beyond its own length."""
+    own = np.sqrt(1 + 2 * excess)
+    cable = Cable([[0, 1]], 1e6, prestress=-excess * 1e6)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", LargeStrainWarning)
+        force = stretched(LINE, cable, own * (1 + 1e-6) - 1)["stretch"].cable("part").force[0]
+    assert force == pytest.approx(stiffer, rel=5e-3)
+    assert force == pytest.approx((1 + 2 * excess) ** 1.5, rel=1e-4)
+
+
+def test_stiffness_of_a_membrane_with_an_excess():
+    """As the docstring of `Membrane` says, the same in both directions."""
+    own = np.sqrt(1 + 2 * 0.02) * (1 + 1e-6) - 1
+    result = stretched(POINTS, membrane(prestress=-0.02 * 1e5 / 0.7), own, own)["stretch"]
+    assert result.membrane("part").principal / (1e-6 * 1e5 / 0.7) == pytest.approx(1.04, rel=1e-4)
