@@ -10,7 +10,7 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 from mpi4py import MPI as _MPI  # noqa: F401  (before dolfinx: its wheel from PyPI needs the MPI library loaded)
 
 from . import plot
-from .analysis import Analysis, ConvergenceError, UnstableStateWarning
+from .analysis import Analysis, ConvergenceError
 from .arc_length import ContinuationError, trace
 from .edges import edges_on
 from .equilibrium_path import EquilibriumPath, PathPoint
@@ -25,7 +25,7 @@ from .modes import Modes, Stability, natural_frequencies, stability
 from .newton import Newton
 from .parts import Cable, Mast, Membrane
 from .report import report
-from .results import BarResult, Equilibrium, Increment, MembraneResult, StageResult, StageResults
+from .results import BarResult, Equilibrium, Increment, MembraneResult, StageResult, StageResults, UnstableStateWarning
 from .solver import Iteration
 from .structure import CoincidentNodesWarning, Structure, Support
 from .updated_reference import Form, UnsettledFormWarning, updated_reference

@@ -23,7 +23,7 @@ from .loads import Stage
 from .newton import Newton
 from .problem import Actions, Problem
 from .recorder import Recorder
-from .results import Increment, StageResult, StageResults
+from .results import Increment, StageResult, StageResults, UnstableStateWarning
 from .rigid_motion import check_supports
 from .slackness import hanging_ends, slack_parts
 from .solver import FALLEN, Iteration
@@ -57,10 +57,6 @@ class ConvergenceError(RuntimeError):
     ):
         super().__init__(message)
         self.results, self.last, self.failed, self.motion = results, last, failed, motion
-
-
-class UnstableStateWarning(UserWarning):
-    """An equilibrium that is not stable, or one that is very far from where the increment of load began."""
 
 
 class Analysis:

@@ -14,6 +14,7 @@ Source: E. Riks, An incremental approach to the solution of snapping and bucklin
 """
 
 import math
+import warnings
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -23,11 +24,13 @@ from petsc4py import PETSc
 
 from . import load_case, loads, path_ends, validation
 from .bordered_newton import BorderedNewton, Plane, Point, Step
+from .curvature import softest, tolerated
 from .diagnosis import linear_failure
 from .equilibrium_path import EquilibriumPath, PathPoint
+from .large_strain import warn_of_large_prestress
 from .loads import Stage
 from .problem import Problem
-from .results import StageResult
+from .results import StageResult, UnstableStateWarning
 from .rigid_motion import check_supports
 from .structure import Structure
 
@@ -50,7 +53,7 @@ class ContinuationError(RuntimeError):
 
     def __init__(self, message: str, path: EquilibriumPath):
         super().__init__(message)
-        self.path = path
+        self.path = replace(path, reason=message)
 
 
 def trace(
@@ -87,6 +90,10 @@ def trace(
             supported; an argument is out of its range.
         ContinuationError: The start is not in equilibrium or has a singular tangent, or no next point was found; what
             was found is on the exception.
+
+    Warns:
+        UnstableStateWarning: The start is not stable.
+        LargeStrainWarning: Strains that belong to the prestress of a structure are above 5 %.
     """
     validation.instance("trace start", start, Structure | StageResult)
     validation.instance("trace stage", stage, Stage)
@@ -102,8 +109,10 @@ def trace(
     begin = load_case.taking_hold(before, after, shape)
     fixed = after.held & (after.displacement == begin.displacement)
     ends = path_ends.ends(problem, load_factor, displacement, fixed)
-    path = EquilibriumPath(stage.name, structure, begin, after, (), False)
+    path = EquilibriumPath(stage.name, structure, begin, after, (), False, reason="")
     x = problem.discretization.distribute(shape)
+    if isinstance(start, Structure) and comm.rank == 0:  # a state has been remarked on
+        warn_of_large_prestress(structure, stacklevel=3)
     newton = BorderedNewton(problem, path.start, path.end, x, rtol)
     try:
         return _Tracer(newton, path, 1 / stage.steps).run(x, ends, max_points)
@@ -148,6 +157,7 @@ class _Tracer:
         """The path from a shape on."""
         here = self.start(x)
         self.record(here)
+        self.warn_of_unstable_start(here)
         length = self.share / here.direction.factor
         while not self.path.complete and len(self.path.points) < max_points:
             last = here
@@ -164,7 +174,32 @@ class _Tracer:
             pace = min(math.sqrt(FEW / len(here.point.iterations)), TURN / max(here.turn, 1e-300))
             longest = self.share / max(abs(here.direction.factor), 1e-300)
             length = min(length * min(max(pace, 0.5), 2.0), longest)
-        return self.path
+        return replace(self.path, reason="complete" if self.path.complete else self.too_few_points())
+
+    def too_few_points(self) -> str:
+        """Why a path that is not complete ends without being lost."""
+        factors = self.path.load_factors
+        return (
+            f"ended after {len(factors)} points, the most it was to have (max_points), at load factor "
+            f"{factors[-1]:.6g}; on the way it was between {factors.min():.6g} and {factors.max():.6g}. Allow more "
+            "points, or fewer steps of the stage (steps=...)."
+        )
+
+    def warn_of_unstable_start(self, here: _Arrival) -> None:
+        """Warns where the start is not stable by more than the buckles of wrinkled and slack cells."""
+        problem = self.newton.problem
+        if not here.negative_pivots:
+            return
+        problem.apply(self.path.start)
+        if softest(problem, here.point.x, tolerated(problem)).negative:
+            warnings.warn(
+                f"The path of stage {self.path.name!r} starts from an equilibrium that is not stable (negative "
+                f"pivots: {here.negative_pivots}), and what follows may not be what the structure does; "
+                "stability(state) shows how it gives way. Add supports, members or prestress against that, or start "
+                "from a stable state.",
+                UnstableStateWarning,
+                stacklevel=4,
+            )
 
     def start(self, x: PETSc.Vec) -> _Arrival:
         """Equilibrium at the load factor 0."""

@@ -44,7 +44,9 @@ class EquilibriumPath:
         start: What acts on it at the load factor 0.
         end: What acts on it at the load factor 1.
         points: The states; the first is the start.
-        complete: Whether the path ends where it was to end; else there were as many points as it was to have at most.
+        complete: Whether the path ends where it was to end.
+        reason: In words, why it ends where it does: it is complete, it has as many points as it was to have at most,
+            or, on a `ContinuationError`, what that says.
     """
 
     name: str
@@ -53,6 +55,7 @@ class EquilibriumPath:
     end: Actions
     points: tuple[PathPoint, ...]
     complete: bool
+    reason: str
 
     def __repr__(self) -> str:
         last = f", load factor {self.points[-1].load_factor:.4g}" if self.points else ""

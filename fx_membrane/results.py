@@ -17,6 +17,10 @@ from .structure import Structure
 Array = NDArray[np.float64]
 
 
+class UnstableStateWarning(UserWarning):
+    """An equilibrium that is not stable, or one that is very far from where the increment of load began."""
+
+
 class Increment(NamedTuple):
     """One load increment.
 

@@ -1,5 +1,6 @@
 """Equilibrium paths: where they start and end, what they refuse, what is left when they are lost."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,8 @@ from fx_membrane import (
     Cable,
     ContinuationError,
     DeadLoad,
+    LargeStrainWarning,
+    Mast,
     Newton,
     PointLoad,
     PrescribedDisplacement,
@@ -18,6 +21,7 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
+    UnstableStateWarning,
     stability,
     trace,
 )
@@ -87,6 +91,9 @@ def test_ends_with_the_last_point_allowed():
     path = trace(arch(), PUSH, max_points=6)
     assert len(path.points) == 6
     assert not path.complete
+    factors = path.load_factors
+    assert path.reason.startswith("ended after 6 points, the most it was to have (max_points), at load factor ")
+    assert f"at load factor {factors[-1]:.6g}; on the way it was between 0 and {factors.max():.6g}." in path.reason
     assert repr(path) == f"EquilibriumPath('push', 6 points, load factor {path.load_factors[-1]:.4g}, complete=False)"
 
 
@@ -105,6 +112,7 @@ def test_ends_just_before_a_limit_point():
     assert path.load_factors[-1] == pytest.approx(0.9999 / 1.2, rel=1e-15)
     assert (np.diff(path.load_factors) > 0).all()
     assert path.complete
+    assert path.reason == "complete"
 
 
 def test_a_coarse_path_does_not_miss_the_limit_points():
@@ -125,6 +133,35 @@ def test_cables_that_slacken():
     assert path.complete
     assert last.cable("stays").slack.tolist() == [False, True]
     assert close(last.displacement, expected["pull"].displacement)
+
+
+def test_start_that_is_not_stable_is_reported():
+    """Masts in line, pressed together by a spring force, held across by a cable that is too soft."""
+    parts = {"column": Mast([[0, 1], [1, 2]], 1e6, prestress=-1e3), "stay": Cable([[1, 3]], 1e3, prestress=1e-3)}
+    points = [[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [1, 1, 0]]
+    structure = Structure(points, parts, [Support([0, 2, 3]), Support(1, "z")])
+    stage = Stage("push", [PointLoad(1, (0, 1.0, 0))], steps=4)
+    with pytest.warns(UnstableStateWarning, match=r"'push' starts from .* not stable \(negative pivots: 1\)") as found:
+        path = trace(structure, stage, max_points=2)
+    assert path.negative_pivots[0] == 1
+    assert len(found) == 1
+    assert found[0].filename == __file__
+
+
+def test_stable_start_is_not_reported():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        trace(arch(), PUSH, max_points=2)
+        trace(inclined_sheet(), Stage("load", [SNOW]), max_points=2)
+
+
+def test_prestress_beyond_the_material_law_is_reported():
+    if MPI.COMM_WORLD.rank:  # the first process warns for all
+        trace(sheet(prestress=1e6), Stage("load", [SNOW]), max_points=2)
+        return
+    with pytest.warns(LargeStrainWarning, match="^Part 'fabric' is prestressed by") as found:
+        trace(sheet(prestress=1e6), Stage("load", [SNOW]), max_points=2)
+    assert found[0].filename == __file__
 
 
 # Refusals
@@ -203,6 +240,8 @@ def test_path_that_is_lost_is_kept(monkeypatch):
     assert len(calls) == 4 + module.HALVINGS + 1
     assert len(path.points) == 4
     assert path.state(-1).equilibrium.residual < 1e-8 * LIMIT
+    assert not path.complete
+    assert path.reason == str(error.value)
 
 
 def test_factorizations_are_one_for_each_iteration_and_one_for_each_point(monkeypatch):
