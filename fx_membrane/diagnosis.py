@@ -8,8 +8,10 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from .curvature import WEAK, softest
+from .parts import Cable, Mast, Membrane
 from .problem import Problem
 from .solver import largest
+from .structure import Structure
 
 
 def linear_failure(problem: Problem, A: PETSc.Mat) -> str:
@@ -21,13 +23,28 @@ def linear_failure(problem: Problem, A: PETSc.Mat) -> str:
         axis = ", ".join(f"{component + 0.0:.3g}" for component in direction)
         return (
             f"the tangent stiffness is singular: nothing holds node {node}{also} in the direction ({axis}). "
-            "A flat membrane or a straight cable without prestress has no stiffness across; give it a small prestress "
-            "to begin with (prescribed displacements can bring the rest), a curved shape, or supports."
+            + _why_loose(problem.discretization.structure, node)
         )
     less = "" if problem.unloaded() else ", or apply less load per step (steps=...)"
     return (
         "the tangent stiffness is singular: parts of the structure can move without resistance (a mechanism, or the "
         f"point where it buckles). Add prestress, supports or members{less}."
+    )
+
+
+def _why_loose(structure: Structure, node: int) -> str:
+    """What has no stiffness at a node, by the parts that meet there, and what to do about it."""
+    here = {type(part) for part in structure.parts.values() if (part.cells == node).any()}
+    if here == {Mast}:
+        return (
+            "A joint between masts in line, or of a frame without bracing, has no stiffness across; add masts or "
+            "cables that brace it, or supports."
+        )
+    kinds = {Membrane: "a flat membrane", Cable: "a straight cable"}
+    what = " or ".join(words for kind, words in kinds.items() if kind in here)
+    return (
+        f"{what[0].upper()}{what[1:]} without prestress has no stiffness across; give it a small prestress to begin "
+        "with (prescribed displacements can bring the rest), a curved shape, or supports."
     )
 
 

@@ -57,7 +57,24 @@ def test_linear_failure_names_node_direction_and_prestress():
 def test_linear_failure_of_one_node():
     points = np.linspace([0.0, 0, 0], [2, 0, 0], 3)
     structure = Structure(points, {"cable": Cable([[0, 1], [1, 2]], 1e6)}, [Support([0, 2]), Support(1, "y")])
-    assert "nothing holds node 1 in the direction (0, 0, 1)" in linear_failure(*first_tangent(structure))
+    message = linear_failure(*first_tangent(structure))
+    assert "nothing holds node 1 in the direction (0, 0, 1). A straight cable without prestress" in message
+    assert "membrane" not in message
+
+
+def test_linear_failure_of_masts_in_line_tells_of_no_membrane():
+    parts = {"strut": Mast([[0, 1], [1, 2]], 1e6), "cable": Cable([[0, 2]], 1e6)}  # the cable is elsewhere
+    structure = Structure(np.linspace([0.0, 0, 0], [2, 0, 0], 3), parts, [Support([0, 2])])
+    message = linear_failure(*first_tangent(structure))
+    assert "nothing holds node 1 in the direction" in message
+    assert "A joint between masts in line, or of a frame without bracing, has no stiffness across" in message
+    assert "prestress" not in message
+
+
+def test_linear_failure_where_membrane_and_cable_meet():
+    sheet_and_cable = {"fabric": Membrane(TRIANGLES, Fabric(1e5, 0.3)), "cable": Cable([[11, 12], [12, 13]], 1e6)}
+    message = linear_failure(*first_tangent(Structure(POINTS, sheet_and_cable, [Support(np.delete(range(25), 12))])))
+    assert "nothing holds node 12 in the direction (0, 0, 1). A flat membrane or a straight cable" in message
 
 
 def test_linear_failure_of_a_mechanism_without_a_loose_node():
