@@ -23,8 +23,10 @@ from .results import StageResult
 
 Array = NDArray[np.float64]
 
+SHOWN = 6  # frequencies that are printed
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Modes:
     """Natural frequencies and mode shapes: u(t) = shape exp(growth t) cos(2 pi frequency t).
 
@@ -41,8 +43,13 @@ class Modes:
     growth: Array
     shapes: Array
 
+    def __repr__(self) -> str:
+        frequencies = ", ".join(f"{frequency:.4g}" for frequency in self.frequencies[:SHOWN])
+        more = ", ..." if len(self.frequencies) > SHOWN else ""
+        return f"Modes({frequencies}{more} Hz, {np.count_nonzero(self.growth)} that grow)"
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Stability:
     """Lowest eigenvalues of the tangent: force over displacement, as 2-norms over all free components.
 
@@ -60,6 +67,9 @@ class Stability:
     stiffnesses: Array
     directions: Array
     negative: int
+
+    def __repr__(self) -> str:
+        return f"Stability(lowest stiffness {self.stiffnesses[0]:.4g}, {self.negative} negative)"
 
 
 def natural_frequencies(state: StageResult, count: int = 6, comm: MPI.Intracomm = MPI.COMM_WORLD) -> Modes:

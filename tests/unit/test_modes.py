@@ -51,6 +51,15 @@ def test_parts_without_mass_follow():
     assert np.linalg.norm(modes.shapes[:, 1], axis=1) == pytest.approx((MASS * L / 3) ** -0.5, rel=1e-12)
 
 
+def test_results_are_shown_in_short():
+    modes, stiffness = natural_frequencies(rest(guyed()), 3), stability(rest(guyed()), 2)
+    first, second, third = (f"{frequency:.4g}" for frequency in modes.frequencies)
+    assert repr(modes) == f"Modes({first}, {second}, {third} Hz, 0 that grow)"
+    many = replace(modes, frequencies=np.arange(9.0), growth=np.arange(9) < 2)
+    assert repr(many) == "Modes(0, 1, 2, 3, 4, 5, ... Hz, 2 that grow)"
+    assert repr(stiffness) == f"Stability(lowest stiffness {stiffness.stiffnesses[0]:.4g}, 0 negative)"
+
+
 @pytest.mark.parametrize("count", [4, 10])
 @pytest.mark.parametrize("stiffness", [1.0, 1e6, 1e12])
 def test_no_stiffness_is_no_instability(stiffness, count):
