@@ -1,11 +1,11 @@
 """Nonlinear statics of prestressed tension structures: fabric membranes, cables and masts."""
 
-import contextlib
-import os
-import signal
+import contextlib as _contextlib
+import os as _os
+import signal as _signal
 
 # One thread for each process: with more, MUMPS can be ten times slower where cores are busy. Before PETSc is loaded.
-os.environ.setdefault("OMP_NUM_THREADS", "1")
+_os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 from mpi4py import MPI as _MPI  # noqa: F401  (before dolfinx: its wheel from PyPI needs the MPI library loaded)
 
@@ -31,8 +31,8 @@ from .structure import CoincidentNodesWarning, Structure, Support
 from .updated_reference import Form, UnsettledFormWarning, updated_reference
 
 # PETSc takes a pipe that is closed at its other end, `script.py | head`, for a crash; to Python it is an exception.
-with contextlib.suppress(ValueError):  # not in the main thread
-    signal.signal(signal.SIGPIPE, signal.SIG_IGN)
+with _contextlib.suppress(ValueError):  # not in the main thread
+    _signal.signal(_signal.SIGPIPE, _signal.SIG_IGN)
 
 __all__ = [
     "Analysis",

@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+import fx_membrane
+
 pytestmark = [
     pytest.mark.serial,
     pytest.mark.skipif(not importlib.util.find_spec("pip"), reason="needs pip to build and install"),
@@ -40,6 +42,13 @@ def sources(tmp_path_factory):
 def wheel(sources):
     run(sys.executable, "-m", "pip", "wheel", "-q", "--no-deps", "--no-build-isolation", "-w", "dist", ".", cwd=sources)
     return next((sources / "dist").glob("*.whl"))
+
+
+def test_names_of_the_package_are_its_own():
+    """No module of Python's own among them."""
+    public = {name for name in dir(fx_membrane) if not name.startswith("_")}
+    submodules = {name for name in public if f"fx_membrane.{name}" in sys.modules}
+    assert public - submodules <= set(fx_membrane.__all__)
 
 
 def test_wheel_has_the_forms_as_files(wheel):
