@@ -1,6 +1,7 @@
 """Structures whose first equilibrium plain Newton does not find: slack, flat without prestress, far from their form."""
 
 import runpy
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -195,3 +196,9 @@ def test_line_of_the_table_of_hard_cases(name):
     assert yes == "yes"
     assert float(balance) < 1e-8
     assert int(increments) == len(make()[1])
+
+
+def test_name_that_no_hard_case_has(monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["hard_cases.py", "nonsense"])
+    with pytest.raises(SystemExit, match=r"^No case has 'nonsense' in its name; .*; cable net; hanging cable;"):
+        HARD["main"]()
