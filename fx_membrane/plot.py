@@ -66,6 +66,11 @@ def compare_convergence(
 ) -> None:
     """Energy above that at the end and largest unbalanced force of several solves, against iterations and time.
 
+    The scale of the energies is logarithmic, and has no place for those at or below that at the end: the last ones, and
+    starts in which prescribed displacements are still to come, or pressure, whose work is not in the energy. Where a
+    curve of `Newton` begins at iteration 1, that is why; a first-order method brings what is prescribed to its place
+    before its first iterate. Against time the starts are left out: its scale is logarithmic too.
+
     Args:
         histories: The iterates by name of the solver; all solves have the same solution.
         seconds: How long each solve took [s]; its iterates are drawn evenly over it.
