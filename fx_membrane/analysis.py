@@ -40,7 +40,7 @@ class ConvergenceError(RuntimeError):
     Attributes:
         results: Results of the stages that were completed, by name.
         last: The last converged state of the stage that failed: that of its last increment that converged, or else
-            the state it started from.
+            the state it started from. What the solver had come to after that is no equilibrium, and is not kept.
         failed: The increment that did not converge, with its iterations.
         motion: Where the structure is a mechanism, how its nodes move freely, the largest displacement of size one,
             shape (n, 3); None otherwise. `plot.contours(error.last, {"free motion": np.linalg.norm(error.motion,
