@@ -131,6 +131,16 @@ def test_large_prestress(points, part, strain, advice):
     assert found[0].filename == __file__
 
 
+@pytest.mark.parametrize("material", [Fabric(1e5, 0.3), WOVEN], ids=["isotropic", "woven"])
+def test_strain_is_that_of_the_stress(material):
+    """The inverse of the law that the forms have, in a warp frame that is turned."""
+    part = Membrane(TRIANGLES, material, warp=(1, 2, 0), compression_stiffness=1)
+    state = stretched(POINTS, part, 0.03, -0.01)["stretch"].membrane("part")
+    assert np.abs(state.strain[:, 0, 1]).min() > 0.01
+    found = material.strain(state.second_piola_kirchhoff)
+    np.testing.assert_allclose(found, state.strain, rtol=0, atol=1e-14)
+
+
 @pytest.mark.parametrize(
     ("points", "part"),
     [(POINTS, membrane(prestress=7e3)), (LINE, Cable([[0, 1]], 1e6, [4e4])), (LINE, Mast([[0, 1]], 1e6, -4e4))],
