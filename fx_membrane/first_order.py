@@ -45,7 +45,7 @@ class SteepestDescent:
             definite, artificial tension is added to it; with pressure it is the symmetric part. The diagonal helps
             where stiffness differs from node to node, as in meshes of cells of very different sizes or with stiff
             cables in soft fabric; the tangent, where that at the end is much like it. Neither is a sure gain: on a flat
-            disc that is inflated the diagonal took twice as many iterations as nothing.
+            disc that is inflated the diagonal took two to four times as many iterations as nothing.
         rtol: Converged when the 2-norm of the unbalanced forces is below rtol times that of all nodal forces,
             reactions and loads included, or at rounding. A start passes only at rounding.
         max_iterations: Most iterations for one load increment.
