@@ -5,7 +5,7 @@ import warnings
 import numpy as np
 from numpy.typing import NDArray
 
-from .parts import Membrane, Part
+from .parts import Mast, Membrane, Part
 from .results import BarResult, MembraneResult, StageResult
 from .structure import Structure
 
@@ -33,7 +33,7 @@ def warn_of_large_prestress(structure: Structure, stacklevel: int) -> None:
         return
     if abs(strain) > ABSURD:
         advice = "Units are probably mixed: check that prestress, stiffness and lengths are in the same system."
-    elif strain < 0:
+    elif strain < 0 and not isinstance(structure.parts[name], Mast):
         advice = (
             "Check prestress, stiffness and units; an excess of length or cloth that is right needs a reference shape "
             "nearer to its own size, or what takes it up is too stiff."

@@ -121,8 +121,9 @@ WOVEN = OrthotropicFabric(Et_warp=2e5, Et_weft=1e5, nu=0.3, Gt=1e4)
         (POINTS, Membrane(TRIANGLES, WOVEN, prestress=[[0, 2e3], [2e3, 0]], warp=(0, 1, 0)), "10", "rough value"),
         (LINE, Cable([[0, 1]], 1e6, prestress=6e4), "6", "rough value"),
         (LINE, Cable([[0, 1]], 1e6, prestress=-6e4), "-6", "too stiff"),
+        (LINE, Mast([[0, 1]], 1e6, prestress=-6e4), "-6", "rough value"),
     ],
-    ids=["isotropic", "one way", "weft", "shear", "cable", "excess"],
+    ids=["isotropic", "one way", "weft", "shear", "cable", "excess", "mast"],
 )
 def test_large_prestress(points, part, strain, advice):
     with pytest.warns(LargeStrainWarning, match=rf"^Part 'part' is prestressed by {strain} %.*{advice}") as found:
