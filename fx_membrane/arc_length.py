@@ -24,7 +24,7 @@ from petsc4py import PETSc
 
 from . import load_case, loads, path_ends, validation
 from .bordered_newton import BorderedNewton, Plane, Point, Step
-from .curvature import softest, tolerated
+from .curvature import downhill
 from .diagnosis import linear_failure
 from .equilibrium_path import EquilibriumPath, PathPoint
 from .large_strain import warn_of_large_prestress
@@ -191,7 +191,7 @@ class _Tracer:
         if not here.negative_pivots:
             return
         problem.apply(self.path.start)
-        if softest(problem, here.point.x, tolerated(problem)).negative:
+        if downhill(problem, here.point.x).negative:
             warnings.warn(
                 f"The path of stage {self.path.name!r} starts from an equilibrium that is not stable (negative "
                 f"pivots: {here.negative_pivots}), and what follows may not be what the structure does; "

@@ -6,11 +6,10 @@ import numpy as np
 from petsc4py import PETSc
 
 from . import factorization
-from .parts import Mast
 from .problem import Problem
 
 WEAK = 1e-9  # stiffness, as a strain, below which a motion counts as free
-COMPRESSED = 0.1  # strain by which wrinkled or slack cells are shortened, at most
+LARGEST = 1e4  # no motion is less stable than with this strain
 STEPS = 4  # of inverse iteration
 
 
@@ -63,12 +62,16 @@ def softest(problem: Problem, x: PETSc.Vec, tension: float) -> Softest:
     return found
 
 
-def tolerated(problem: Problem) -> float:
-    """Artificial tension, as a strain, against which a state counts as stable.
+def downhill(problem: Problem, x: PETSc.Vec) -> Softest:
+    """The motion along which the energy of a state falls most readily; its `negative` is 0 where there is none.
 
     The small stiffness that wrinkled and slack cells keep makes them buckle from node to node. That is no instability
-    of the structure, and is left out: their compression is at most this.
+    of the structure, and is left out.
     """
-    parts = problem.discretization.structure.parts.values()
-    kept = [part.compression_stiffness for part in parts if not isinstance(part, Mast)]
-    return max([COMPRESSED * share for share in kept if share < 1], default=WEAK)
+    with problem.without_kept_stiffness():
+        first = found = softest(problem, x, tension := WEAK)
+        # Inverse iteration finds what is nearest to -tension: below the lowest of all it is the lowest.
+        while found.negative and tension < LARGEST:
+            tension *= 4
+            found = softest(problem, x, tension)
+    return found._replace(negative=first.negative)

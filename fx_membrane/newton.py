@@ -18,7 +18,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from . import _dolfinx, factorization, validation
-from .curvature import softest, tolerated
+from .curvature import downhill
 from .diagnosis import linear_failure, mechanism, stalled, unlikely_units
 from .drivers import by_dolfinx, by_snes
 from .geometry import measures
@@ -148,7 +148,7 @@ class _NewtonRaphson:
         for _ in range(NUDGES):
             if len(solution.iterations) == 1 or (self.symmetric and self.added == 0):
                 return solution
-            found = softest(self.problem, x, tolerated(self.problem))
+            found = downhill(self.problem, x)
             if found.negative == 0:
                 return solution
             before = x.copy()

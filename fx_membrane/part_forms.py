@@ -25,6 +25,7 @@ class PartForms:
         T, F, E, S: Tangent frame, deformation gradient, Green-Lagrange strain, 2nd Piola-Kirchhoff stress, in UFL.
         state: Taut, wrinkled or slack, as `forms.wrinkling` numbers them, in UFL; taut where all stiffness is kept.
         follow: Brings what the energy must be told of the strain up to date with the displacement.
+        kept: Share of the stiffness that is kept in compression; None where a part has no other energy.
         q: Dead load per reference area or length, piecewise constant [N/m2 or N/m].
         p: Pressure along the normals of the cells, piecewise constant [Pa]; without meaning in cables and masts.
         energy: Compiled strain energy.
@@ -41,6 +42,7 @@ class PartForms:
     S: Any
     state: Any
     follow: Callable[[], None]
+    kept: fem.Constant | None
     q: fem.Function
     p: fem.Function
     energy: Any
@@ -51,11 +53,12 @@ class PartForms:
 
 
 class _Energy(NamedTuple):
-    """Energy density and state of a part, in UFL, and what keeps it up to date."""
+    """Energy density and state of a part, in UFL; what keeps it up to date; the share that is kept in compression."""
 
     density: Any
     state: Any
     follow: Callable[[], None]
+    kept: fem.Constant | None = None
 
 
 def part_forms(mesh: PartMesh, structure: Structure, elastic: bool) -> PartForms:
@@ -90,6 +93,7 @@ def part_forms(mesh: PartMesh, structure: Structure, elastic: bool) -> PartForms
         S=stress.second_piola_kirchhoff(w.density, E),
         state=w.state,
         follow=w.follow,
+        kept=w.kept,
         q=q,
         p=p,
         energy=_dolfinx.form(energy),
@@ -163,4 +167,4 @@ def _strain_energy(mesh: PartMesh, E: Any, sigma0: Any) -> _Energy:
     (eta,) = constants(part.compression_stiffness)
     full = elasticity.strain_energy(E, sigma0, CE)
     state = ufl.conditional(ufl.lt(eta, 1), relaxed.state, wrinkling.TAUT)
-    return _Energy(wrinkling.blend(relaxed.energy, full, eta), state, follow)
+    return _Energy(wrinkling.blend(relaxed.energy, full, eta), state, follow, eta)

@@ -6,7 +6,8 @@ with dead loads f and follower pressures f_p, which in general have no potential
 (loads, held components and their displacements) is data: nothing is compiled twice.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -167,6 +168,19 @@ class Problem:
         self._assemble_matrix(lambda part: part.tangent, A)
         if self.tension:
             A.axpy(self.tension, self._tension(), PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+
+    @contextmanager
+    def without_kept_stiffness(self) -> Iterator[None]:
+        """Sets aside what wrinkled and slack cells keep of their stiffness: they carry no compression at all."""
+        shares = [part.kept for part in self.parts.values() if part.kept is not None and part.kept.value < 1]
+        values = [float(share.value) for share in shares]
+        for share in shares:
+            share.value = 0.0
+        try:
+            yield
+        finally:
+            for share, value in zip(shares, values, strict=True):
+                share.value = value
 
     def mass(self, A: PETSc.Mat) -> None:
         """Consistent mass matrix [kg]; it does not depend on the state."""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, Support, boundary, rectangle
-from fx_membrane.curvature import WEAK, softest, tolerated
+from fx_membrane.curvature import WEAK, downhill, softest
 from fx_membrane.problem import Actions, Problem
 
 POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
@@ -96,10 +96,39 @@ def test_pressure_counts_by_its_symmetric_part(held, negative):
     assert result.stiffness == pytest.approx(motion @ A @ motion / work, rel=1e-9)
 
 
-def test_what_wrinkles_keep_is_tolerated():
-    assert tolerated(Problem(sheet(1e3))) == pytest.approx(1e-5)
-    assert tolerated(Problem(sheet(1e3, compression_stiffness=1e-3))) == pytest.approx(1e-4)
-    assert tolerated(Problem(sheet(1e3, compression_stiffness=1.0))) == WEAK
-    assert tolerated(Problem(frame())) == WEAK
-    both = Structure(POINTS, {**sheet(1e3).parts, "edge": Cable(boundary(TRIANGLES), 1e6)}, [Support(EDGE)])
-    assert tolerated(Problem(both)) == pytest.approx(1e-5)
+def test_ripples_are_no_instability():
+    """A sheet whose edges are let in by 1 %: what its slack cells keep has negative curvature, and they buckle."""
+    problem = Problem(sheet(0.0))
+    x = problem.discretization.distribute(-0.01 * POINTS)
+    assert softest(problem, x, WEAK).negative > 0
+    assert downhill(problem, x).negative == 0
+    full = Problem(sheet(0.0, compression_stiffness=1.0))
+    assert downhill(full, x).negative > 0
+
+
+@pytest.mark.parametrize("kept", [1e-6, 1e-4, 1.0])
+@pytest.mark.parametrize(("load", "negative"), [(-100.0, 0), (100.0, 1)])
+def test_mast_between_two_stays_stands_by_uplift_only(load, negative, kept):
+    """Out of the plane of the stays, which pull it down, the load Q on a mast of length L has the stiffness -Q / L.
+
+    So it is whatever stays keep where they are slack: they are not.
+    """
+    stays = Cable([[1, 2], [1, 3]], 1e7, prestress=1e4, compression_stiffness=kept)
+    mast = Mast([[0, 1]], 1e9, prestress=-(2e4 / 2**0.5 + load))
+    points = [[0.0, 0, 0], [0, 0, 4], [4, 0, 0], [-4, 0, 0]]
+    problem = Problem(Structure(points, {"mast": mast, "stays": stays}, [Support([0, 2, 3])]))
+    result = downhill(problem, problem.discretization.create_vector())
+    assert result.negative == negative
+    motion = problem.discretization.gather(result.motion)
+    assert np.abs(motion[1]) == pytest.approx([0, 1, 0], abs=1e-6)
+    assert result.stiffness * problem.tension_work(result.motion) == pytest.approx(-load / 4, rel=1e-6)
+
+
+def test_the_motion_downhill_is_the_steepest_of_several():
+    # Chains of struts of 1 m under 10 and 30 N: their middles give way, the second three times as readily.
+    points = [[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]]
+    struts = Mast([[0, 1], [1, 2], [3, 4], [4, 5]], 1e6, prestress=[-10.0, -10.0, -30.0, -30.0])
+    problem = Problem(Structure(points, {"struts": struts}, [Support([0, 2, 3, 5])]))
+    result = downhill(problem, problem.discretization.create_vector())
+    assert result.negative == 4
+    assert -30 / 1e6 <= result.stiffness < -29 / 1e6  # from above, as far as inverse iteration has come
