@@ -60,7 +60,7 @@ class ConvergenceError(RuntimeError):
 
 
 class UnstableStateWarning(UserWarning):
-    """An equilibrium that is not stable, or a structure that fell into another shape on the way to a stable one."""
+    """An equilibrium that is not stable, or a structure that fell or snapped into another shape on the way to one."""
 
 
 class Analysis:
@@ -68,8 +68,9 @@ class Analysis:
 
     An increment that does not converge is halved, up to eight times, unless that cannot help (a stage that applies
     nothing; a mechanism; a first-order method that ran out of iterations); after one that does, the next is twice as
-    long, up to what the stage asks for. An increment in which a node moves by more than half the size of the structure
-    is reported by an `UnstableStateWarning`: the structure has fallen or snapped into another shape.
+    long, up to what the stage asks for. One that begins in a stable equilibrium and meets negative curvature, more than
+    wrinkled and slack cells have, is halved too: either smaller increments go around that, or they come to the load at
+    which the structure snaps or buckles. An `UnstableStateWarning` tells it, for the first such load of each stage.
 
     Args:
         structure: The structure.
@@ -104,6 +105,9 @@ class Analysis:
 
         Warns:
             LargeStrainWarning: Strains of a stage are above 5 %.
+            UnstableStateWarning: A state is not stable; the structure has snapped or buckled between two load factors
+                (`Newton` with a line search tells); or a node moved by more than half the size of the structure in
+                one increment: it has fallen or snapped into another shape.
         """
         self._check(stages)
         path = None if checkpoint_file is None else Path(checkpoint_file)
@@ -144,25 +148,34 @@ class Analysis:
     ) -> StageResult:
         """Load increments of a stage from a converged state, between the actions at its start and its end."""
         full = Fraction(1, stage.steps)
+        balanced = stage.after is not None or not self._problem.prestress_forces
+        beyond: Progress | None = None  # a state past a loss of stability, while smaller increments locate that
         x = self._problem.discretization.distribute(state.displacement)
         with _ProgressBar(stage.name, state.factor, shown=self._comm.rank == 0) as bar:
             while state.factor < 1:
                 factor = min(state.factor + state.size, Fraction(1))
                 self._problem.apply(load_case.between(start, end, float(factor)))
                 solution = self._solve(x, bar.iteration)
-                remarks = (solution.drawn_smooth, solution.unstable, solution.unlisted)
+                judged = (balanced or state.factor > 0) and not any(entry.snapped for entry in state.increments)
+                snapped = solution.converged and solution.lost_stability and judged
+                remarks = (solution.drawn_smooth, solution.unstable, solution.unlisted, snapped)
                 increment = Increment(float(factor), solution.iterations, *remarks)
-                if solution.unstable:
-                    _warn_of_unstable_state(stage.name, factor)
+                found = None
                 if solution.converged:
+                    size = full if snapped else min(2 * state.size, full)
                     shape = self._problem.discretization.gather(x)
-                    _warn_of_fall(stage.name, factor, self.structure, shape - state.displacement, end.held)
-                    state = Progress(shape, factor, min(2 * state.size, full), (*state.increments, increment))
-                    save(stage.name, state)
-                    bar.increment(factor)
-                elif solution.retry and (stage.loads or stage.displacements) and state.size > full / 2**HALVINGS:
+                    found = Progress(shape, factor, size, (*state.increments, increment))
+                beyond = found if snapped else beyond
+                divisible = bool(stage.loads or stage.displacements) and state.size > full / 2**HALVINGS
+                if divisible and (snapped or (not solution.converged and solution.retry)):
                     state = replace(state, size=(factor - state.factor) / 2)
                     self._problem.discretization.distribute(state.displacement).copy(x)
+                elif reached := found or beyond:
+                    _warn_of_instability(stage.name, self.structure, state, reached, end.held)
+                    state, beyond = reached, None
+                    self._problem.discretization.distribute(state.displacement).copy(x)
+                    save(stage.name, state)
+                    bar.increment(state.factor)
                 else:
                     slack = self._slack(stage, x, load_case.between(start, end, float(factor)))
                     last = self._result(stage, start, end, state)
@@ -187,29 +200,40 @@ class Analysis:
         return self._record(stage.name, x, actions, state.increments)
 
 
-def _warn_of_unstable_state(name: str, factor: Fraction) -> None:
-    warnings.warn(
-        f"Stage {name!r}: the equilibrium found at load factor {float(factor):.6g} is not stable, and none that is was "
-        "found from there; stability(state) shows how it gives way. Add supports, members or prestress against that.",
-        UnstableStateWarning,
-        stacklevel=4,
-    )
-
-
-def _warn_of_fall(
-    name: str, factor: Fraction, structure: Structure, motion: NDArray[np.float64], held: NDArray[np.bool_]
+def _warn_of_instability(
+    name: str, structure: Structure, before: Progress, after: Progress, held: NDArray[np.bool_]
 ) -> None:
-    """Warns where a node moved very far in one increment, further than what is moved by prescription."""
+    """Warns of a state that is not stable, and where the structure snapped or a node moved very far to reach it."""
+    increment = after.increments[-1]
+    words = []
+    if increment.unstable:
+        words.append(
+            f"the equilibrium found at load factor {float(after.factor):.6g} is not stable, and none that is was found "
+            "from there; stability(state) shows how it gives way. Add supports, members or prestress against that."
+        )
+    fallen = _fallen(structure, after.displacement - before.displacement, held)
+    if increment.snapped:
+        words.append(
+            f"between load factors {float(before.factor):.6g} and {float(after.factor):.6g} the structure lost its "
+            "stability: it has snapped or buckled into another shape. Stay below that load, or add supports, members "
+            "or prestress, if that is not meant; `trace` shows the limit point."
+        )
+    elif fallen:
+        words.append(
+            f"up to load factor {float(after.factor):.6g} {fallen}, more than half the size of the structure: it has "
+            "fallen or snapped into another shape. Add supports, members or prestress if that is not meant; `trace` "
+            "shows how it gives way."
+        )
+    for sentence in words:
+        warnings.warn(f"Stage {name!r}: {sentence}", UnstableStateWarning, stacklevel=4)
+
+
+def _fallen(structure: Structure, motion: NDArray[np.float64], held: NDArray[np.bool_]) -> str:
+    """Which node moved very far, further than what is moved by prescription, in words; empty where none did."""
     moved, given = (np.linalg.norm(np.where(where, motion, 0.0), axis=1) for where in (~held, held))
     node = int(moved.argmax())
-    if moved[node] > FALLEN * np.ptp(structure.points, axis=0).max() + given.max():
-        warnings.warn(
-            f"Stage {name!r}: up to load factor {float(factor):.6g} node {node} moved by {moved[node]:.3g}, more than "
-            "half the size of the structure: it has fallen or snapped into another shape. Add supports, members or "
-            "prestress if that is not meant; `trace` shows how it gives way.",
-            UnstableStateWarning,
-            stacklevel=4,
-        )
+    far = FALLEN * np.ptp(structure.points, axis=0).max() + given.max()
+    return f"node {node} moved by {moved[node]:.3g}" if moved[node] > far else ""
 
 
 class _ProgressBar:

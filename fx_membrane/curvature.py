@@ -10,7 +10,10 @@ from .parts import Mast
 from .problem import Problem
 
 WEAK = 1e-9  # stiffness, as a strain, below which a motion counts as free
-COMPRESSED = 0.1  # strain by which wrinkled or slack cells are shortened, at most
+COMPRESSED = 0.1  # strain by which wrinkled or slack cells are shortened in a state of equilibrium, at most
+CRUSHED = 0.5  # Green's strain of what has no length left
+LEAST = 1e-4  # negative curvature, as a strain, below which none is seen between two states
+SECANTS = 8  # between two states
 STEPS = 4  # of inverse iteration
 
 
@@ -69,6 +72,37 @@ def tolerated(problem: Problem) -> float:
     The small stiffness that wrinkled and slack cells keep makes them buckle from node to node. That is no instability
     of the structure, and is left out: their compression is at most this.
     """
+    return COMPRESSED * _kept(problem) or WEAK
+
+
+def explained(problem: Problem) -> float:
+    """Artificial tension, as a strain, above which wrinkled and slack cells have no negative curvature in any shape."""
+    return CRUSHED * _kept(problem)
+
+
+def negative_between(problem: Problem, start: PETSc.Vec, end: PETSc.Vec) -> bool:
+    """Whether on the straight way between two states, the unbalanced force along it falls: negative curvature.
+
+    That of wrinkled and slack cells does not count: there is none where there are neither masts nor pressures. Held
+    components are where they are at the end.
+    """
+    parts = problem.discretization.structure.parts.values()
+    if problem.symmetric and not any(isinstance(part, Mast) or part.compression_stiffness >= 1 for part in parts):
+        return False
+    at, way, b = start.copy(), end.copy(), end.duplicate()
+    problem.bring(at)
+    way.axpy(-1.0, at)
+    forces = []
+    for _ in range(SECANTS + 1):
+        problem.residual(at, b)
+        forces.append(float(b.dot(way)))
+        at.axpy(1 / SECANTS, way)
+    least = max(LEAST, explained(problem)) * problem.tension_work(way)
+    return bool((SECANTS * np.diff(forces) < -least).any())
+
+
+def _kept(problem: Problem) -> float:
+    """The largest share of its stiffness that a part keeps when it is wrinkled or slack; 0 where none can be."""
     parts = problem.discretization.structure.parts.values()
     kept = [part.compression_stiffness for part in parts if not isinstance(part, Mast)]
-    return max([COMPRESSED * share for share in kept if share < 1], default=WEAK)
+    return max([share for share in kept if share < 1], default=0.0)
