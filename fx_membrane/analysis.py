@@ -64,9 +64,9 @@ class Analysis:
 
     An increment that does not converge is halved, up to eight times, unless that cannot help (a stage that applies
     nothing; a mechanism; a first-order method that ran out of iterations); after one that does, the next is twice as
-    long, up to what the stage asks for. The first increment of a stage in which a node moves by more than half the size
-    of the structure is reported by an `UnstableStateWarning`: the structure has fallen, snapped, hung down or been
-    stretched into quite another shape.
+    long, up to what the stage asks for. One that begins in a stable equilibrium and meets negative curvature, more than
+    wrinkled and slack cells have, is halved too: either smaller increments go around that, or they come to the load at
+    which the structure snaps or buckles. An `UnstableStateWarning` tells it, for the first such load of each stage.
 
     Args:
         structure: The structure.
@@ -101,6 +101,9 @@ class Analysis:
 
         Warns:
             LargeStrainWarning: Strains of a stage, or those that belong to the prestress, are above 5 %.
+            UnstableStateWarning: A state is not stable; the structure has snapped or buckled between two load factors
+                (`Newton` with a line search tells); or a node moved by more than half the size of the structure in
+                one increment; this once for each stage.
         """
         self._check(stages)
         if self._comm.rank == 0:
@@ -143,27 +146,37 @@ class Analysis:
     ) -> StageResult:
         """Load increments of a stage from a converged state, between the actions at its start and its end."""
         full = Fraction(1, stage.steps)
+        balanced = stage.after is not None or not self._problem.prestress_forces
+        beyond: Progress | None = None  # a state past a loss of stability, while smaller increments locate that
         x = self._problem.discretization.distribute(state.displacement)
-        far = False
+        far = False  # whether a node has been found to have moved very far
         with _ProgressBar(stage.name, state.factor, shown=self._comm.rank == 0) as bar:
             while state.factor < 1:
                 factor = min(state.factor + state.size, Fraction(1))
                 self._problem.apply(load_case.between(start, end, float(factor)))
                 solution = self._solve(x, bar.iteration)
-                remarks = (solution.drawn_smooth, solution.unstable, solution.unlisted)
+                judged = (balanced or state.factor > 0) and not any(entry.snapped for entry in state.increments)
+                snapped = solution.converged and solution.lost_stability and judged
+                remarks = (solution.drawn_smooth, solution.unstable, solution.unlisted, snapped)
                 increment = Increment(float(factor), solution.iterations, *remarks)
-                if solution.unstable:
-                    _warn_of_unstable_state(stage.name, factor)
+                found = None
                 if solution.converged:
+                    size = full if snapped else min(2 * state.size, full)
                     shape = self._problem.discretization.gather(x)
-                    moved = shape - state.displacement
-                    far = far or _warn_of_fall(stage.name, factor, self.structure, moved, end.held)
-                    state = Progress(shape, factor, min(2 * state.size, full), (*state.increments, increment))
-                    save(stage.name, state)
-                    bar.increment(factor)
-                elif solution.retry and (stage.loads or stage.displacements) and state.size > full / 2**HALVINGS:
+                    found = Progress(shape, factor, size, (*state.increments, increment))
+                beyond = found if snapped else beyond
+                divisible = bool(stage.loads or stage.displacements) and state.size > full / 2**HALVINGS
+                if divisible and (snapped or (not solution.converged and solution.retry)):
                     state = replace(state, size=(factor - state.factor) / 2)
                     self._problem.discretization.distribute(state.displacement).copy(x)
+                elif reached := found or beyond:
+                    moved = "" if far else _fallen(self.structure, reached.displacement - state.displacement, end.held)
+                    _warn_of_instability(stage.name, state.factor, reached, moved)
+                    far = far or bool(moved)
+                    state, beyond = reached, None
+                    self._problem.discretization.distribute(state.displacement).copy(x)
+                    save(stage.name, state)
+                    bar.increment(state.factor)
                 else:
                     slack = self._slack(stage, x, load_case.between(start, end, float(factor)))
                     last = self._result(stage, start, end, state)
@@ -188,32 +201,37 @@ class Analysis:
         return self._record(stage.name, x, actions, state.increments)
 
 
-def _warn_of_unstable_state(name: str, factor: Fraction) -> None:
-    warnings.warn(
-        f"Stage {name!r}: the equilibrium found at load factor {float(factor):.6g} is not stable, and none that is was "
-        "found from there; stability(state) shows how it gives way. Add supports, members or prestress against that.",
-        UnstableStateWarning,
-        stacklevel=4,
-    )
+def _warn_of_instability(name: str, before: Fraction, reached: Progress, moved: str) -> None:
+    """Warns of a state that is not stable, and where the structure snapped or a node moved very far to reach it."""
+    increment, factor = reached.increments[-1], float(reached.factor)
+    words = []
+    if increment.unstable:
+        words.append(
+            f"the equilibrium found at load factor {factor:.6g} is not stable, and none that is was found from there; "
+            "stability(state) shows how it gives way. Add supports, members or prestress against that."
+        )
+    if increment.snapped:
+        words.append(
+            f"between load factors {float(before):.6g} and {factor:.6g} the structure lost its stability: it has "
+            "snapped or buckled into another shape. Stay below that load, or add supports, members or prestress, if "
+            "that is not meant; `trace` shows the limit point."
+        )
+    elif moved:
+        words.append(
+            f"up to load factor {factor:.6g} {moved}, more than half the size of the structure in one increment: it "
+            "has fallen, snapped, hung down or been stretched into quite another shape. If that is not meant, check "
+            "units and stiffness, and whether something is slack or missing; `trace` shows the way there."
+        )
+    for sentence in words:
+        warnings.warn(f"Stage {name!r}: {sentence}", UnstableStateWarning, stacklevel=4)
 
 
-def _warn_of_fall(
-    name: str, factor: Fraction, structure: Structure, motion: NDArray[np.float64], held: NDArray[np.bool_]
-) -> bool:
-    """Warns where a node moved very far in one increment, further than what is moved by prescription; whether so."""
+def _fallen(structure: Structure, motion: NDArray[np.float64], held: NDArray[np.bool_]) -> str:
+    """Which node moved very far, further than what is moved by prescription, in words; empty where none did."""
     moved, given = (np.linalg.norm(np.where(where, motion, 0.0), axis=1) for where in (~held, held))
     node = int(moved.argmax())
-    far = bool(moved[node] > FALLEN * np.ptp(structure.points, axis=0).max() + given.max())
-    if far:
-        warnings.warn(
-            f"Stage {name!r}: up to load factor {float(factor):.6g} node {node} moved by {moved[node]:.3g}, more than "
-            "half the size of the structure in one increment: it has fallen, snapped, hung down or been stretched into "
-            "quite another shape. If that is not meant, check units and stiffness, and whether something is slack or "
-            "missing; `trace` shows the way there.",
-            UnstableStateWarning,
-            stacklevel=4,
-        )
-    return far
+    far = FALLEN * np.ptp(structure.points, axis=0).max() + given.max()
+    return f"node {node} moved by {moved[node]:.3g}" if moved[node] > far else ""
 
 
 class _ProgressBar:

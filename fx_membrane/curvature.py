@@ -10,6 +10,9 @@ from .problem import Problem
 
 WEAK = 1e-9  # stiffness, as a strain, below which a motion counts as free
 LARGEST = 1e4  # no motion is less stable than with this strain
+CRUSHED = 0.5  # Green's strain of what has no length left
+LEAST = 1e-4  # negative curvature, as a strain, below which none is seen between two states
+SECANTS = 8  # between two states
 STEPS = 4  # of inverse iteration
 
 
@@ -75,3 +78,36 @@ def downhill(problem: Problem, x: PETSc.Vec) -> Softest:
             tension *= 4
             found = softest(problem, x, tension)
     return found._replace(negative=first.negative)
+
+
+def explained(problem: Problem) -> float:
+    """Artificial tension, as a strain, above which wrinkled and slack cells have no negative curvature in any shape."""
+    return CRUSHED * _kept(problem)
+
+
+def negative_between(problem: Problem, start: PETSc.Vec, end: PETSc.Vec) -> bool:
+    """Whether on the straight way between two states, the unbalanced force along it falls: negative curvature.
+
+    That of wrinkled and slack cells does not count: there is none where there are neither masts nor pressures. Held
+    components are where they are at the end.
+    """
+    parts = problem.discretization.structure.parts.values()
+    if problem.symmetric and not any(isinstance(part, Mast) or part.compression_stiffness >= 1 for part in parts):
+        return False
+    at, way, b = start.copy(), end.copy(), end.duplicate()
+    problem.bring(at)
+    way.axpy(-1.0, at)
+    forces = []
+    for _ in range(SECANTS + 1):
+        problem.residual(at, b)
+        forces.append(float(b.dot(way)))
+        at.axpy(1 / SECANTS, way)
+    least = max(LEAST, explained(problem)) * problem.tension_work(way)
+    return bool((SECANTS * np.diff(forces) < -least).any())
+
+
+def _kept(problem: Problem) -> float:
+    """The largest share of its stiffness that a part keeps when it is wrinkled or slack; 0 where none can be."""
+    parts = problem.discretization.structure.parts.values()
+    kept = [part.compression_stiffness for part in parts if not isinstance(part, Mast)]
+    return max([share for share in kept if share < 1], default=0.0)

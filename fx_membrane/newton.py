@@ -18,7 +18,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from . import _dolfinx, factorization, validation
-from .curvature import downhill
+from .curvature import downhill, explained, negative_between
 from .diagnosis import linear_failure, mechanism, stalled, unlikely_units
 from .drivers import by_dolfinx, by_snes
 from .geometry import measures
@@ -84,6 +84,8 @@ class _NewtonRaphson:
         length: Length of the last step.
         added: Tension added to the tangent for it, as a strain.
         iterates: Their number since the solve began, whatever came of them.
+        from_stable: Whether the first tangent since then had no more negative curvature than slack cells have.
+        lost_stability: Whether a later one had more.
     """
 
     def __init__(self, settings: Newton, problem: Problem):
@@ -95,7 +97,7 @@ class _NewtonRaphson:
         self.monitor: Monitor = silent
         self.rtol = self.tolerance = self.length = self.added = 0.0
         self.most, self.iterates = settings.max_iterations, 0
-        self.symmetric = True
+        self.symmetric, self.from_stable, self.lost_stability = True, False, False
         self.size = float(np.ptp(problem.discretization.structure.points, axis=0).max())
         self.newton = _dolfinx.newton_solver(problem.discretization.comm)
         # The drivers hold their callbacks in C and C++, where Python's garbage collector does not look: a weak
@@ -106,8 +108,14 @@ class _NewtonRaphson:
 
     def __call__(self, x: PETSc.Vec, monitor: Monitor = silent) -> Solution:
         self.monitor, self.iterates = monitor, 0
+        self.from_stable = self.lost_stability = False
+        start = x.copy()
         solution = self.solve(x)
-        return replace(solution, unlisted=self.iterates - len(solution.iterations))
+        # Steps may pass over what snaps.
+        if solution.converged and self.from_stable and not self.lost_stability:
+            self.lost_stability = negative_between(self.problem, start, x)
+        unlisted = self.iterates - len(solution.iterations)
+        return replace(solution, unlisted=unlisted, lost_stability=self.lost_stability)
 
     def solve(self, x: PETSc.Vec) -> Solution:
         """All that is tried, one after the other."""
@@ -151,6 +159,7 @@ class _NewtonRaphson:
             found = downhill(self.problem, x)
             if found.negative == 0:
                 return solution
+            self.lost_stability |= self.from_stable
             before = x.copy()
             step = found.motion
             step.scale(NUDGE * self.size / step.norm(PETSc.NormType.NORM_INFINITY))
@@ -257,6 +266,9 @@ class _NewtonRaphson:
             length = self.search(start, dx, moved)
             if length is None:
                 self.solve_with_more_tension(x, dx)
+        if self.iterates == 1:
+            # The least tension there is makes up for slack cells; without such cells it would hide an unstable start.
+            self.from_stable = self.added <= (FIRST if explained(self.problem) else 0.0)
         self.length = length
         dx.scale(length)
         dx.axpy(1.0, x)
@@ -267,8 +279,13 @@ class _NewtonRaphson:
         if not self.solved(dx):
             return False
         if self.symmetric:
-            return factorization.pivots(self.ksp) == (0, 0)
-        return float(self.b.dot(dx)) > 0
+            negative, zero = factorization.pivots(self.ksp)
+        else:
+            negative, zero = int(float(self.b.dot(dx)) <= 0), 0
+        # Later attempts begin out of balance.
+        if negative and self.from_stable and self.iterates == len(self.history):
+            self.lost_stability |= self.added > explained(self.problem)
+        return (negative, zero) == (0, 0)
 
     def solved(self, dx: PETSc.Vec) -> bool:
         """Whether dx solves the linear system."""

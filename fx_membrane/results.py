@@ -32,6 +32,7 @@ class Increment(NamedTuple):
         unstable: Whether the equilibrium is not stable, as far as the solver looked (see `stability`).
         unlisted: Number of iterates that are not among `iterations`: of tries that came to nothing, and of those that
             drew the structure smooth.
+        snapped: Whether the structure lost its stability in it, and has snapped or buckled into another shape.
     """
 
     load_factor: float
@@ -39,6 +40,7 @@ class Increment(NamedTuple):
     drawn_smooth: bool = False
     unstable: bool = False
     unlisted: int = 0
+    snapped: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -48,6 +48,9 @@ class Solution:
         unstable: Whether the equilibrium found is not stable, and no stable one was found from there.
         unlisted: Number of iterates that are not among `iterations`: of tries that came to nothing, and of those that
             drew the structure smooth.
+        lost_stability: Whether there was no negative curvature at the start, but there was some on the way, more than
+            wrinkled and slack cells have: that of masts or a pressure. As iterates can be far off, smaller increments
+            of the load may yet do without.
         motion: Where it failed because the structure is a mechanism, the free motion, its largest displacement of size
             one, shape (n, 3).
     """
@@ -59,6 +62,7 @@ class Solution:
     drawn_smooth: bool = False
     unstable: bool = False
     unlisted: int = 0
+    lost_stability: bool = False
     motion: NDArray[np.float64] | None = None
 
 
