@@ -6,6 +6,7 @@ import numpy as np
 from petsc4py import PETSc
 
 from . import factorization
+from .parts import Mast
 from .problem import Problem
 
 WEAK = 1e-9  # stiffness, as a strain, below which a motion counts as free
