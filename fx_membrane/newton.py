@@ -36,6 +36,7 @@ SHORT = 0.3  # a step that asks for more of it
 # Artificial tension in the structure, as a strain, from one solve to the next.
 FADING = tuple(10.0**-i for i in range(2, 9))
 ROUGH, FEW = 1e-3, 40  # tolerance and iterations of these solves
+PATIENCE = 5  # times as many iterations after them: where fabric is slack all over, it crumples cell by cell
 
 # Equilibrium at a saddle of the energy.
 NUDGE, NUDGES = 1e-3, 3  # step off it, in sizes of the structure, and how often it is tried
@@ -53,7 +54,7 @@ class Newton:
     Args:
         rtol: Converged when the 2-norm of the unbalanced forces is below rtol times that of all nodal forces,
             reactions and loads included, or at rounding. A start passes only at rounding.
-        max_iterations: Most iterations for one load increment, before the structure is drawn smooth and after.
+        max_iterations: Most iterations for one load increment; five times as many once the structure was drawn smooth.
         line_search: False is the method of the textbook: each step in full, with the tangent as it is. For loads
             without a potential (follower pressure in general) the energy is that of the work along the step, which is
             known exactly.
@@ -130,7 +131,7 @@ class _NewtonRaphson:
         if not (free and largest(x - start) > FALLEN * self.size):
             start.copy(x)
             self.draw_smooth(x)
-            second = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
+            second = self.attempt(x, self.settings.rtol, PATIENCE * self.settings.max_iterations)
             if second.converged and not self.collapsed(x):
                 return replace(self.made_stable(x, second), drawn_smooth=True)
         reason = free.words if free else solution.reason
