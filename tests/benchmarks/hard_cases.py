@@ -230,6 +230,7 @@ def curved() -> Iterator[tuple[str, Callable[[], Case]]]:
             for times in (1, 10):
                 name = f"hypar, rise {rise:g}, {prestress:g} N/m, {force:g} N, service x {times}"
                 yield name, lambda r=rise, p=prestress, f=force, t=times: hypar(p, f, r, service(0.3 * t * SNOW))
+    yield "hypar, rise 2, soft edges, 32 x 32", lambda: hypar(2e3, 1e4, 2.0, [Stage("prestress")], 32)
     yield "hypar, rise 1.5, 48 x 48", lambda: hypar(2e3, 2e4, 1.5, service(0.3 * SNOW), 48)
     for prestress in (0.0, 1e3):
         for lift in (0.5, 2.0):

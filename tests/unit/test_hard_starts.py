@@ -100,6 +100,17 @@ def test_slack_roof_hangs_by_its_own_weight(move):
     assert weight.energy == pytest.approx(plain.energy, rel=1e-10)
 
 
+def test_sail_that_crumples_is_given_more_iterations_once_it_was_drawn_smooth():
+    structure, stages = HARD["hypar"](2e3, 1e4, 2.0, [Stage("prestress")], 24)
+    few = Newton(max_iterations=30)
+    prestress = Analysis(structure, few).run(stages)["prestress"]
+    (increment,) = prestress.increments
+    assert increment.drawn_smooth
+    assert len(increment.iterations) > 1 + few.max_iterations
+    assert prestress.equilibrium.residual <= 1e-8 * np.abs(prestress.reactions).max()
+    assert (prestress.membrane("fabric").state == "slack").any()
+
+
 @pytest.fixture
 def iterates(monkeypatch):
     """One entry for each iterate, whatever comes of it."""
@@ -125,7 +136,8 @@ def test_increment_tells_that_the_structure_was_drawn_smooth(iterates):
     assert "drawn" not in report(sheared)
 
 
-def test_failure_counts_the_iterates_that_drew_the_structure_smooth(iterates):
+def test_failure_counts_the_iterates_that_drew_the_structure_smooth(iterates, monkeypatch):
+    monkeypatch.setattr(newton, "PATIENCE", 1)
     structure, stages = HARD["hypar"](2e3, 20e3, 1.5, [Stage("prestress")])
     with pytest.raises(ConvergenceError) as error:
         Analysis(structure, Newton(rtol=1e-14, max_iterations=1)).run(stages)
@@ -150,6 +162,7 @@ ENERGY_CASES = {
 }
 
 
+@pytest.mark.filterwarnings("ignore:.* moved by")  # the slack cable drops
 @pytest.mark.parametrize("name", ENERGY_CASES)
 def test_energy_falls_in_every_step(name):
     # Without pressure, which is not in the energies of the history.
