@@ -5,7 +5,11 @@ makes the result the next reference shape. The energy is quadratic, so a step is
 definite place within the surface. With an isotropic stress it is the algorithm of Pinkall and Polthier for minimal
 surfaces. The shape settles in a few steps, while the nodes go on to slide within it for long; the steps end when what
 is left is sliding. Equilibrium is exact after each step, with the stress found, which differs from the prescribed one
-by what sliding is left and, in the end, not at all.
+by what sliding is left and, in the end, not at all; but for loads along a line or a surface, as the weight of a hanging
+cable has, which no constant stress balances.
+
+Dead loads are per area of the form, which a step does not know before it is solved: it is solved again with the loads
+of its result until these no longer change.
 
 Source: K.-U. Bletzinger, E. Ramm, A general finite element approach to the form finding of tensile structures by the
 updated reference strategy, Int. J. Space Structures 14 (1999) 131-145; U. Pinkall, K. Polthier, Computing discrete
@@ -20,17 +24,22 @@ from typing import NamedTuple
 import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
+from petsc4py import PETSc
 
 from . import load_case, loads, validation
 from .geometry import boundary, degenerate, measures, normals, projected
 from .loads import DeadLoad, PointLoad, Pressure, Stage
 from .newton import Newton
 from .parts import Mast, Membrane, Part
-from .problem import Problem
+from .problem import Actions, Problem
 from .recorder import Recorder
 from .results import BarResult, MembraneResult
 from .rigid_motion import check_supports
+from .solver import Solve
 from .structure import Structure
+
+SAME = 1e-12  # change of the loads, relative to the largest, that is none
+REPEATS = 100  # most solves of a step
 
 
 class UnsettledFormWarning(UserWarning):
@@ -56,8 +65,8 @@ class Form:
     """A found shape.
 
     Attributes:
-        structure: The structure in this shape, in equilibrium; its prestress is the stress found in each cell, which
-            is the prescribed one as far as the steps have converged.
+        structure: The structure in this shape, in equilibrium with the loads of the form; its prestress is the stress
+            found in each cell, which is the prescribed one as far as the steps have converged and the loads allow.
         steps: The steps.
         converged: Whether the change of shape fell below the tolerance.
     """
@@ -81,7 +90,8 @@ def updated_reference(
 
     Args:
         structure: A first shape with the wanted prestress and the supports of the form.
-        loads_in_form: Loads that the form is to balance, as an inner pressure.
+        loads_in_form: Loads that the form is to balance, as an inner pressure; dead loads are per area or length of
+            the form.
         tolerance: Accepted change of shape in a step, `Step.change` [-].
         max_steps: Most steps.
         comm: The processes that share the work.
@@ -92,7 +102,8 @@ def updated_reference(
     Raises:
         ValueError: The structure has no prestress anywhere or a compressive one in a membrane or a cable, is not
             supported, or the loads do not fit it.
-        RuntimeError: A step found no equilibrium, or the shape collapses, as a catenoid between rings too far apart.
+        RuntimeError: A step found no equilibrium, or the shape collapses, as a catenoid between rings too far apart;
+            or dead loads grow with the form faster than the prestress can hold.
 
     Warns:
         UnsettledFormWarning: The steps were too few; the form is that of the last one.
@@ -111,13 +122,10 @@ def updated_reference(
     parts: dict[str, Part] = dict(structure.parts)
     converged = False
     while len(steps) < max_steps and not converged:
-        problem.discretization.move(points)
-        actions = load_case.target(problem, stage, load_case.unloaded(structure))  # dead loads are per area of the form
-        problem.apply(actions)
-        x = problem.discretization.create_vector()
-        solution = solve(x)
-        if not solution.converged:
+        found = _equilibrium(problem, solve, stage, points)
+        if found is None:
             raise RuntimeError(_collapse(len(steps) + 1))
+        x, actions = found
         state = record(stage.name, x, actions, ())
         change, edge = _change_of_shape(structure, points, state.displacement)
         points = points + state.displacement
@@ -133,6 +141,34 @@ def updated_reference(
     if not converged and comm.rank == 0:
         _warn_of_unsettled_form(steps, tolerance)
     return Form(replace(structure, points=points, parts=parts), tuple(steps), converged)
+
+
+def _equilibrium(
+    problem: Problem, solve: Solve, stage: Stage, reference: NDArray[np.float64]
+) -> tuple[PETSc.Vec, Actions] | None:
+    """Displacement from a reference shape to one in which the prestress balances the loads on it; None without one.
+
+    Raises:
+        RuntimeError: The loads do not settle.
+    """
+    supports = load_case.unloaded(problem.discretization.structure)
+    x, shape, before = problem.discretization.create_vector(), reference, None
+    for _ in range(REPEATS):
+        problem.discretization.move(shape)
+        actions = load_case.target(problem, stage, supports)
+        problem.discretization.move(reference)
+        problem.apply(actions)
+        if before is not None and np.abs(actions.loads - before).max() <= SAME * np.abs(actions.loads).max():
+            return x, actions
+        if not solve(x).converged:
+            if before is None:
+                return None
+            break
+        shape, before = reference + problem.discretization.gather(x), actions.loads
+    raise RuntimeError(
+        "Form finding found no shape for the dead loads: they grow with the form faster than the prestress can hold. "
+        "Give a larger prestress or smaller loads."
+    )
 
 
 def _warn_of_unsettled_form(steps: Sequence[Step], tolerance: float) -> None:

@@ -18,6 +18,7 @@ from fx_membrane import (
     Support,
     UnsettledFormWarning,
     boundary,
+    polyline,
     rectangle,
     updated_reference,
 )
@@ -74,7 +75,13 @@ def loaded():
     return structure, [PointLoad(40, (10.0, 0, -100)), Pressure(100.0, "film")]
 
 
-MODELS = [film, film_with_edge_cables, woven, inflated, loaded]
+def weighed_down():
+    """The same with weights of the film and the ridge, which are per area and length of the form."""
+    structure, loads = loaded()
+    return structure, [*loads, DeadLoad((0, 0, -150.0), "film"), DeadLoad((0, 20.0, -200.0), "ridge")]
+
+
+MODELS = [film, film_with_edge_cables, woven, inflated, loaded, weighed_down]
 
 
 @pytest.fixture(scope="module", params=MODELS, ids=lambda model: model.__name__)
@@ -90,6 +97,16 @@ def test_found_form_is_in_equilibrium_as_it_is(found):
     size = np.ptp(form.structure.points, axis=0).max()
     assert np.abs(result.displacement).max() < 1e-9 * size
     assert result.equilibrium.residual <= 1e-8 * np.abs(result.reactions).max()
+
+
+@pytest.mark.parametrize(("others", "tolerance"), [([], 1e-3), ([], 1e-6), ([PointLoad(7, (30.0, 50, -200))], 1e-3)])
+def test_hanging_cable_is_in_equilibrium_as_it_is(others, tolerance):
+    structure, loads = hanging_cable()
+    loads += others
+    form = updated_reference(structure, loads, tolerance=tolerance, max_steps=300)
+    (result,) = Analysis(form.structure).run([Stage("form", loads)]).values()
+    assert np.abs(result.displacement).max() < 1e-9 * 10
+    assert result.history[0][1].residual <= 1e-9 * np.abs(result.reactions).max()
 
 
 def test_form_is_another_shape_on_the_same_supports(found):
@@ -155,14 +172,35 @@ def test_orthotropic_prestress_follows_the_threads():
 
 
 def test_dead_load_is_per_area_of_the_form():
-    # An analysis of the form spreads the load over the area of the form, which is larger than the flat start.
+    # The area of the form is larger than that of the flat start.
     loads = [Pressure(2500.0, "film"), DeadLoad((0, 0, -100.0), "film")]
     form = updated_reference(inflated()[0], loads)
     assert form.converged
     assert form.steps[-1].area > 1.1 * 4
     (result,) = Analysis(form.structure).run([Stage("form", loads)]).values()
-    on_a_node = 100.0 * form.steps[-1].area / len(PLAN)
-    assert result.history[0][1].residual < 0.1 * on_a_node  # the load of the last step is that of the step before
+    assert result.actions.loads[:, 2].sum() == pytest.approx(-100.0 * form.steps[-1].area, rel=1e-12)
+
+
+def hanging_cable(load=100.0):
+    points = np.column_stack([np.linspace(0, 10, 21), np.zeros((21, 2))])
+    cable = Cable(polyline(np.arange(21)), 1e7, prestress=5e3)
+    return Structure(points, {"cable": cable}, [Support([0, 20])]), [DeadLoad((0, 0, -load), "cable")]
+
+
+def test_stress_of_a_hanging_cable_is_not_the_prescribed_one():
+    # No constant force balances a weight along the cable: between two points it changes by weight times height.
+    structure, loads = hanging_cable()
+    form = updated_reference(structure, loads, tolerance=1e-6, max_steps=300)
+    force = form.structure.parts["cable"].prestress
+    assert np.ptp(force) > 0
+    assert form.steps[-1].stress_error == pytest.approx(np.abs(force - 5e3).max() / 5e3, rel=1e-12)
+    horizontal = force * np.diff(form.structure.points[:, 0]) / measures(form.structure.points, polyline(range(21)))
+    assert horizontal == pytest.approx(horizontal[0], rel=1e-9)
+
+
+def test_dead_load_that_grows_faster_than_the_prestress_holds():
+    with pytest.raises(RuntimeError, match=r"^Form finding found no shape for the dead loads: .* larger prestress or"):
+        updated_reference(*hanging_cable(load=4000.0))
 
 
 def test_structure_that_is_found_is_found_again():
