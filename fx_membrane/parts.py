@@ -132,8 +132,10 @@ class Cable(Bar):
         prestress: Axial force in the reference shape [N], a number or one per cell, shape (n,). A negative one is
             an excess of length: the cable is slack until it is stretched by the Green-Lagrange strain
             -prestress / axial_stiffness, about the share by which it is longer than its reference shape.
-        compression_stiffness: Share of the stiffness that is kept where the cable is slack, in (0, 1] [-].
-            With 1 it carries compression, and is never called slack.
+        compression_stiffness: Share of the stiffness that is kept where the cable is slack, in (0, 1] [-]. It keeps
+            slack nodes in place; what it carries is seen in results, as a small negative force of a slack cable: the
+            kept share of the compression that a mast would have there. 1 switches that off: compression is
+            carried like tension, and no cable is called slack.
         mass: Mass per length of the reference shape [kg/m], for `natural_frequencies`; it brings no weight.
 
     Raises:
