@@ -17,6 +17,9 @@ from .structure import Support
 class Net:
     """A found shape.
 
+    As cables with the forces as prestress it is in equilibrium, under the loads that it was found for:
+    `Structure(net.points, {"net": Cable(branches, EA, prestress=net.forces)}, fixed)`.
+
     Attributes:
         points: Positions of the nodes, shape (n, 3) [m].
         forces: Force in each branch, force density times length, shape (branches,) [N].
@@ -45,7 +48,9 @@ def force_density(
         branches: Pairs of node numbers, shape (b, 2).
         q: Force densities, a number or one per branch, shape (b,) [N/m]. Positive ones are cables, and always have a
             shape. Negative ones are struts: all negative and without loads, the shape is that of the positive ones,
-            in compression; of both signs, branches may fold over each other, or no shape be there at all.
+            in compression; of both signs, branches may fold over each other, or no shape be there at all. A branch of
+            zero carries nothing; where its nodes fall on one place it has no length, and `Structure` refuses it as a
+            cable: leave it out.
         fixed: Nodes that do not move, by component: one held in "x" alone slides in the plane normal to x.
         loads: Dead loads on the nodes, shape (n, 3) [N]; none if not given.
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from . import validation
 from .parts import Part
 from .structure import Structure, Support
 
@@ -33,11 +34,14 @@ def structure_from_gmsh(
 
     Raises:
         ValueError: The file is not a mesh; a physical name does not exist, or more than one group has it, as a curve
-            and a surface; its cells are not lines or triangles of first order; a support is on no part.
+            and a surface; its cells are not lines or triangles of first order, or not those of the part to be made of
+            them; a support is on no part.
     """
     import gmsh  # noqa: PLC0415  (not needed by structures made of arrays)
 
     if source is None:
+        if not _meshed(gmsh.model):
+            raise ValueError("The gmsh model that is open has no mesh; call gmsh.model.mesh.generate(2) before.")
         return _structure(gmsh.model, parts, supports or {})
     if not Path(source).is_file():
         raise ValueError(f"There is no file {source}; give the name of a gmsh mesh.")
@@ -51,6 +55,11 @@ def structure_from_gmsh(
             gmsh.merge(str(source))
         except Exception as error:  # gmsh raises nothing more precise
             raise ValueError(f"{source} is not a file that gmsh can read ({error}).") from None
+        if not _meshed(gmsh.model):
+            raise ValueError(
+                f"{source} has no mesh that gmsh can read; give a .msh file, which `gmsh -2` makes of a geometry and "
+                "gmsh.write of a meshed model."
+            )
         return _structure(gmsh.model, parts, supports or {})
     finally:
         gmsh.model.remove()
@@ -68,12 +77,14 @@ def _current_model(gmsh: Any) -> str | None:
         return None
 
 
+def _meshed(model: Any) -> bool:
+    return len(model.mesh.getNodes()[0]) > 0
+
+
 def _structure(
     model: Any, parts: Mapping[str, Callable[[NDArray[np.int64]], Part]], supports: Mapping[str, str]
 ) -> Structure:
     tags, coordinates, _ = model.mesh.getNodes()
-    if not len(tags):
-        raise ValueError("There is no mesh in the gmsh file or model; call gmsh.model.mesh.generate(2) before.")
     groups = _groups(model, [*parts, *supports])
     cells = {name: _cells(model, name, groups[name]) for name in parts}
     used = np.unique(np.concatenate([part.ravel() for part in cells.values()]))
@@ -83,11 +94,26 @@ def _structure(
     position[tags.astype(np.int64)] = coordinates.reshape(-1, 3)
     held = []
     for name, components in supports.items():
-        nodes = row[model.mesh.getNodesForPhysicalGroup(*groups[name])[0].astype(np.int64)]
-        if not len(nodes) or (nodes < 0).any():
-            raise ValueError(f"The support {name!r} has nodes that no part uses; put it on a part.")
-        held.append(Support(np.unique(nodes), components))
-    return Structure(position[used], {name: make(row[cells[name]]) for name, make in parts.items()}, held)
+        nodes = model.mesh.getNodesForPhysicalGroup(*groups[name])[0].astype(np.int64)
+        if not len(nodes):
+            raise ValueError(f"The support {name!r} has no nodes; mesh the physical group, with the parts it holds.")
+        loose = nodes[row[nodes] < 0]
+        if len(loose):
+            raise ValueError(
+                f"The support {name!r} has nodes that no part uses, {len(loose)} of {len(nodes)}, as gmsh's node "
+                f"{loose[0]} at {validation.place(position[loose[0]])}; put it on a part."
+            )
+        held.append(Support(np.unique(row[nodes]), components))
+    return Structure(position[used], {name: _part(name, make, row[cells[name]]) for name, make in parts.items()}, held)
+
+
+def _part(name: str, make: Callable[[NDArray[np.int64]], Part], cells: NDArray[np.int64]) -> Part:
+    """The part that a function makes of cells; what it refuses is told with the physical name."""
+    try:
+        return make(cells)
+    except ValueError as error:
+        what = "triangles, for a Membrane" if cells.shape[1] == 3 else "segments, for a Cable or a Mast"
+        raise ValueError(f"The physical group {name!r} has {what}; they make no part: {error}") from error
 
 
 def _groups(model: Any, wanted: Sequence[str]) -> dict[str, tuple[int, int]]:

@@ -136,8 +136,10 @@ class Cable(Bar):
             -prestress / axial_stiffness, about the share by which it is longer than its reference shape. It is meant
             for a small excess: stiffness and loads are per length of the reference shape, and a cable with the excess
             strain E0 is (1 + 2 E0)^1.5 times as stiff as its data: 6 % more with 2 %, 31 % with 10 %.
-        compression_stiffness: Share of the stiffness that is kept where the cable is slack, in (0, 1] [-].
-            With 1 it carries compression, and is never called slack.
+        compression_stiffness: Share of the stiffness that is kept where the cable is slack, in (0, 1] [-]. It keeps
+            slack nodes in place; what it carries is seen in results, as a small negative force of a slack cable: the
+            kept share of the compression that a mast would have there. 1 switches that off: compression is
+            carried like tension, and no cable is called slack.
         mass: Mass per length of the reference shape [kg/m], for `natural_frequencies`; it brings no weight.
 
     Raises:

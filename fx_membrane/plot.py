@@ -1,6 +1,7 @@
 """Pictures: curves and wire frames (matplotlib), contours on the deformed structure (pyvista inside matplotlib).
 
-Each function writes one PNG and makes its folder. Under MPI call it on all processes; the first one draws.
+Each function writes one picture, a PNG or what else its name ends in, and makes its folder. Under MPI call it on all
+processes; the first one draws.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,14 +31,15 @@ def convergence(result: StageResult, path: str | Path, force_unit: str = "N", en
 
     Args:
         result: A stage; all its increments are drawn one after the other.
-        path: The PNG to write.
+        path: The picture to write.
         force_unit: Name of the unit of the forces as they are; no number is converted.
         energy_unit: The same for energies.
 
     Raises:
-        ValueError: The result is not that of a stage.
+        ValueError: The result is not that of a stage; path ends in no format of pictures.
     """
     validation.instance("The first argument of convergence", result, StageResult)
+    _check_path(path)
     if MPI.COMM_WORLD.rank:
         return
     iterations = [entry for _, entry in result.history]
@@ -74,18 +76,20 @@ def compare_convergence(
     Args:
         histories: The iterates by name of the solver; all solves have the same solution.
         seconds: How long each solve took [s]; its iterates are drawn evenly over it.
-        path: The PNG to write.
+        path: The picture to write.
         force_unit: Name of the unit of the forces as they are; no number is converted.
         energy_unit: The same for energies.
 
     Raises:
-        ValueError: There are no histories, one has no iterate, or they are not those that have a time.
+        ValueError: There are no histories, one has no iterate, or they are not those that have a time; path ends in no
+            format of pictures.
     """
     validation.instance("histories", histories, Mapping)
     if not histories or not all(histories.values()):
         raise ValueError("histories is empty, or has one without iterates; give {name: iterates}.")
     if set(seconds) != set(histories):
         raise ValueError(f"seconds is for {list(seconds)}; give the time of each of {list(histories)}.")
+    _check_path(path)
     if MPI.COMM_WORLD.rank:
         return
     lowest = min(history[-1].energy for history in histories.values())
@@ -130,13 +134,14 @@ def wireframe(
     Args:
         points: Positions of the nodes, shape (n, 3) [m].
         parts: Parts by name, as those of a structure, or their cells, shape (cells, 2) or (cells, 3).
-        path: The PNG to write.
+        path: The picture to write.
         view: Direction from the structure to the eye; without it the plan (x, y).
         labels: Nodes whose number is written.
         first: The number written at node 0.
 
     Raises:
-        ValueError: A cell or a label is of a node that does not exist; view is not a direction.
+        ValueError: A cell or a label is of a node that does not exist; view is not a direction; path ends in no format
+            of pictures.
     """
     positions = validation.positions("points", points)
     validation.instance("parts", parts, Mapping)
@@ -145,6 +150,7 @@ def wireframe(
         validation.in_range(f"Part {name!r}", cells, len(positions), "node")
     validation.in_range("labels", np.asarray(labels, dtype=np.int64), len(positions), "node")
     seen = positions @ screen_axes((0, 0, 1) if view is None else validation.direction("view", view)).T
+    _check_path(path)
     if MPI.COMM_WORLD.rank:
         return
     import matplotlib.collections  # noqa: PLC0415
@@ -191,7 +197,7 @@ def contours(
         result: A stage.
         fields: For each title, either nodal values, shape (n,), or cell values (cells,) of some parts by name, as the
             forces of cables; cell values may be the states "taut", "wrinkled" and "slack".
-        path: The PNG to write.
+        path: The picture to write.
         scale: Displacements are drawn that many times larger.
         view: Direction from the structure to the eye; z points up, from straight above, (0, 0, 1), y.
         mirror: "x", "y" or "z" draws the mirror image about that coordinate's zero too, for half models.
@@ -203,7 +209,7 @@ def contours(
     Raises:
         ValueError: A field has a wrong number of values, values that are not finite, or names no part; mirror is none
             of the three; odd or limits name no field; limits are not two numbers, the lower first, or are given for
-            states; view is not a direction; scale is not a number.
+            states; view is not a direction; scale is not a number; path ends in no format of pictures.
         RuntimeError: There is no screen, and this version of VTK needs one.
     """
     validation.instance("The first argument of contours", result, StageResult)
@@ -220,6 +226,7 @@ def contours(
     ranges = {title: _limits(title, checked[title], given) for title, given in (limits or {}).items()}
     validation.number("scale", scale)
     validation.direction("view", view)
+    _check_path(path)
     if MPI.COMM_WORLD.rank:
         return
     figure = _figure(6.4 * len(checked), 5.6)
@@ -319,6 +326,17 @@ def _figure(width: float, height: float) -> Any:
     import matplotlib.figure  # noqa: PLC0415  (numbers alone should not wait for it)
 
     return matplotlib.figure.Figure(figsize=(width, height), layout="constrained")
+
+
+def _check_path(path: str | Path) -> None:
+    """Refuses a name before anything is drawn, on all processes."""
+    import matplotlib.backend_bases  # noqa: PLC0415
+
+    validation.instance("path", path, str | Path)
+    formats = sorted(matplotlib.backend_bases.FigureCanvasBase.get_supported_filetypes())
+    ending = Path(path).suffix[1:]
+    if ending and ending.lower() not in formats:
+        raise ValueError(f"path is {str(path)!r}, which ends in no format of pictures; give .png, or one of {formats}.")
 
 
 def _save(figure: Any, path: str | Path) -> None:

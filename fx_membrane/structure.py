@@ -181,7 +181,10 @@ class Structure:
         validation.in_range(what, nodes, len(self.points), "node")
         loose = nodes[~self.used[nodes]]
         if len(loose):
-            raise ValueError(f"{what} is on node {loose[0]}, which no part uses; mend the number or add the part.")
+            where = validation.place(self.points[loose[0]])
+            raise ValueError(
+                f"{what} is on node {loose[0]}, which no part uses, at {where}; mend the number or add the part."
+            )
 
     def _warn_of_coincident_nodes(self) -> None:
         used = np.flatnonzero(self.used)
@@ -192,12 +195,11 @@ class Structure:
         if len(pairs):
             pairs = np.sort(pairs, axis=1)
             a, b = pairs[np.lexsort(pairs.T[::-1])[0]]
-            x, y, z = self.points[a]
             count = f" ({len(pairs)} such pairs in all)" if len(pairs) > 1 else ""
             warnings.warn(
-                f"Nodes {a} and {b} are at the same place, ({x:.6g}, {y:.6g}, {z:.6g}), but nothing joins them{count}: "
-                f"{self._using(a)} and {self._using(b)} can part there. To join them, give all cells that meet there "
-                "the same node number.",
+                f"Nodes {a} and {b} are at the same place, {validation.place(self.points[a])}, but nothing joins them"
+                f"{count}: {self._using(a)} and {self._using(b)} can part there. To join them, give all cells that "
+                "meet there the same node number.",
                 CoincidentNodesWarning,
                 stacklevel=4,
             )

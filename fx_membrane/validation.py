@@ -20,6 +20,11 @@ def shown(value: Any) -> str:
     return _article(type(value).__name__) + (f" of {len(value)} entries" if isinstance(value, Sized) else "")
 
 
+def place(point: NDArray[np.float64]) -> str:
+    """A position as a message shows it."""
+    return f"({', '.join(f'{coordinate:.6g}' for coordinate in point)})"
+
+
 def _article(noun: str) -> str:
     return f"{'an' if noun[0] in 'AEIOUaeiou' else 'a'} {noun}"
 

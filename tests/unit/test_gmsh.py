@@ -1,5 +1,7 @@
 """Cables along the edges of a membrane: given as node lines, picked from its mesh, or a physical curve of gmsh."""
 
+import re
+
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -97,12 +99,42 @@ def test_file_that_does_not_exist(tmp_path):
         structure_from_gmsh(tmp_path / "roof.msh", PARTS)
 
 
-@pytest.mark.parametrize("content", ["", "not a mesh\n", "$MeshFormat\n9.9 0 8\n$EndMeshFormat\n"])
-def test_file_that_is_not_a_mesh(content, tmp_path):
-    file = tmp_path / "roof.msh"
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("roof.msh", ""),
+        ("roof.msh", "not a mesh\n"),
+        ("roof.msh", "$MeshFormat\n9.9 0 8\n$EndMeshFormat\n"),
+        ("roof.py", "print(1)\n"),
+        ("roof.geo", 'SetFactory("OpenCASCADE"); Rectangle(1) = {0, 0, 0, 1, 1};'),
+    ],
+)
+def test_file_that_is_not_a_mesh(name, content, tmp_path):
+    file = tmp_path / name
     file.write_text(content)
-    with pytest.raises(ValueError, match=r"mesh|gmsh"):
+    message = (
+        rf"{re.escape(name)} (has no mesh that gmsh can read; give a .msh file|is not a file that gmsh can read \()"
+    )
+    with pytest.raises(ValueError, match=message):
         structure_from_gmsh(file, PARTS)
+
+
+def test_model_without_a_mesh(model):
+    gmsh.model.mesh.clear()
+    with pytest.raises(ValueError, match=r"^The gmsh model that is open has no mesh; call gmsh\.model\.mesh\.gen"):
+        structure_from_gmsh(None, PARTS)
+
+
+@pytest.mark.parametrize(
+    ("group", "kind", "message"),
+    [
+        ("fabric", "cable", "triangles, for a Membrane; they make no part: Cable cells must be .*\\(n, 2\\)"),
+        ("cable", "fabric", "segments, for a Cable or a Mast; they make no part: Membrane cells must be .*\\(n, 3\\)"),
+    ],
+)
+def test_part_of_the_wrong_kind(model, group, kind, message):
+    with pytest.raises(ValueError, match=f"^The physical group '{group}' has {message}"):
+        structure_from_gmsh(model, {group: PARTS[kind]})
 
 
 def test_unknown_physical_name(model):
@@ -133,7 +165,8 @@ def test_group_that_is_a_part_and_a_support(model):
 
 
 def test_support_on_no_part(model):
-    with pytest.raises(ValueError, match="support 'fixed' has nodes that no part uses"):
+    message = r"support 'fixed' has nodes that no part uses, (\d+) of \1, as gmsh's node \d+ at \([\d.]+, 1, 0\); put"
+    with pytest.raises(ValueError, match=message):
         structure_from_gmsh(model, {"cable": PARTS["cable"]}, {"fixed": "xyz"})
 
 

@@ -120,7 +120,7 @@ def test_only_membranes_have_normals(ask, name):
     [
         (5, "^Support 0 names node 5, which does not exist"),
         ([0, -1], "^Support 0 names node -1, which does not exist"),
-        ([0, 4], "^Support 0 is on node 4, which no part uses"),
+        ([0, 4], r"^Support 0 is on node 4, which no part uses, at \(5, 5, 5\); mend"),
     ],
 )
 def test_support_on_a_bad_node(nodes, message):
