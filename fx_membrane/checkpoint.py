@@ -17,6 +17,7 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
+from .geometry import from_smallest
 from .loads import Stage
 from .results import Increment
 from .solver import Iteration
@@ -108,6 +109,7 @@ def fingerprints(data: Structure | Stage) -> dict[str, str]:
         digests[f"kind of part {name!r}"] = type(part).__name__
         for entry in dataclasses.fields(part):
             digests[f"{entry.name} of part {name!r}"] = fingerprint(getattr(part, entry.name))
+        digests[f"cells of part {name!r}"] = fingerprint(from_smallest(part.cells))
     return digests
 
 

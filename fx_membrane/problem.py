@@ -32,7 +32,7 @@ class Actions:
         loads: Dead loads on the nodes, shape (n, 3) [N].
         held: Components whose displacement is given, shape (n, 3).
         displacement: The given displacements, shape (n, 3) [m]; without meaning where not held.
-        pressures: For membranes by name, pressure along the normal of each cell, shape (cells,) [Pa].
+        pressures: For membranes by name, pressure along `Structure.normals`, shape (cells,) [Pa].
     """
 
     loads: NDArray[np.float64]

@@ -209,15 +209,13 @@ def _change_of_shape(
     structure: Structure, points: NDArray[np.float64], displacement: NDArray[np.float64]
 ) -> tuple[float, float]:
     """Largest displacement across the surface, on lines across the line; and the mean length of the edges [m]."""
-    normal, along = np.zeros_like(points), np.zeros_like(points)
+    along = np.zeros_like(points)
     on_line = np.zeros(len(points), dtype=bool)
     lengths = []
     for part in structure.parts.values():
         lines = part.cells
         if part.dimension == 2:
             lines = boundary(part.cells)
-            for corner in part.cells.T:
-                np.add.at(normal, corner, normals(points, part.cells))
             lengths.append(np.sqrt(2 * measures(points, part.cells)))
         else:
             lengths.append(measures(points, part.cells))
@@ -230,8 +228,25 @@ def _change_of_shape(
         unit = direction / length
         return np.sum(displacement * unit, axis=1, keepdims=True) * unit
 
-    across = np.where(on_line[:, None], displacement - part_along(along), part_along(normal))
+    across = np.where(on_line[:, None], displacement - part_along(along), part_along(_nodal_normals(structure, points)))
     return float(np.linalg.norm(across, axis=1).max()), float(np.concatenate(lengths).mean())
+
+
+def _nodal_normals(structure: Structure, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Sum of the normals of the cells at each node, all to the side of one of them, shape (n, 3) [-].
+
+    Membranes that meet may have other senses, and a Moebius strip has none.
+    """
+    total, side = np.zeros_like(points), np.zeros_like(points)
+    surfaces = [part.cells for part in structure.parts.values() if part.dimension == 2]
+    for triangles in surfaces:
+        side[triangles] = normals(points, triangles)[:, None]
+    for triangles in surfaces:
+        normal = normals(points, triangles)
+        for corner in triangles.T:
+            turned = np.sum(normal * side[corner], axis=1, keepdims=True) < 0
+            np.add.at(total, corner, np.where(turned, -normal, normal))
+    return total
 
 
 def _stressed(
