@@ -36,10 +36,12 @@ def rectangle(
     Raises:
         ValueError: A size or a number is not positive, or diagonals is none of the three.
     """
-    validation.positive("width", width)
-    validation.positive("height", height)
-    validation.whole("columns", columns)
-    validation.whole("rows", rows)
+    width, height = validation.positive("width", width), validation.positive("height", height)
+    columns, rows = validation.whole("columns", columns), validation.whole("rows", rows)
+    if 3 * (columns + 1) * (rows + 1) > validation.MOST:
+        raise ValueError(f"columns is {columns} and rows is {rows}, more nodes than PETSc numbers; give smaller ones.")
+    choices = ("right", "left", "to centre")
+    diagonals = validation.choice("diagonals", diagonals, choices, '"right", "left" or "to centre"')
     x = np.linspace(-width / 2, width / 2, columns + 1)
     y = np.linspace(-height / 2, height / 2, rows + 1)
     points = np.stack([*np.meshgrid(x, y), np.zeros((rows + 1, columns + 1))], axis=-1).reshape(-1, 3)
@@ -48,8 +50,6 @@ def rectangle(
     a = (columns + 1) * row + column  # lower left, then counter-clockwise
     b, c, d = a + 1, a + columns + 2, a + columns + 1
     same_sign = (2 * row + 1 > rows) == (2 * column + 1 > columns)
-    if diagonals not in ("right", "left", "to centre"):
-        raise ValueError(f'diagonals is {diagonals!r}; give "right", "left" or "to centre".')
     right = {"right": np.ones_like(same_sign), "left": np.zeros_like(same_sign), "to centre": same_sign}[diagonals]
     first = np.where(right, [a, b, c], [a, b, d])
     second = np.where(right, [a, c, d], [b, c, d])

@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 
 from . import validation
 from .geometry import degenerate, normals, projected, senses
-from .parts import Kind, Membrane, Part
+from .parts import Cable, Kind, Mast, Membrane, Part
 
 COINCIDENT = 1e-9
 
@@ -37,8 +37,8 @@ class Support:
     components: str = "xyz"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "nodes", validation.rows("Support nodes", self.nodes))
-        validation.components("Support components", self.components)
+        validation.store(self, validation.rows, "nodes")
+        validation.store(self, validation.letters, "components")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -75,14 +75,14 @@ class Structure:
         object.__setattr__(self, "points", validation.positions("points", self.points))
         if not isinstance(self.parts, Mapping):
             raise ValueError(f'parts is a {type(self.parts).__name__}; give a dictionary, {{"name": Membrane(...)}}.')
-        object.__setattr__(self, "parts", dict(self.parts))
+        parts = {validation.name("part", name): part for name, part in self.parts.items()}
+        object.__setattr__(self, "parts", parts)
         object.__setattr__(self, "supports", validation.instances("supports", self.supports, Support))
         if not self.parts:
             raise ValueError("The structure has no parts; give at least one Membrane, Cable or Mast.")
         count = len(self.points)
         for name, part in self.parts.items():
-            validation.name("part", name)
-            validation.instance(f"Part {name!r}", part, Part)
+            validation.plain(f"Part {name!r}", part, Part)
             for cell in np.flatnonzero(((part.cells < 0) | (part.cells >= count)).any(axis=1))[:1]:
                 validation.in_range(f"Part {name!r}, cell {cell},", part.cells[cell], count, "node")
             self._check_measures(name, part)
@@ -165,11 +165,15 @@ class Structure:
         Raises:
             ValueError: There is none of that name and kind.
         """
-        part = self.parts.get(name)
+        if not isinstance(kind, type) or kind not in (Membrane, Cable, Mast):
+            raise ValueError(f"The kind of a part is {validation.shown(kind)}; give Membrane, Cable or Mast.")
+        part = self.parts.get(name) if isinstance(name, str) else None
         if not isinstance(part, kind):
             other = f", which is a {type(part).__name__}" if part is not None else ""
             names = [key for key, part in self.parts.items() if isinstance(part, kind)]
-            raise ValueError(f"No {kind.__name__} is named {name!r}{other}; those of the structure are {names}.")
+            raise ValueError(
+                f"No {kind.__name__} is named {validation.shown(name)}{other}; those of the structure are {names}."
+            )
         return part
 
     def check_nodes(self, what: str, nodes: NDArray[np.int64]) -> None:
