@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
 from . import validation
-from .geometry import degenerate, normals, projected, senses
+from .geometry import SLENDER, SLIVER, aspects, normals, projected, senses
 from .parts import Cable, Kind, Mast, Membrane, Part
 
 COINCIDENT = 1e-9
@@ -19,6 +19,10 @@ COINCIDENT = 1e-9
 
 class CoincidentNodesWarning(UserWarning):
     """Nodes at one place that are not one node: parts are joined by the nodes they share, not by where these are."""
+
+
+class SliverWarning(UserWarning):
+    """A triangle that is so slender that the rounding of its forces is seen in results."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,13 +61,15 @@ class Structure:
         supports: Nodes that do not move.
 
     Raises:
-        ValueError: A cell names a node that does not exist, has no area or no length, or is normal to its warp
-            vector; a support is on a node that does not exist or that no part uses; a value is not finite.
+        ValueError: A cell names a node that does not exist, has no area or no length, is a sliver more than 1e7 times
+            as long as it is high, or is normal to its warp vector; a part is of a class derived from `Membrane`,
+            `Cable` or `Mast`; a support is on a node that does not exist or that no part uses; a value is not finite.
 
     Warns:
         CoincidentNodesWarning: Nodes of the parts are at one place, nearer than 1e-9 of the size of the structure, and
             not all of them are held there by supports. If they are meant to be apart (a slit, two cables that cross),
             switch it off: `warnings.simplefilter("ignore", CoincidentNodesWarning)`.
+        SliverWarning: A triangle is more than 5e5 times as long as it is high.
     """
 
     points: NDArray[np.float64]
@@ -224,10 +230,20 @@ class Structure:
             self._senses[name] = refusal
 
     def _check_measures(self, name: str, part: Part) -> None:
-        bad = degenerate(self.points, part.cells)
-        if len(bad):
-            what = "length" if part.dimension == 1 else "area"
-            raise ValueError(
-                f"Part {name!r}, cell {bad[0]} (nodes {part.cells[bad[0]].tolist()}) has no {what}; "
-                "remove the cell or move its nodes apart."
-            )
+        aspect = aspects(self.points, part.cells)
+        cell = int(aspect.argmax())
+        if aspect[cell] <= SLENDER:
+            return
+        where = validation.place(self.points[part.cells[cell]].mean(axis=0))
+        what = f"Part {name!r}, cell {cell} (nodes {part.cells[cell].tolist()})"
+        if not np.isfinite(aspect[cell]):
+            measure = "length" if part.dimension == 1 else "area"
+            raise ValueError(f"{what} has no {measure}, at {where}; remove the cell or move its nodes apart.")
+        sliver = f"{what} is a sliver, {aspect[cell]:.2g} times as long as it is high, at {where}"
+        remedy = "remove the cell, join its nodes or move them apart"
+        if aspect[cell] > SLIVER:
+            raise ValueError(f"{sliver}; above {SLIVER:.2g} its stiffness is lost in rounding: {remedy}.")
+        share = 400 * np.finfo(float).eps * aspect[cell] ** 2
+        warnings.warn(
+            f"{sliver}: up to {share:.1g} % of its forces are rounding; {remedy}.", SliverWarning, stacklevel=4
+        )
