@@ -31,8 +31,8 @@ def agreed(name: str, value: Any, comm: MPI.Intracomm) -> Path:
     return file
 
 
-def path(name: str, value: Any) -> Path:
-    """A path of letters and lengths that a file system allows.
+def path(name: str, value: Any, spare: int = SPARE) -> Path:
+    """A path of letters and lengths that a file system allows, with some bytes to spare.
 
     Raises:
         ValueError: It is no path, is empty, or no file can have that name.
@@ -46,10 +46,10 @@ def path(name: str, value: Any) -> Path:
     if not os.path.basename(encoded) or b"\0" in encoded:
         raise ValueError(f"{shown_name}; give the name of a file, without zero bytes.")
     longest = max(map(len, encoded.split(b"/")))
-    if longest > 255 - SPARE or len(encoded) > LONGEST - SPARE:
+    if longest > 255 - spare or len(encoded) > LONGEST - spare:
         raise ValueError(
             f"{name} has {len(encoded)} bytes, in one name {longest}, which is too long; give names of at most "
-            f"{255 - SPARE} bytes, and {LONGEST - SPARE} in all."
+            f"{255 - spare} bytes, and {LONGEST - spare} in all."
         )
     return Path(value)
 

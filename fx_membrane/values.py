@@ -29,10 +29,9 @@ def with_article(noun: str) -> str:
 
 def expected(kind: Any) -> str:
     """Names of a class, or of several joined by |, as a refusal says them."""
-    names = (entry.__name__ for entry in getattr(kind, "__args__", (kind,)))
-    return " or ".join(
-        {"str": "text", "Mapping": "dictionary", "bool_": "True or False"}.get(name, name) for name in names
-    )
+    words = {"str": "text", "Mapping": "dictionary", "Sequence": "list", "bool_": "True or False", "NoneType": "None"}
+    names = [entry.__name__ for entry in getattr(kind, "__args__", (kind,))]
+    return " or ".join(words.get(name, name) for name in names)
 
 
 def place(point: NDArray[np.float64]) -> str:
