@@ -27,7 +27,7 @@ from .parts import Cable, Mast, Membrane
 from .report import report
 from .results import BarResult, Equilibrium, Increment, MembraneResult, StageResult, StageResults, UnstableStateWarning
 from .solver import Iteration
-from .structure import CoincidentNodesWarning, Structure, Support
+from .structure import CoincidentNodesWarning, SliverWarning, Structure, Support
 from .updated_reference import Form, UnsettledFormWarning, updated_reference
 
 # PETSc takes a pipe that is closed at its other end, `script.py | head`, for a crash; to Python it is an exception.
@@ -62,6 +62,7 @@ __all__ = [
     "PointLoad",
     "PrescribedDisplacement",
     "Pressure",
+    "SliverWarning",
     "Stability",
     "Stage",
     "StageResult",

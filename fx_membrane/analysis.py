@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 from tqdm import tqdm
 
-from . import checkpoint, load_case, loads, validation
+from . import checkpoint, load_case, loads, paths, validation
 from .checkpoint import Progress
 from .first_order import ConjugateGradient, SteepestDescent
 from .large_strain import warn_of_large_prestress, warn_of_large_strains
@@ -77,6 +77,7 @@ class Analysis:
     def __init__(self, structure: Structure, solver: AnySolver = Newton(), comm: MPI.Intracomm = MPI.COMM_WORLD):
         validation.instance("Analysis structure", structure, Structure)
         validation.instance("Analysis solver", solver, AnySolver)
+        validation.communicator("Analysis comm", comm)
         self.structure = structure
         self._comm = comm
         self._problem = Problem(structure, comm)
@@ -108,7 +109,7 @@ class Analysis:
         self._check(stages)
         if self._comm.rank == 0:
             warn_of_large_prestress(self.structure, stacklevel=3)
-        path = None if checkpoint_file is None else Path(checkpoint_file)
+        path = None if checkpoint_file is None else paths.agreed("checkpoint_file", checkpoint_file, self._comm)
         progress = {} if path is None else checkpoint.load(path, self.structure, stages)
 
         def save(name: str, state: Progress) -> None:

@@ -96,9 +96,10 @@ def trace(
         LargeStrainWarning: Strains that belong to the prestress of a structure are above 5 %.
     """
     validation.instance("trace start", start, Structure | StageResult)
-    validation.instance("trace stage", stage, Stage)
-    validation.whole("trace max_points", max_points)
-    validation.tolerance("trace rtol", rtol)
+    validation.plain("trace stage", stage, Stage)
+    max_points = validation.whole("trace max_points", max_points)
+    rtol = validation.tolerance("trace rtol", rtol)
+    validation.communicator("trace comm", comm)
     structure = start if isinstance(start, Structure) else start.structure
     _check_stage(structure, start, stage)
     shape = np.zeros(structure.points.shape) if isinstance(start, Structure) else start.displacement

@@ -7,7 +7,7 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from . import load_case, validation
+from . import load_case, validation, values
 from .large_strain import warn_of_large_strains
 from .problem import Actions, Problem
 from .recorder import Recorder
@@ -97,8 +97,9 @@ class EquilibriumPath:
             LargeStrainWarning: Strains are above 5 %.
         """
         count = len(self.points)
-        if not isinstance(point, int | np.integer) or not -count <= point < count:
+        if not values.is_whole(type(point)) or not -count <= point < count:
             raise ValueError(f"Point {validation.shown(point)} of the path is not there; it has {count} points.")
+        validation.communicator("state comm", comm)
         factor, displacement, _, iterations = self.points[point]
         problem = Problem(self.structure, comm)
         actions = load_case.between(self.start, self.end, factor)

@@ -88,11 +88,8 @@ class ConjugateGradient:
     max_iterations: int = 10_000
 
     def __post_init__(self) -> None:
-        if self.beta not in ("FR", "PR"):
-            raise ValueError(
-                f"ConjugateGradient beta is {validation.shown(self.beta)}; "
-                'give "FR" (Fletcher-Reeves) or "PR" (Polak-Ribiere).'
-            )
+        remedy = '"FR" (Fletcher-Reeves) or "PR" (Polak-Ribiere)'
+        validation.keep(self, beta=validation.choice("ConjugateGradient beta", self.beta, ("FR", "PR"), remedy))
         _check(self)
 
     def prepare(self, problem: Problem) -> Solve:
@@ -126,13 +123,12 @@ def _no_memory(now: Gradient, before: Gradient) -> float:
 
 def _check(settings: SteepestDescent | ConjugateGradient) -> None:
     name = type(settings).__name__
-    if settings.preconditioner not in (None, "jacobi", "tangent"):
-        raise ValueError(
-            f"{name} preconditioner is {validation.shown(settings.preconditioner)}; "
-            'give None, "jacobi" (the diagonal of the tangent) or "tangent".'
-        )
-    validation.tolerance(f"{name} rtol", settings.rtol)
-    validation.whole(f"{name} max_iterations", settings.max_iterations)
+    remedy = 'None, "jacobi" (the diagonal of the tangent) or "tangent"'
+    given = settings.preconditioner
+    preconditioner = validation.choice(f"{name} preconditioner", given, (None, "jacobi", "tangent"), remedy)
+    validation.keep(settings, preconditioner=preconditioner)
+    validation.store(settings, validation.tolerance, "rtol")
+    validation.store(settings, validation.whole, "max_iterations")
 
 
 class _Descent:

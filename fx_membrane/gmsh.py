@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import validation
+from . import paths, validation
 from .parts import Part
 from .structure import Structure, Support
 
@@ -33,10 +33,11 @@ def structure_from_gmsh(
             be a part and a support: `{"fabric": "z"}` keeps a membrane flat.
 
     Raises:
-        ValueError: The file is not a mesh; a physical name does not exist, or more than one group has it, as a curve
-            and a surface; its cells are not lines or triangles of first order, or not those of the part to be made of
-            them; a support is on no part.
+        ValueError: An argument is of another kind; the file is not a mesh; a physical name does not exist, or more than
+            one group has it, as a curve and a surface; its cells are not lines or triangles of first order, or not
+            those of the part to be made of them; a support is on no part.
     """
+    _check_arguments(source, parts, supports)
     import gmsh  # noqa: PLC0415  (not needed by structures made of arrays)
 
     if source is None:
@@ -67,6 +68,23 @@ def structure_from_gmsh(
             gmsh.finalize()
         else:
             gmsh.model.setCurrent(before)
+
+
+def _check_arguments(source: Any, parts: Any, supports: Any) -> None:
+    if source is not None:
+        paths.path("source", source, spare=0)
+    validation.instance("parts", parts, Mapping)
+    validation.instance("supports", supports, Mapping | None)
+    if not parts:
+        raise ValueError('parts is empty; give at least one, {"physical name": lambda cells: Membrane(cells, ...)}.')
+    for name, make in parts.items():
+        if not callable(make):
+            raise ValueError(
+                f"The part {validation.name('part', name)!r} is {validation.shown(make)}; give a function of its "
+                "cells, lambda cells: Membrane(cells, ...)."
+            )
+    for name, components in (supports or {}).items():
+        validation.letters(f"The support {validation.name('support', name)!r}", components)
 
 
 def _current_model(gmsh: Any) -> str | None:

@@ -88,13 +88,14 @@ def natural_frequencies(state: StageResult, count: int = 6, comm: MPI.Intracomm 
         RuntimeError: The eigenvalue solver did not converge.
     """
     validation.instance("natural_frequencies state", state, StageResult)
+    validation.communicator("natural_frequencies comm", comm)
     parts = [part for part in state.structure.parts.values() if part.mass > 0]
     if not parts:
         raise ValueError("No part has mass; give mass=... to membranes [kg/m2], cables or masts [kg/m].")
     movable = np.zeros_like(state.actions.held)
     for part in parts:
         movable[part.cells] = True
-    _check_count("natural_frequencies", count, movable & ~state.actions.held, "components with mass")
+    count = _checked_count("natural_frequencies", count, movable & ~state.actions.held, "components with mass")
     problem, K = _tangent(state, comm)
     full = problem.discretization.create_matrix()
     problem.mass(full)
@@ -120,7 +121,8 @@ def stability(state: StageResult, count: int = 1, comm: MPI.Intracomm = MPI.COMM
         RuntimeError: The eigenvalue solver did not converge.
     """
     validation.instance("stability state", state, StageResult)
-    _check_count("stability", count, state.structure.used[:, None] & ~state.actions.held, "components")
+    validation.communicator("stability comm", comm)
+    count = _checked_count("stability", count, state.structure.used[:, None] & ~state.actions.held, "components")
     problem, K = _tangent(state, comm)
     pairs, negative = eigenvalues.lowest(
         K if factorization.is_symmetric(K) else factorization.symmetric_part(K), None, count
@@ -128,10 +130,12 @@ def stability(state: StageResult, count: int = 1, comm: MPI.Intracomm = MPI.COMM
     return Stability(np.array([pair.value.real for pair in pairs]), _shapes(problem, state, pairs), negative)
 
 
-def _check_count(function: str, count: int, movable: NDArray[np.bool_], what: str) -> None:
+def _checked_count(function: str, count: int, movable: NDArray[np.bool_], what: str) -> int:
     available = np.count_nonzero(movable)
-    if validation.whole(f"{function} count", count) > available:
+    count = validation.whole(f"{function} count", count)
+    if count > available:
         raise ValueError(f"{function} count is {count}, but {available} {what} can move; ask for no more.")
+    return count
 
 
 def _tangent(state: StageResult, comm: MPI.Intracomm) -> tuple[Problem, PETSc.Mat]:

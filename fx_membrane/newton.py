@@ -65,9 +65,9 @@ class Newton:
     line_search: bool = True
 
     def __post_init__(self) -> None:
-        validation.tolerance("Newton rtol", self.rtol)
-        validation.whole("Newton max_iterations", self.max_iterations)
-        validation.instance("Newton line_search", self.line_search, bool)
+        validation.store(self, validation.tolerance, "rtol")
+        validation.store(self, validation.whole, "max_iterations")
+        validation.store(self, validation.truth, "line_search")
 
     def prepare(self, problem: Problem) -> Solve:
         """A function that brings a vector to equilibrium; it keeps matrix and symbolic factorization between calls."""

@@ -49,16 +49,16 @@ class Membrane:
     mass: float = field(default=0.0, kw_only=True)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "cells", validation.cells("Membrane cells", self.cells, 3))
-        validation.instance("Membrane material", self.material, Fabric | OrthotropicFabric)
-        object.__setattr__(self, "prestress", validation.finite("Membrane prestress", self.prestress))
-        validation.share("Membrane compression_stiffness", self.compression_stiffness)
-        validation.not_negative("Membrane mass", self.mass)
+        validation.keep(self, cells=validation.cells("Membrane cells", self.cells, 3))
+        validation.plain("Membrane material", self.material, Fabric | OrthotropicFabric)
+        validation.store(self, validation.finite, "prestress")
+        validation.store(self, validation.share, "compression_stiffness")
+        validation.store(self, validation.not_negative, "mass")
         tensors = self.prestress_tensors()
         directed = not np.array_equal(tensors, tensors[:, :1, :1] * np.eye(2))
         if self.warp is not None:
             warp = validation.finite("Membrane warp", self.warp)
-            object.__setattr__(self, "warp", warp)
+            validation.keep(self, warp=warp)
             if warp.shape not in ((3,), (len(self.cells), 3)):
                 raise ValueError(f"Membrane warp has shape {warp.shape}; give (3,) or ({len(self.cells)}, 3).")
         elif directed or isinstance(self.material, OrthotropicFabric):
@@ -100,11 +100,10 @@ class Bar:
     mass: float = field(default=0.0, kw_only=True)
 
     def __post_init__(self) -> None:
-        kind = type(self).__name__
-        object.__setattr__(self, "cells", validation.cells(f"{kind} cells", self.cells, 2))
-        validation.positive(f"{kind} axial_stiffness", self.axial_stiffness)
-        validation.not_negative(f"{kind} mass", self.mass)
-        object.__setattr__(self, "prestress", validation.finite(f"{kind} prestress", self.prestress))
+        validation.keep(self, cells=validation.cells(f"{type(self).__name__} cells", self.cells, 2))
+        validation.store(self, validation.positive, "axial_stiffness")
+        validation.store(self, validation.not_negative, "mass")
+        validation.store(self, validation.finite, "prestress")
         self.prestress_tensors()
 
     @classmethod
@@ -151,7 +150,7 @@ class Cable(Bar):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        validation.share("Cable compression_stiffness", self.compression_stiffness)
+        validation.store(self, validation.share, "compression_stiffness")
 
 
 @dataclass(frozen=True, eq=False)  # again, so that Python's own refusals say Mast

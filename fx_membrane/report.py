@@ -37,7 +37,10 @@ def report(
         ValueError: The result is not that of a stage, or a node does not exist.
     """
     validation.instance("The first argument of report", result, StageResult)
-    validation.in_range("nodes", np.asarray(nodes, dtype=np.int64), len(result.structure.points), "node")
+    listed = validation.rows("nodes", nodes, empty=True)
+    validation.in_range("nodes", listed, len(result.structure.points), "node")
+    first = validation.integer("first", first)
+    force_unit, length_unit = validation.text("force_unit", force_unit), validation.text("length_unit", length_unit)
     iterations = [len(increment.iterations) - 1 for increment in result.increments]
     more = sum(increment.unlisted for increment in result.increments)
     remarks = f", drawn smooth first ({more} iterates more)" * any(entry.drawn_smooth for entry in result.increments)
@@ -50,7 +53,7 @@ def report(
         lines += [f"  {name if not row else '':{width}}{text}" for row, text in enumerate(said)]
     size = np.linalg.norm(result.displacement, axis=1)
     lines.append(f"  largest displacement {size.max():.6g} {length_unit}, at node {size.argmax() + first}")
-    for node in nodes:
+    for node in listed:
         lines.append(f"  reaction at node {node + first}: {_vector(result, result.reactions[node])} {force_unit}")
     return "\n".join(lines + _balance(result, force_unit, length_unit))
 

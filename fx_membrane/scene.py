@@ -36,7 +36,7 @@ def picture(
     colours: Colours,
     *,
     scale: float,
-    view: Sequence[float],
+    view: ArrayLike,
     mirror: str | None,
     odd: bool,
 ) -> NDArray[np.uint8]:
@@ -88,7 +88,7 @@ def picture(
                     "edge_opacity": 0.25,
                 }
             plotter.add_mesh(body, ambient=0.5, diffuse=0.6, **look)
-    plotter.view_vector(tuple(view), viewup=screen_axes(view)[1])
+    plotter.view_vector(np.asarray(view), viewup=screen_axes(view)[1])
     plotter.enable_parallel_projection()  # so that plans are plans, and lines lie as in wire frames
     plotter.camera.zoom(1.2)
     image = np.asarray(plotter.screenshot(return_img=True), dtype=np.uint8)

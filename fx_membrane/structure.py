@@ -11,14 +11,18 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
 from . import validation
-from .geometry import degenerate, normals, projected, with_one_sense
-from .parts import Kind, Membrane, Part
+from .geometry import SLENDER, SLIVER, aspects, normals, projected, with_one_sense
+from .parts import Cable, Kind, Mast, Membrane, Part
 
 COINCIDENT = 1e-9
 
 
 class CoincidentNodesWarning(UserWarning):
     """Nodes at one place that are not one node: parts are joined by the nodes they share, not by where these are."""
+
+
+class SliverWarning(UserWarning):
+    """A triangle that is so slender that the rounding of its forces is seen in results."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,8 +41,8 @@ class Support:
     components: str = "xyz"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "nodes", validation.rows("Support nodes", self.nodes))
-        validation.components("Support components", self.components)
+        validation.store(self, validation.rows, "nodes")
+        validation.store(self, validation.letters, "components")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -62,14 +66,16 @@ class Structure:
         supports: Nodes that do not move.
 
     Raises:
-        ValueError: A cell names a node that does not exist, has no area or no length, or is normal to its warp
-            vector; a support is on a node that does not exist or that no part uses; a value is not finite; a
+        ValueError: A cell names a node that does not exist, has no area or no length, is a sliver more than 1e7 times
+            as long as it is high, or is normal to its warp vector; a part is of a class derived from `Membrane`,
+            `Cable` or `Mast`; a support is on a node that does not exist or that no part uses; a value is not finite; a
             membrane without two sides has one prestress tensor with shear.
 
     Warns:
         CoincidentNodesWarning: Nodes of the parts are at one place, nearer than 1e-9 of the size of the structure, and
             not all of them are held there by supports. If they are meant to be apart (a slit, two cables that cross),
             switch it off: `warnings.simplefilter("ignore", CoincidentNodesWarning)`.
+        SliverWarning: A triangle is more than 5e5 times as long as it is high.
     """
 
     points: NDArray[np.float64]
@@ -81,14 +87,14 @@ class Structure:
         object.__setattr__(self, "points", validation.positions("points", self.points))
         if not isinstance(self.parts, Mapping):
             raise ValueError(f'parts is a {type(self.parts).__name__}; give a dictionary, {{"name": Membrane(...)}}.')
-        object.__setattr__(self, "parts", dict(self.parts))
+        parts = {validation.name("part", name): part for name, part in self.parts.items()}
+        object.__setattr__(self, "parts", parts)
         object.__setattr__(self, "supports", validation.instances("supports", self.supports, Support))
         if not self.parts:
             raise ValueError("The structure has no parts; give at least one Membrane, Cable or Mast.")
         count = len(self.points)
         for name, part in self.parts.items():
-            validation.name("part", name)
-            validation.instance(f"Part {name!r}", part, Part)
+            validation.plain(f"Part {name!r}", part, Part)
             for cell in np.flatnonzero(((part.cells < 0) | (part.cells >= count)).any(axis=1))[:1]:
                 validation.in_range(f"Part {name!r}, cell {cell},", part.cells[cell], count, "node")
             self._check_measures(name, part)
@@ -169,11 +175,15 @@ class Structure:
         Raises:
             ValueError: There is none of that name and kind.
         """
-        part = self.parts.get(name)
+        if not isinstance(kind, type) or kind not in (Membrane, Cable, Mast):
+            raise ValueError(f"The kind of a part is {validation.shown(kind)}; give Membrane, Cable or Mast.")
+        part = self.parts.get(name) if isinstance(name, str) else None
         if not isinstance(part, kind):
             other = f", which is a {type(part).__name__}" if part is not None else ""
             names = [key for key, part in self.parts.items() if isinstance(part, kind)]
-            raise ValueError(f"No {kind.__name__} is named {name!r}{other}; those of the structure are {names}.")
+            raise ValueError(
+                f"No {kind.__name__} is named {validation.shown(name)}{other}; those of the structure are {names}."
+            )
         return part
 
     def check_nodes(self, what: str, nodes: NDArray[np.int64]) -> None:
@@ -229,10 +239,20 @@ class Structure:
         return part if np.array_equal(cells, part.cells) else replace(part, cells=cells)
 
     def _check_measures(self, name: str, part: Part) -> None:
-        bad = degenerate(self.points, part.cells)
-        if len(bad):
-            what = "length" if part.dimension == 1 else "area"
-            raise ValueError(
-                f"Part {name!r}, cell {bad[0]} (nodes {part.cells[bad[0]].tolist()}) has no {what}; "
-                "remove the cell or move its nodes apart."
-            )
+        aspect = aspects(self.points, part.cells)
+        cell = int(aspect.argmax())
+        if aspect[cell] <= SLENDER:
+            return
+        where = validation.place(self.points[part.cells[cell]].mean(axis=0))
+        what = f"Part {name!r}, cell {cell} (nodes {part.cells[cell].tolist()})"
+        if not np.isfinite(aspect[cell]):
+            measure = "length" if part.dimension == 1 else "area"
+            raise ValueError(f"{what} has no {measure}, at {where}; remove the cell or move its nodes apart.")
+        sliver = f"{what} is a sliver, {aspect[cell]:.2g} times as long as it is high, at {where}"
+        remedy = "remove the cell, join its nodes or move them apart"
+        if aspect[cell] > SLIVER:
+            raise ValueError(f"{sliver}; above {SLIVER:.2g} its stiffness is lost in rounding: {remedy}.")
+        share = 400 * np.finfo(float).eps * aspect[cell] ** 2
+        warnings.warn(
+            f"{sliver}: up to {share:.1g} % of its forces are rounding; {remedy}.", SliverWarning, stacklevel=4
+        )

@@ -109,8 +109,9 @@ def updated_reference(
         UnsettledFormWarning: The steps were too few; the form is that of the last one.
     """
     validation.instance("updated_reference structure", structure, Structure)
-    validation.positive("tolerance", tolerance)
-    validation.whole("max_steps", max_steps)
+    tolerance = validation.positive("tolerance", tolerance)
+    max_steps = validation.whole("max_steps", max_steps)
+    validation.communicator("updated_reference comm", comm)
     stage = Stage("form", validation.instances("loads_in_form", loads_in_form, PointLoad | DeadLoad | Pressure))
     loads.check(structure, [stage])
     check_supports(structure, structure.supported)
