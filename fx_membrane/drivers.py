@@ -5,6 +5,7 @@ from typing import Any, Protocol
 
 from petsc4py import PETSc
 
+from .decimal_point import decimal_point
 from .problem import Problem
 
 Driver = tuple[Callable[[PETSc.Vec], bool], PETSc.KSP]  # runs the iteration; its linear solver
@@ -66,6 +67,7 @@ def by_dolfinx(owner: Owner) -> Driver:
     return solve, newton.krylov_solver
 
 
+@decimal_point()
 def by_snes(owner: Owner) -> Driver:
     """PETSc's SNES drives the same iteration, where dolfinx has no NewtonSolver."""
     reasons = PETSc.SNES.ConvergedReason
