@@ -16,6 +16,7 @@ from petsc4py import PETSc
 from tqdm import tqdm
 
 from . import checkpoint, load_case, loads, validation
+from .balance import warn_of_unbalance
 from .checkpoint import Progress
 from .first_order import ConjugateGradient, SteepestDescent
 from .large_strain import warn_of_large_prestress, warn_of_large_strains
@@ -104,6 +105,7 @@ class Analysis:
             UnstableStateWarning: A state is not stable; the structure has snapped or buckled between two load factors
                 (`Newton` with a line search tells); or a node moved by more than half the size of the structure in
                 one increment; this once for each stage.
+            UnbalancedStateWarning: Unbalanced forces of a stage are above 1e-6 of the loads.
         """
         self._check(stages)
         if self._comm.rank == 0:
@@ -126,6 +128,7 @@ class Analysis:
             results[stage.name] = self._run(stage, start, end, state, results, save)
             if self._comm.rank == 0:
                 warn_of_large_strains(results[stage.name], stacklevel=3)
+                warn_of_unbalance(results[stage.name], stacklevel=3)
         return results
 
     def _check(self, stages: Sequence[Stage]) -> None:
