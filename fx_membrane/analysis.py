@@ -233,7 +233,7 @@ def _fallen(structure: Structure, motion: NDArray[np.float64], held: NDArray[np.
     """Which node moved very far, further than what is moved by prescription, in words; empty where none did."""
     moved, given = (np.linalg.norm(np.where(where, motion, 0.0), axis=1) for where in (~held, held))
     node = int(moved.argmax())
-    far = FALLEN * np.ptp(structure.points, axis=0).max() + given.max()
+    far = FALLEN * structure.size + given.max()
     return f"node {node} moved by {moved[node]:.3g}" if moved[node] > far else ""
 
 
