@@ -16,6 +16,7 @@ from petsc4py import PETSc
 from tqdm import tqdm
 
 from . import checkpoint, load_case, loads, paths, validation
+from .balance import warn_of_unbalance
 from .checkpoint import Progress
 from .first_order import ConjugateGradient, SteepestDescent
 from .large_strain import warn_of_large_prestress, warn_of_large_strains
@@ -105,6 +106,7 @@ class Analysis:
             UnstableStateWarning: A state is not stable; the structure has snapped or buckled between two load factors
                 (`Newton` with a line search tells); or a node moved by more than half the size of the structure in
                 one increment; this once for each stage.
+            UnbalancedStateWarning: Unbalanced forces of a stage are above 1e-6 of the loads.
         """
         self._check(stages)
         if self._comm.rank == 0:
@@ -127,6 +129,7 @@ class Analysis:
             results[stage.name] = self._run(stage, start, end, state, results, save)
             if self._comm.rank == 0:
                 warn_of_large_strains(results[stage.name], stacklevel=3)
+                warn_of_unbalance(results[stage.name], stacklevel=3)
         return results
 
     def _check(self, stages: Sequence[Stage]) -> None:
@@ -231,7 +234,7 @@ def _fallen(structure: Structure, motion: NDArray[np.float64], held: NDArray[np.
     """Which node moved very far, further than what is moved by prescription, in words; empty where none did."""
     moved, given = (np.linalg.norm(np.where(where, motion, 0.0), axis=1) for where in (~held, held))
     node = int(moved.argmax())
-    far = FALLEN * np.ptp(structure.points, axis=0).max() + given.max()
+    far = FALLEN * structure.size + given.max()
     return f"node {node} moved by {moved[node]:.3g}" if moved[node] > far else ""
 
 

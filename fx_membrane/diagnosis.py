@@ -82,7 +82,7 @@ def mechanism(problem: Problem, x: PETSc.Vec) -> Mechanism | None:
 
 def unlikely_units(problem: Problem, x: PETSc.Vec) -> str:
     """Words where the loads would strain the structure out of all proportion."""
-    share = problem.load_norm(x) / (problem.stiffness * np.ptp(problem.discretization.structure.points, axis=0).max())
+    share = problem.load_norm(x) / (problem.stiffness * problem.discretization.structure.size)
     if not share > 1:
         return ""
     return (
@@ -110,7 +110,7 @@ def stalled(
             f"more digits than rounding leaves; allow a larger one ({solver}(rtol=...)) or more iterations "
             f"({solver}(max_iterations=...))."
         )
-    size = np.ptp(problem.discretization.structure.points, axis=0).max()
+    size = problem.discretization.structure.size
     displacement = largest(x)
     if problem.unloaded():
         advice = (
@@ -143,7 +143,7 @@ def loose_nodes(problem: Problem, A: PETSc.Mat) -> list[tuple[int, list[float]]]
     if not discretization.comm.allreduce(bool(np.isfinite(blocks).all()), MPI.LAND):
         return []  # together: eigh would fail on some processes only
     stiffness, directions = np.linalg.eigh(blocks)
-    limit = 1e-13 * discretization.comm.allreduce(np.abs(blocks).max(initial=0.0), MPI.MAX)
+    limit = 1e-13 * np.minimum(np.abs(blocks).max(axis=(1, 2)), problem.stiffness)  # no other node, nor a support
     weakest = np.argmin(np.abs(stiffness), axis=1)
     loose = np.flatnonzero(np.abs(stiffness).min(axis=1) <= limit)
     found = [(int(discretization.owned[i]), directions[i, :, weakest[i]].tolist()) for i in loose]

@@ -8,6 +8,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from . import load_case, validation, values
+from .balance import warn_of_unbalance
 from .large_strain import warn_of_large_strains
 from .problem import Actions, Problem
 from .recorder import Recorder
@@ -95,6 +96,7 @@ class EquilibriumPath:
 
         Warns:
             LargeStrainWarning: Strains are above 5 %.
+            UnbalancedStateWarning: Unbalanced forces are above 1e-6 of the loads.
         """
         count = len(self.points)
         if not values.is_whole(type(point)) or not -count <= point < count:
@@ -108,4 +110,5 @@ class EquilibriumPath:
         result = Recorder(problem)(self.name, x, actions, (Increment(factor, iterations),))
         if comm.rank == 0:
             warn_of_large_strains(result, stacklevel=3)
+            warn_of_unbalance(result, stacklevel=3)
         return result

@@ -14,7 +14,6 @@ import weakref
 from dataclasses import dataclass, replace
 from typing import cast
 
-import numpy as np
 from petsc4py import PETSc
 
 from . import _dolfinx, factorization, validation
@@ -97,9 +96,10 @@ class _NewtonRaphson:
         self.history: list[Iteration] = []
         self.monitor: Monitor = silent
         self.rtol = self.tolerance = self.length = self.added = 0.0
+        self.balanced = False
         self.most, self.iterates = settings.max_iterations, 0
         self.symmetric, self.from_stable, self.lost_stability = True, False, False
-        self.size = float(np.ptp(problem.discretization.structure.points, axis=0).max())
+        self.size = problem.discretization.structure.size
         self.newton = _dolfinx.newton_solver(problem.discretization.comm)
         # The drivers hold their callbacks in C and C++, where Python's garbage collector does not look: a weak
         # reference keeps the problem from living as long as the program.
@@ -220,6 +220,7 @@ class _NewtonRaphson:
         self.problem.residual(x, b)
         self.tolerance = tolerance(self.problem, x, b, self.rtol if self.history else ROUNDING)
         self.problem.hold(x, b)
+        self.balanced = self.problem.beyond_rounding(x, b) < self.tolerance
         unbalanced = largest(b)
         self.history.append(Iteration(self.problem.energy(x), unbalanced, self.length, self.added))
         self.iterates += 1

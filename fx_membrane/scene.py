@@ -57,7 +57,7 @@ def picture(
     plotter.set_background("white")
     plotter.enable_anti_aliasing("ssaa")
     points = result.structure.points + scale * result.displacement
-    radius = 0.0025 * np.linalg.norm(np.ptp(points, axis=0))
+    radius = 0.0025 * np.linalg.norm(np.ptp(points[result.structure.used], axis=0))
     membranes = any(part.dimension == 2 for part in result.structure.parts.values())
     shapes = [(points, 1)]
     if mirror is not None:
