@@ -98,7 +98,7 @@ class Analysis:
         Raises:
             ValueError: A stage does not fit the structure or the other stages, or leaves the structure free to move
                 as a rigid body (one turn about a line is let pass: loads may hold it); the checkpoint belongs to
-                another structure or to other stages.
+                another structure or to other stages, or cannot be written.
             ConvergenceError: A load increment found no equilibrium; what was computed before is on the exception.
 
         Warns:

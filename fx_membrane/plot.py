@@ -1,7 +1,7 @@
 """Pictures: curves and wire frames (matplotlib), contours on the deformed structure (pyvista inside matplotlib).
 
-Each function writes one picture, a PNG or what else its name ends in, and makes its folder. Under MPI call it on all
-processes; the first one draws.
+Each function writes one picture, a PNG or what else its name ends in, and makes its folder; a name that cannot be
+written is refused before anything is drawn. Under MPI call it on all processes; the first one draws.
 """
 
 import warnings
@@ -218,7 +218,8 @@ def contours(
     Raises:
         ValueError: A field has a wrong number of values, values that are not finite, or names no part; mirror is none
             of the three; odd or limits name no field; limits are not two numbers, the lower first, or are given for
-            states; view is not a direction; scale is not a number; path ends in no format of pictures.
+            states; view is not a direction; scale is not a number, or draws displacements 1e4 times as large as the
+            structure; path ends in no format of pictures, or cannot be written.
     """
     validation.instance("The first argument of contours", result, StageResult)
     validation.instance("fields", fields, Mapping)
@@ -285,7 +286,7 @@ def _checked_scale(result: StageResult, scale: float) -> float:
     if times > FAR:
         raise ValueError(
             f"scale is {scale:g}, with which displacements are {times:.0e} times as large as the structure; give at "
-            f"most {scale * FAR / times:.1e}."
+            f"most {abs(scale) * FAR / times:.1e} in size."
         )
     return scale
 

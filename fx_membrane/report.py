@@ -34,7 +34,8 @@ def report(
         The lines, without a line end after the last.
 
     Raises:
-        ValueError: The result is not that of a stage, or a node does not exist.
+        ValueError: The result is not that of a stage, a node does not exist, first is not a whole number, or the name
+            of a unit is not a text.
     """
     validation.instance("The first argument of report", result, StageResult)
     listed = validation.rows("nodes", nodes, empty=True)
