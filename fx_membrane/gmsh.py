@@ -19,6 +19,7 @@ def structure_from_gmsh(
     source: str | Path | None,
     parts: Mapping[str, Callable[[NDArray[np.int64]], Part]],
     supports: Mapping[str, str] | None = None,
+    separate: Sequence[tuple[str, str]] = (),
 ) -> Structure:
     """Structure of the physical groups of a gmsh mesh.
 
@@ -31,6 +32,7 @@ def structure_from_gmsh(
             `{"fabric": lambda cells: Membrane(cells, Fabric(Et=500e3, nu=0.3), prestress=1e3)}`.
         supports: For each physical name, the components that its nodes are held in: `{"corners": "xyz"}`. A group may
             be a part and a support: `{"fabric": "z"}` keeps a membrane flat.
+        separate: Pairs of names of parts that lie on each other without being joined, see `Structure`.
 
     Raises:
         ValueError: The file is not a mesh; a physical name does not exist, or more than one group has it, as a curve
@@ -42,7 +44,7 @@ def structure_from_gmsh(
     if source is None:
         if not _meshed(gmsh.model):
             raise ValueError("The gmsh model that is open has no mesh; call gmsh.model.mesh.generate(2) before.")
-        return _structure(gmsh.model, parts, supports or {})
+        return _structure(gmsh.model, parts, supports or {}, separate)
     if not Path(source).is_file():
         raise ValueError(f"There is no file {source}; give the name of a gmsh mesh.")
     before = _current_model(gmsh)
@@ -60,7 +62,7 @@ def structure_from_gmsh(
                 f"{source} has no mesh that gmsh can read; give a .msh file, which `gmsh -2` makes of a geometry and "
                 "gmsh.write of a meshed model."
             )
-        return _structure(gmsh.model, parts, supports or {})
+        return _structure(gmsh.model, parts, supports or {}, separate)
     finally:
         gmsh.model.remove()
         if before is None:
@@ -82,7 +84,10 @@ def _meshed(model: Any) -> bool:
 
 
 def _structure(
-    model: Any, parts: Mapping[str, Callable[[NDArray[np.int64]], Part]], supports: Mapping[str, str]
+    model: Any,
+    parts: Mapping[str, Callable[[NDArray[np.int64]], Part]],
+    supports: Mapping[str, str],
+    separate: Sequence[tuple[str, str]],
 ) -> Structure:
     tags, coordinates, _ = model.mesh.getNodes()
     groups = _groups(model, [*parts, *supports])
@@ -104,7 +109,8 @@ def _structure(
                 f"{loose[0]} at {validation.place(position[loose[0]])}; put it on a part."
             )
         held.append(Support(np.unique(row[nodes]), components))
-    return Structure(position[used], {name: _part(name, make, row[cells[name]]) for name, make in parts.items()}, held)
+    made = {name: _part(name, make, row[cells[name]]) for name, make in parts.items()}
+    return Structure(position[used], made, held, separate)
 
 
 def _part(name: str, make: Callable[[NDArray[np.int64]], Part], cells: NDArray[np.int64]) -> Part:
