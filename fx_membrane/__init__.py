@@ -13,6 +13,7 @@ from . import plot
 from .analysis import Analysis, ConvergenceError
 from .arc_length import ContinuationError, trace
 from .balance import UnbalancedStateWarning
+from .coincidence import CoincidentNodesWarning
 from .edges import edges_on
 from .equilibrium_path import EquilibriumPath, PathPoint
 from .first_order import ConjugateGradient, SteepestDescent
@@ -28,7 +29,7 @@ from .parts import Cable, Mast, Membrane
 from .report import report
 from .results import BarResult, Equilibrium, Increment, MembraneResult, StageResult, StageResults, UnstableStateWarning
 from .solver import Iteration
-from .structure import CoincidentNodesWarning, SliverWarning, Structure, Support
+from .structure import SliverWarning, Structure, Support
 from .updated_reference import Form, UnsettledFormWarning, updated_reference
 
 # PETSc takes a pipe that is closed at its other end, `script.py | head`, for a crash; to Python it is an exception.

@@ -132,13 +132,20 @@ class StageResult:
     parts: dict[str, MembraneResult | BarResult]
 
     def __repr__(self) -> str:
-        largest = np.abs(self.displacement).max()
-        return f"StageResult({self.name!r}, {len(self.increments)} increments, largest displacement {largest:.4g})"
+        return (
+            f"StageResult({self.name!r}, {len(self.increments)} increments, "
+            f"largest displacement {self.largest_displacement:.4g})"
+        )
 
     @property
     def position(self) -> Array:
         """Current position of the nodes, shape (n, 3) [m]."""
         return self.structure.points + self.displacement
+
+    @property
+    def largest_displacement(self) -> float:
+        """Largest displacement of a node, the length of its vector [m]."""
+        return float(np.linalg.norm(self.displacement, axis=1).max())
 
     def membrane(self, name: str) -> MembraneResult:
         """State of the membrane of that name.
