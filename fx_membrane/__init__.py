@@ -31,6 +31,7 @@ from .results import BarResult, Equilibrium, Increment, MembraneResult, StageRes
 from .solver import Iteration
 from .structure import SliverWarning, Structure, Support
 from .updated_reference import Form, UnsettledFormWarning, updated_reference
+from .work import WorkLimit
 
 # PETSc takes a pipe that is closed at its other end, `script.py | head`, for a crash; to Python it is an exception.
 with _contextlib.suppress(ValueError):  # not in the main thread
@@ -75,6 +76,7 @@ __all__ = [
     "UnbalancedStateWarning",
     "UnsettledFormWarning",
     "UnstableStateWarning",
+    "WorkLimit",
     "boundary",
     "edges_on",
     "force_density",

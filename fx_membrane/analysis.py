@@ -1,19 +1,15 @@
 """Stages: load increments, load cases that branch from a common state, and results that are never lost."""
 
-import os
-import sys
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Self
 
 import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
-from tqdm import tqdm
 
 from . import checkpoint, load_case, loads, paths, validation
 from .balance import warn_of_unbalance
@@ -23,14 +19,17 @@ from .large_strain import warn_of_large_prestress, warn_of_large_strains
 from .loads import Stage
 from .newton import Newton
 from .problem import Actions, Problem
+from .progress import Report
 from .recorder import Recorder
 from .results import Increment, StageResult, StageResults, UnstableStateWarning
 from .rigid_motion import check_supports
 from .slackness import hanging_ends, slack_parts
-from .solver import FALLEN, Iteration
+from .solver import FALLEN, Solution
 from .structure import Structure
+from .work import Work, WorkDone, WorkLimit
 
 HALVINGS = 8
+MORE = "allow more (WorkLimit), or see in its iterations, `failed`, whether it comes nearer at all"
 
 AnySolver = Newton | ConjugateGradient | SteepestDescent
 
@@ -73,12 +72,25 @@ class Analysis:
         structure: The structure.
         solver: What finds equilibrium in each load increment.
         comm: The processes that share the work; each must give the same structure and stages.
+        limit: Most work that each stage may take.
+        progress: Whether stderr shows how far a stage is: a bar on a terminal, or else a line for each increment and
+            one every ten seconds.
     """
 
-    def __init__(self, structure: Structure, solver: AnySolver = Newton(), comm: MPI.Intracomm = MPI.COMM_WORLD):
+    def __init__(
+        self,
+        structure: Structure,
+        solver: AnySolver = Newton(),
+        comm: MPI.Intracomm = MPI.COMM_WORLD,
+        limit: WorkLimit = WorkLimit(),
+        progress: bool = True,
+    ):
         validation.instance("Analysis structure", structure, Structure)
         validation.instance("Analysis solver", solver, AnySolver)
         validation.communicator("Analysis comm", comm)
+        validation.instance("Analysis limit", limit, WorkLimit)
+        validation.instance("Analysis progress", progress, bool)
+        self._limit, self._progress = limit, progress
         self.structure = structure
         self._comm = comm
         self._problem = Problem(structure, comm)
@@ -99,7 +111,8 @@ class Analysis:
             ValueError: A stage does not fit the structure or the other stages, or leaves the structure free to move
                 as a rigid body (one turn about a line is let pass: loads may hold it); the checkpoint belongs to
                 another structure or to other stages, or cannot be written.
-            ConvergenceError: A load increment found no equilibrium; what was computed before is on the exception.
+            ConvergenceError: A load increment found no equilibrium, or the limit of work is used up; what was computed
+                before is on the exception.
 
         Warns:
             LargeStrainWarning: Strains of a stage, or those that belong to the prestress, are above 5 %.
@@ -154,11 +167,12 @@ class Analysis:
         beyond: Progress | None = None  # a state past a loss of stability, while smaller increments locate that
         x = self._problem.discretization.distribute(state.displacement)
         far = False  # whether a node has been found to have moved very far
-        with _ProgressBar(stage.name, state.factor, shown=self._comm.rank == 0) as bar:
+        with Report(stage.name, float(state.factor), shown=self._progress and self._comm.rank == 0) as report:
+            work = Work(self._limit, self._comm, report.iteration)
             while state.factor < 1:
                 factor = min(state.factor + state.size, Fraction(1))
                 self._problem.apply(load_case.between(start, end, float(factor)))
-                solution = self._solve(x, bar.iteration)
+                solution = self._solved(x, work)
                 judged = (balanced or state.factor > 0) and not any(entry.snapped for entry in state.increments)
                 snapped = solution.converged and solution.lost_stability and judged
                 remarks = (solution.drawn_smooth, solution.unstable, solution.unlisted, snapped)
@@ -180,7 +194,7 @@ class Analysis:
                     state, beyond = reached, None
                     self._problem.discretization.distribute(state.displacement).copy(x)
                     save(stage.name, state)
-                    bar.increment(state.factor)
+                    report.increment(float(state.factor))
                 else:
                     slack = self._slack(stage, x, load_case.between(start, end, float(factor)))
                     last = self._result(stage, start, end, state)
@@ -190,6 +204,14 @@ class Analysis:
                     )
                     raise ConvergenceError(message, results, last, increment, solution.motion)
         return self._result(stage, start, end, state)
+
+    def _solved(self, x: PETSc.Vec, work: Work) -> Solution:
+        """How an increment ended; where the limit of work is used up it is not tried again."""
+        work.iterates.clear()
+        try:
+            return self._solve(x, work)
+        except WorkDone as done:
+            return Solution(False, f"{done}; {MORE}", tuple(work.iterates), retry=False)
 
     def _slack(self, stage: Stage, x: PETSc.Vec, actions: Actions) -> str:
         """What is slack or ends in the air in a state that is no equilibrium, in words."""
@@ -236,39 +258,3 @@ def _fallen(structure: Structure, motion: NDArray[np.float64], held: NDArray[np.
     node = int(moved.argmax())
     far = FALLEN * structure.size + given.max()
     return f"node {node} moved by {moved[node]:.3g}" if moved[node] > far else ""
-
-
-class _ProgressBar:
-    """One line on a terminal: stage, load factor, iterations of the increment and its residual."""
-
-    def __init__(self, name: str, factor: Fraction, shown: bool):
-        self._bar = tqdm(
-            desc=name,
-            total=1.0,
-            initial=float(factor),
-            bar_format="{desc}: {bar:10} load factor {n:.4f}{postfix}",  # 80 columns hold a name of 16 letters
-            ncols=_columns(),
-            nrows=20,  # any: one bar is shown at a time
-            disable=None if shown else True,
-            file=sys.stderr,
-        )
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._bar.close()
-
-    def iteration(self, number: int, entry: Iteration) -> None:
-        self._bar.set_postfix_str(f"iteration {number}, residual {entry.residual:.1e}")
-
-    def increment(self, factor: Fraction) -> None:
-        self._bar.update(float(factor) - self._bar.n)
-
-
-def _columns() -> int | None:
-    """Width of the terminal; 80 where it does not tell, as some that are not on a screen."""
-    try:
-        return os.get_terminal_size(sys.stderr.fileno()).columns or 80
-    except (OSError, ValueError):  # no terminal, no bar
-        return None
