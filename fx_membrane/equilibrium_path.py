@@ -11,6 +11,7 @@ from . import load_case, validation
 from .large_strain import warn_of_large_strains
 from .problem import Actions, Problem
 from .recorder import Recorder
+from .remarks import remarked, warn_of_remarks
 from .results import Increment, StageResult
 from .solver import Iteration
 from .structure import Structure
@@ -95,6 +96,8 @@ class EquilibriumPath:
 
         Warns:
             LargeStrainWarning: Strains are above 5 %.
+            UnstableStateWarning: Slack or wrinkled parts carry more than 1 % of the largest force of their kind.
+            LostPrestressWarning: A part that was given a prestress has no tension left.
         """
         count = len(self.points)
         if not isinstance(point, int | np.integer) or not -count <= point < count:
@@ -104,7 +107,8 @@ class EquilibriumPath:
         actions = load_case.between(self.start, self.end, factor)
         problem.apply(actions)
         x = problem.discretization.distribute(displacement)
-        result = Recorder(problem)(self.name, x, actions, (Increment(factor, iterations),))
+        result = remarked(Recorder(problem)(self.name, x, actions, (Increment(factor, iterations),)), None)
         if comm.rank == 0:
+            warn_of_remarks(result, stacklevel=3)
             warn_of_large_strains(result, stacklevel=3)
         return result

@@ -106,6 +106,11 @@ class Structure:
         return used
 
     @property
+    def size(self) -> float:
+        """Largest extent of the nodes that parts use, along x, y or z [m]."""
+        return float(np.ptp(self.points[self.used], axis=0).max())
+
+    @property
     def supported(self) -> NDArray[np.bool_]:
         """Which components of which nodes are held by supports, shape (n, 3)."""
         held = np.zeros(self.points.shape, dtype=bool)
@@ -188,8 +193,7 @@ class Structure:
 
     def _warn_of_coincident_nodes(self) -> None:
         used = np.flatnonzero(self.used)
-        size = np.ptp(self.points[used], axis=0).max()
-        pairs = used[cKDTree(self.points[used]).query_pairs(COINCIDENT * size, output_type="ndarray")]
+        pairs = used[cKDTree(self.points[used]).query_pairs(COINCIDENT * self.size, output_type="ndarray")]
         fixed = self.supported.all(axis=1)
         pairs = pairs[~fixed[pairs].all(axis=1)]
         if len(pairs):
