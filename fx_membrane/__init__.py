@@ -27,7 +27,16 @@ from .modes import Modes, Stability, natural_frequencies, stability
 from .newton import Newton
 from .parts import Cable, Mast, Membrane
 from .report import report
-from .results import BarResult, Equilibrium, Increment, MembraneResult, StageResult, StageResults, UnstableStateWarning
+from .results import (
+    BarResult,
+    Equilibrium,
+    Increment,
+    LostPrestressWarning,
+    MembraneResult,
+    StageResult,
+    StageResults,
+    UnstableStateWarning,
+)
 from .solver import Iteration
 from .structure import SliverWarning, Structure, Support
 from .updated_reference import Form, UnsettledFormWarning, updated_reference
@@ -53,6 +62,7 @@ __all__ = [
     "Increment",
     "Iteration",
     "LargeStrainWarning",
+    "LostPrestressWarning",
     "Mast",
     "Membrane",
     "MembraneResult",

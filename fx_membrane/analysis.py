@@ -1,6 +1,5 @@
 """Stages: load increments, load cases that branch from a common state, and results that are never lost."""
 
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -21,15 +20,17 @@ from .newton import Newton
 from .problem import Actions, Problem
 from .progress import Report
 from .recorder import Recorder
-from .results import Increment, StageResult, StageResults, UnstableStateWarning
+from .remarks import held_by_slack_parts, remarked, warn_of_remarks
+from .results import Increment, StageResult, StageResults
 from .rigid_motion import check_supports
 from .slackness import hanging_ends, slack_parts
-from .solver import FALLEN, Solution
+from .solver import Solution
 from .structure import Structure
 from .work import Work, WorkDone, WorkLimit
 
 HALVINGS = 8
 MORE = "allow more (WorkLimit), or see in its iterations, `failed`, whether it comes nearer at all"
+PROBE = 1 / 256  # of an increment that snapped: a load under which the start of a stage shows what holds it
 
 AnySolver = Newton | ConjugateGradient | SteepestDescent
 
@@ -117,8 +118,9 @@ class Analysis:
         Warns:
             LargeStrainWarning: Strains of a stage, or those that belong to the prestress, are above 5 %.
             UnstableStateWarning: A state is not stable; the structure has snapped or buckled between two load factors
-                (`Newton` with a line search tells); or a node moved by more than half the size of the structure in
-                one increment; this once for each stage.
+                (`Newton` with a line search tells); a node moved by more than half the size of the structure in the
+                stage; or slack or wrinkled parts carry more than 1 % of the largest force of their kind.
+            LostPrestressWarning: A part that was given a prestress has no tension left.
             UnbalancedStateWarning: Unbalanced forces of a stage are above 1e-6 of the loads.
         """
         self._check(stages)
@@ -139,8 +141,9 @@ class Analysis:
             shape = results[stage.after].displacement if stage.after else np.zeros(self.structure.points.shape)
             start = load_case.taking_hold(ends[stage.after], end, shape)
             state = progress.get(stage.name) or Progress(shape, Fraction(0), Fraction(1, stage.steps), ())
-            results[stage.name] = self._run(stage, start, end, state, results, save)
+            results[stage.name] = remarked(self._run(stage, start, end, state, results, save), shape)
             if self._comm.rank == 0:
+                warn_of_remarks(results[stage.name], stacklevel=3)
                 warn_of_large_strains(results[stage.name], stacklevel=3)
                 warn_of_unbalance(results[stage.name], stacklevel=3)
         return results
@@ -166,7 +169,6 @@ class Analysis:
         balanced = stage.after is not None or not self._problem.prestress_forces
         beyond: Progress | None = None  # a state past a loss of stability, while smaller increments locate that
         x = self._problem.discretization.distribute(state.displacement)
-        far = False  # whether a node has been found to have moved very far
         with Report(stage.name, float(state.factor), shown=self._progress and self._comm.rank == 0) as report:
             work = Work(self._limit, self._comm, report.iteration)
             while state.factor < 1:
@@ -188,16 +190,18 @@ class Analysis:
                     state = replace(state, size=(factor - state.factor) / 2)
                     self._problem.discretization.distribute(state.displacement).copy(x)
                 elif reached := found or beyond:
-                    moved = "" if far else _fallen(self.structure, reached.displacement - state.displacement, end.held)
-                    _warn_of_instability(stage.name, state.factor, reached, moved)
-                    far = far or bool(moved)
+                    if reached.increments[-1].snapped:
+                        reached = self._fallen(stage, start, end, state, reached, work)
                     state, beyond = reached, None
                     self._problem.discretization.distribute(state.displacement).copy(x)
                     save(stage.name, state)
                     report.increment(float(state.factor))
                 else:
                     slack = self._slack(stage, x, load_case.between(start, end, float(factor)))
-                    last = self._result(stage, start, end, state)
+                    shape = results[stage.after].displacement if stage.after else np.zeros(self.structure.points.shape)
+                    last = remarked(self._result(stage, start, end, state), shape)
+                    if self._comm.rank == 0:
+                        warn_of_remarks(last, stacklevel=4)
                     message = (
                         f"Stage {stage.name!r} found no equilibrium at load factor {float(factor):.6g} "
                         f"(the last found is at {float(state.factor):.6g}): {solution.reason}{slack}"
@@ -213,6 +217,23 @@ class Analysis:
         except WorkDone as done:
             return Solution(False, f"{done}; {MORE}", tuple(work.iterates), retry=False)
 
+    def _fallen(
+        self, stage: Stage, start: Actions, end: Actions, state: Progress, reached: Progress, work: Work
+    ) -> Progress:
+        """Notes with an increment that snapped where nothing but slack parts held the structure before.
+
+        At the start of a stage forces may not show that yet: a small share of the increment brings them forth.
+        """
+        factor = float(state.factor) or PROBE * float(reached.factor)
+        actions = load_case.between(start, end, factor)
+        self._problem.apply(actions)
+        x = self._problem.discretization.distribute(state.displacement)
+        if state.factor == 0 and not self._solved(x, work).converged:
+            return reached
+        *others, snap = reached.increments
+        words = held_by_slack_parts(self._record(stage.name, x, actions, ()))
+        return replace(reached, increments=(*others, snap._replace(fallen=words)))
+
     def _slack(self, stage: Stage, x: PETSc.Vec, actions: Actions) -> str:
         """What is slack or ends in the air in a state that is no equilibrium, in words."""
         if not np.isfinite(x.norm()):
@@ -225,36 +246,3 @@ class Analysis:
         self._problem.apply(actions)
         x = self._problem.discretization.distribute(state.displacement)
         return self._record(stage.name, x, actions, state.increments)
-
-
-def _warn_of_instability(name: str, before: Fraction, reached: Progress, moved: str) -> None:
-    """Warns of a state that is not stable, and where the structure snapped or a node moved very far to reach it."""
-    increment, factor = reached.increments[-1], float(reached.factor)
-    words = []
-    if increment.unstable:
-        words.append(
-            f"the equilibrium found at load factor {factor:.6g} is not stable, and none that is was found from there; "
-            "stability(state) shows how it gives way. Add supports, members or prestress against that."
-        )
-    if increment.snapped:
-        words.append(
-            f"between load factors {float(before):.6g} and {factor:.6g} the structure lost its stability: it has "
-            "snapped or buckled into another shape. Stay below that load, or add supports, members or prestress, if "
-            "that is not meant; `trace` shows the limit point."
-        )
-    elif moved:
-        words.append(
-            f"up to load factor {factor:.6g} {moved}, more than half the size of the structure in one increment: it "
-            "has fallen, snapped, hung down or been stretched into quite another shape. If that is not meant, check "
-            "units and stiffness, and whether something is slack or missing; `trace` shows the way there."
-        )
-    for sentence in words:
-        warnings.warn(f"Stage {name!r}: {sentence}", UnstableStateWarning, stacklevel=4)
-
-
-def _fallen(structure: Structure, motion: NDArray[np.float64], held: NDArray[np.bool_]) -> str:
-    """Which node moved very far, further than what is moved by prescription, in words; empty where none did."""
-    moved, given = (np.linalg.norm(np.where(where, motion, 0.0), axis=1) for where in (~held, held))
-    node = int(moved.argmax())
-    far = FALLEN * structure.size + given.max()
-    return f"node {node} moved by {moved[node]:.3g}" if moved[node] > far else ""

@@ -66,14 +66,33 @@ def mechanism(problem: Problem, x: PETSc.Vec) -> Mechanism | None:
     # Written so that a number that is not one is no mechanism.
     if not abs(found.stiffness) < WEAK:
         return None
+    return _mechanism(problem.discretization.gather(found.motion))
+
+
+def slack_mechanism(problem: Problem, x: PETSc.Vec) -> Mechanism | None:
+    """The free motion of masts that only the kept stiffness of slack parts resists; None where there is none."""
+    structure = problem.discretization.structure
+    masts = [part.cells.ravel() for part in structure.parts.values() if isinstance(part, Mast)]
+    if not masts:
+        return None
+    with problem.without_kept_stiffness():
+        found = softest(problem, x, WEAK, idle=False)
     motion = problem.discretization.gather(found.motion)
+    # Fabric that is slack here and there is not the structure.
+    if not found.stiffness < WEAK or np.linalg.norm(motion, axis=1).argmax() not in np.concatenate(masts):
+        return None
+    return _mechanism(motion, " but for the small stiffness that slack parts keep")
+
+
+def _mechanism(motion: NDArray[np.float64], but: str = "") -> Mechanism:
+    """A motion, of any size, and words for it."""
     sizes = np.linalg.norm(motion, axis=1)
     most = int(sizes.argmax())
     motion /= sizes[most]
     direction = ", ".join(f"{component + 0.0:.3g}" for component in motion[most])
     also = int((sizes > 0.1 * sizes[most]).sum()) - 1
     words = (
-        f"the structure is a mechanism: node {most} moves freely in the direction ({direction})"
+        f"the structure is a mechanism{but}: node {most} moves freely in the direction ({direction})"
         + (f", and {also} more nodes with it" if also else "")
         + ". Add supports, members or prestress that hold it."
     )

@@ -12,6 +12,7 @@ from .balance import warn_of_unbalance
 from .large_strain import warn_of_large_strains
 from .problem import Actions, Problem
 from .recorder import Recorder
+from .remarks import remarked, warn_of_remarks
 from .results import Increment, StageResult
 from .solver import Iteration
 from .structure import Structure
@@ -96,6 +97,8 @@ class EquilibriumPath:
 
         Warns:
             LargeStrainWarning: Strains are above 5 %.
+            UnstableStateWarning: Slack or wrinkled parts carry more than 1 % of the largest force of their kind.
+            LostPrestressWarning: A part that was given a prestress has no tension left.
             UnbalancedStateWarning: Unbalanced forces are above 1e-6 of the loads.
         """
         count = len(self.points)
@@ -107,8 +110,9 @@ class EquilibriumPath:
         actions = load_case.between(self.start, self.end, factor)
         problem.apply(actions)
         x = problem.discretization.distribute(displacement)
-        result = Recorder(problem)(self.name, x, actions, (Increment(factor, iterations),))
+        result = remarked(Recorder(problem)(self.name, x, actions, (Increment(factor, iterations),)), None)
         if comm.rank == 0:
+            warn_of_remarks(result, stacklevel=3)
             warn_of_large_strains(result, stacklevel=3)
             warn_of_unbalance(result, stacklevel=3)
         return result

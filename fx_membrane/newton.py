@@ -18,7 +18,7 @@ from petsc4py import PETSc
 
 from . import _dolfinx, factorization, validation
 from .curvature import downhill, explained, negative_between
-from .diagnosis import linear_failure, mechanism, stalled, unlikely_units
+from .diagnosis import linear_failure, mechanism, slack_mechanism, stalled, unlikely_units
 from .drivers import by_dolfinx, by_snes
 from .geometry import measures
 from .line_search import Point, line, rounding, search
@@ -134,12 +134,13 @@ class _NewtonRaphson:
             second = self.attempt(x, self.settings.rtol, PATIENCE * self.settings.max_iterations)
             if second.converged and not self.collapsed(x):
                 return replace(self.made_stable(x, second), drawn_smooth=True)
-        reason = free.words if free else solution.reason
+        motion = free or slack_mechanism(self.problem, start)
+        reason = motion.words if motion else solution.reason
         return replace(
             solution,
             reason=reason + unlikely_units(self.problem, start),
             retry=solution.retry and not free,
-            motion=free.motion if free else None,
+            motion=motion.motion if motion else None,
         )
 
     def collapsed(self, x: PETSc.Vec) -> bool:

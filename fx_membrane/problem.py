@@ -183,6 +183,14 @@ class Problem:
             for share, value in zip(shares, values, strict=True):
                 share.value = value
 
+    def stiff_nodes(self, A: PETSc.Mat) -> NDArray[np.bool_]:
+        """Nodes with an entry in a tangent, shape (n,): all but those of which no cell has any stiffness."""
+        here = self.discretization.create_vector()
+        pointers, _, values = A.getValuesCSR()
+        entries = np.repeat(np.arange(len(pointers) - 1), np.diff(pointers))
+        np.maximum.at(here.array, entries, np.abs(values))
+        return self.discretization.gather(here).any(axis=1)
+
     def mass(self, A: PETSc.Mat) -> None:
         """Consistent mass matrix [kg]; it does not depend on the state."""
         self._assemble_matrix(lambda part: mass_form(part.mesh), A)

@@ -17,11 +17,12 @@ def report(
 ) -> str:
     """Table of a stage, to print.
 
-    It gives of each part the least and the largest value: forces of cables and masts, principal stresses of membranes
-    and, where a warp is given, stresses along warp and weft; the largest strain, from the reference shape and together
-    with the strain that belongs to the prestress; how many cells are slack or wrinkled; and which cables end in the
-    air. Largest values (in masts of either sign) are given with their cell, a row of the part's cells, and where its
-    centroid is in the reference shape. The largest displacement is the length of a vector.
+    It begins with the remarks on the state, if there are any. It gives of each part the least and the largest value:
+    forces of cables and masts, principal stresses of membranes and, where a warp is given, stresses along warp and
+    weft; the largest strain, from the reference shape and together with the strain that belongs to the prestress; how
+    many cells are slack or wrinkled; and which cables end in the air. Largest values (in masts of either sign) are
+    given with their cell, a row of the part's cells, and where its centroid is in the reference shape. The largest
+    displacement is the length of a vector.
 
     No number is converted: a structure in kN and m gives a report in kN and m, and the names of the units say so.
 
@@ -49,7 +50,8 @@ def report(
     remarks = f", drawn smooth first ({more} iterates more)" * any(entry.drawn_smooth for entry in result.increments)
     remarks += ", not stable" * any(increment.unstable for increment in result.increments)
     units = f"units as given: {force_unit}, {length_unit}"
-    lines = [f"Stage {result.name!r}, iterations per increment: {iterations}{remarks}; {units}"]
+    lines = [f"WARNING: {remark}" for remark in result.remarks]
+    lines += [f"Stage {result.name!r}, iterations per increment: {iterations}{remarks}; {units}"]
     width = max(map(len, result.parts)) + 2
     for name in result.parts:
         said = _part(result, name, first, force_unit, length_unit)
