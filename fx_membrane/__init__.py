@@ -12,6 +12,7 @@ from mpi4py import MPI as _MPI  # noqa: F401  (before dolfinx: its wheel from Py
 from . import plot
 from .analysis import Analysis, ConvergenceError
 from .arc_length import ContinuationError, trace
+from .checkpoint import CheckpointWarning
 from .edges import edges_on
 from .equilibrium_path import EquilibriumPath, PathPoint
 from .first_order import ConjugateGradient, SteepestDescent
@@ -38,6 +39,7 @@ __all__ = [
     "Analysis",
     "BarResult",
     "Cable",
+    "CheckpointWarning",
     "CoincidentNodesWarning",
     "ConjugateGradient",
     "ContinuationError",
