@@ -8,8 +8,10 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from . import load_case, validation
+from .fingerprints import of_settings
 from .large_strain import warn_of_large_strains
 from .problem import Actions, Problem
+from .processes import refuse_differences, together
 from .recorder import Recorder
 from .results import Increment, StageResult
 from .solver import Iteration
@@ -97,14 +99,17 @@ class EquilibriumPath:
             LargeStrainWarning: Strains are above 5 %.
         """
         count = len(self.points)
-        if not isinstance(point, int | np.integer) or not -count <= point < count:
-            raise ValueError(f"Point {validation.shown(point)} of the path is not there; it has {count} points.")
+        with together(comm):
+            if not isinstance(point, int | np.integer) or not -count <= point < count:
+                raise ValueError(f"Point {validation.shown(point)} of the path is not there; it has {count} points.")
+        refuse_differences(comm, lambda: of_settings({"point": self.points[point][:2], "end": (self.start, self.end)}))
         factor, displacement, _, iterations = self.points[point]
         problem = Problem(self.structure, comm)
         actions = load_case.between(self.start, self.end, factor)
         problem.apply(actions)
         x = problem.discretization.distribute(displacement)
         result = Recorder(problem)(self.name, x, actions, (Increment(factor, iterations),))
-        if comm.rank == 0:
-            warn_of_large_strains(result, stacklevel=3)
+        with together(comm):
+            if comm.rank == 0:
+                warn_of_large_strains(result, stacklevel=3)
         return result

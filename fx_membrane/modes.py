@@ -18,7 +18,9 @@ from petsc4py import PETSc
 
 from . import eigenvalues, factorization, validation
 from .eigenvalues import Eigenpair
+from .fingerprints import of_settings
 from .problem import Problem
+from .processes import refuse_differences, together
 from .results import StageResult
 
 Array = NDArray[np.float64]
@@ -87,14 +89,16 @@ def natural_frequencies(state: StageResult, count: int = 6, comm: MPI.Intracomm 
             singular or negative where there is no mass.
         RuntimeError: The eigenvalue solver did not converge.
     """
-    validation.instance("natural_frequencies state", state, StageResult)
-    parts = [part for part in state.structure.parts.values() if part.mass > 0]
-    if not parts:
-        raise ValueError("No part has mass; give mass=... to membranes [kg/m2], cables or masts [kg/m].")
-    movable = np.zeros_like(state.actions.held)
-    for part in parts:
-        movable[part.cells] = True
-    _check_count("natural_frequencies", count, movable & ~state.actions.held, "components with mass")
+    with together(comm):
+        validation.instance("natural_frequencies state", state, StageResult)
+        parts = [part for part in state.structure.parts.values() if part.mass > 0]
+        if not parts:
+            raise ValueError("No part has mass; give mass=... to membranes [kg/m2], cables or masts [kg/m].")
+        movable = np.zeros_like(state.actions.held)
+        for part in parts:
+            movable[part.cells] = True
+        _check_count("natural_frequencies", count, movable & ~state.actions.held, "components with mass")
+    _refuse_differences(comm, state, count)
     problem, K = _tangent(state, comm)
     full = problem.discretization.create_matrix()
     problem.mass(full)
@@ -119,8 +123,10 @@ def stability(state: StageResult, count: int = 1, comm: MPI.Intracomm = MPI.COMM
         ValueError: Fewer than count components can move.
         RuntimeError: The eigenvalue solver did not converge.
     """
-    validation.instance("stability state", state, StageResult)
-    _check_count("stability", count, state.structure.used[:, None] & ~state.actions.held, "components")
+    with together(comm):
+        validation.instance("stability state", state, StageResult)
+        _check_count("stability", count, state.structure.used[:, None] & ~state.actions.held, "components")
+    _refuse_differences(comm, state, count)
     problem, K = _tangent(state, comm)
     pairs, negative = eigenvalues.lowest(
         K if factorization.is_symmetric(K) else factorization.symmetric_part(K), None, count
@@ -132,6 +138,11 @@ def _check_count(function: str, count: int, movable: NDArray[np.bool_], what: st
     available = np.count_nonzero(movable)
     if validation.whole(f"{function} count", count) > available:
         raise ValueError(f"{function} count is {count}, but {available} {what} can move; ask for no more.")
+
+
+def _refuse_differences(comm: MPI.Intracomm, state: StageResult, count: int) -> None:
+    given = {"displacement of the state": state.displacement, "actions of the state": state.actions, "count": count}
+    refuse_differences(comm, lambda: of_settings(given))
 
 
 def _tangent(state: StageResult, comm: MPI.Intracomm) -> tuple[Problem, PETSc.Mat]:

@@ -1,7 +1,7 @@
 """Pictures: curves and wire frames (matplotlib), contours on the deformed structure (pyvista inside matplotlib).
 
 Each function writes one picture, a PNG or what else its name ends in, and makes its folder. Under MPI call it on all
-processes; the first one draws.
+processes; the first one draws what it was given, and the others wait until it has, and raise what it raises.
 """
 
 from collections.abc import Mapping, Sequence
@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
 from . import validation
 from .parts import Part
+from .processes import by_the_first
 from .results import StageResult
 from .scene import INK, Colours, picture, screen_axes
 from .solver import Iteration
@@ -26,6 +26,7 @@ PAPER = {"dpi": 160, "bbox_inches": "tight"}
 Field = Mapping[str, ArrayLike] | ArrayLike
 
 
+@by_the_first
 def convergence(result: StageResult, path: str | Path, force_unit: str = "N", energy_unit: str = "J") -> None:
     """Total potential energy and largest unbalanced force against the iteration, as in Gil's Fig. 7.
 
@@ -40,8 +41,6 @@ def convergence(result: StageResult, path: str | Path, force_unit: str = "N", en
     """
     validation.instance("The first argument of convergence", result, StageResult)
     _check_path(path)
-    if MPI.COMM_WORLD.rank:
-        return
     iterations = [entry for _, entry in result.history]
     count = np.arange(len(iterations))
     figure = _figure(9, 3.6)
@@ -59,6 +58,7 @@ def convergence(result: StageResult, path: str | Path, force_unit: str = "N", en
     _save(figure, path)
 
 
+@by_the_first
 def compare_convergence(
     histories: Mapping[str, Sequence[Iteration]],
     seconds: Mapping[str, float],
@@ -90,8 +90,6 @@ def compare_convergence(
     if set(seconds) != set(histories):
         raise ValueError(f"seconds is for {list(seconds)}; give the time of each of {list(histories)}.")
     _check_path(path)
-    if MPI.COMM_WORLD.rank:
-        return
     lowest = min(history[-1].energy for history in histories.values())
     figure = _figure(10, 7.5)
     panels = figure.subplots(2, 2, sharex="col", sharey="row")
@@ -120,6 +118,7 @@ def compare_convergence(
     _save(figure, path)
 
 
+@by_the_first
 def wireframe(
     points: ArrayLike,
     parts: Mapping[str, Part | NDArray[np.int64]],
@@ -151,8 +150,6 @@ def wireframe(
     validation.in_range("labels", np.asarray(labels, dtype=np.int64), len(positions), "node")
     seen = positions @ screen_axes((0, 0, 1) if view is None else validation.direction("view", view)).T
     _check_path(path)
-    if MPI.COMM_WORLD.rank:
-        return
     import matplotlib.collections  # noqa: PLC0415
 
     figure = _figure(7, 7)
@@ -180,6 +177,7 @@ def wireframe(
     _save(figure, path)
 
 
+@by_the_first
 def contours(
     result: StageResult,
     fields: Mapping[str, Field],
@@ -227,8 +225,6 @@ def contours(
     validation.number("scale", scale)
     validation.direction("view", view)
     _check_path(path)
-    if MPI.COMM_WORLD.rank:
-        return
     figure = _figure(6.4 * len(checked), 5.6)
     panels = figure.subplots(1, len(checked), squeeze=False)[0]
     for axes, (title, field) in zip(panels, checked.items(), strict=True):

@@ -17,7 +17,7 @@ P = ParamSpec("P")
 def together(comm: MPI.Intracomm) -> Iterator[None]:
     """Raises an exception of any process on all of them, so that none waits for one that has left.
 
-    The block must not communicate. Where several processes raise, each raises its own.
+    The block must not communicate. Where several processes raise, all raise what the first of them does.
     """
     error: Exception | None = None
     try:
@@ -29,8 +29,10 @@ def together(comm: MPI.Intracomm) -> Iterator[None]:
     if comm.size == 1 or not comm.allreduce(error is not None, MPI.LOR):
         return
     errors = comm.allgather(_portable(error))
-    first = next(other for other in errors if other is not None)
-    raise error or first
+    rank, first = next((rank, other) for rank, other in enumerate(errors) if other is not None)
+    if rank == comm.rank and error is not None:
+        raise error
+    raise first from error
 
 
 def by_the_first(act: Callable[P, None]) -> Callable[P, None]:
@@ -77,8 +79,8 @@ def refuse_differences(comm: MPI.Intracomm, digests: Callable[[], Mapping[str, s
         if names:
             more = f" and {len(names) - 3} more" if len(names) > 3 else ""
             raise ValueError(
-                f"The processes have different input: {', '.join(names[:3])}{more} on process {number} and on process "
-                "0; give the same on all, and draw random numbers or read files on one and broadcast them."
+                f"The input of process {number} differs from that of process 0 in: {', '.join(names[:3])}{more}; give "
+                "all processes the same: draw random numbers and read files on one of them, and broadcast."
             )
 
 
