@@ -13,6 +13,7 @@ from . import plot
 from .analysis import Analysis, ConvergenceError
 from .arc_length import ContinuationError, trace
 from .balance import UnbalancedStateWarning
+from .checkpoint import CheckpointWarning
 from .coincidence import CoincidentNodesWarning
 from .edges import edges_on
 from .equilibrium_path import EquilibriumPath, PathPoint
@@ -50,6 +51,7 @@ __all__ = [
     "Analysis",
     "BarResult",
     "Cable",
+    "CheckpointWarning",
     "CoincidentNodesWarning",
     "ConjugateGradient",
     "ContinuationError",

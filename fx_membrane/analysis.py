@@ -10,14 +10,16 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from . import checkpoint, load_case, loads, paths, validation
+from . import checkpoint, load_case, loads, validation
 from .balance import warn_of_unbalance
-from .checkpoint import Progress
+from .checkpoint_file import Progress
+from .fingerprints import fingerprint, of_stages
 from .first_order import ConjugateGradient, SteepestDescent
 from .large_strain import warn_of_large_prestress, warn_of_large_strains
 from .loads import Stage
 from .newton import Newton
 from .problem import Actions, Problem
+from .processes import refuse_differences, together
 from .progress import Report
 from .recorder import Recorder
 from .remarks import held_by_slack_parts, remarked, warn_of_remarks
@@ -72,10 +74,15 @@ class Analysis:
     Args:
         structure: The structure.
         solver: What finds equilibrium in each load increment.
-        comm: The processes that share the work; each must give the same structure and stages.
+        comm: The processes that share the work; each must give the same structure, solver and stages. What one of them
+            refuses is refused by all; an exception in a script of yours is not seen from here, and others wait for
+            that process for ever unless the script is run as `mpirun -n 2 python -m mpi4py script.py`.
         limit: Most work that each stage may take.
         progress: Whether stderr shows how far a stage is: a bar on a terminal, or else a line for each increment and
             one every ten seconds.
+
+    Raises:
+        ValueError: An argument is none such, or is not the same on all processes.
     """
 
     def __init__(
@@ -86,11 +93,13 @@ class Analysis:
         limit: WorkLimit = WorkLimit(),
         progress: bool = True,
     ):
-        validation.instance("Analysis structure", structure, Structure)
-        validation.instance("Analysis solver", solver, AnySolver)
         validation.communicator("Analysis comm", comm)
-        validation.instance("Analysis limit", limit, WorkLimit)
-        validation.instance("Analysis progress", progress, bool)
+        with together(comm):
+            validation.instance("Analysis structure", structure, Structure)
+            validation.instance("Analysis solver", solver, AnySolver)
+            validation.instance("Analysis limit", limit, WorkLimit)
+            validation.instance("Analysis progress", progress, bool)
+        refuse_differences(comm, lambda: {"solver": fingerprint(solver), "limit": fingerprint(limit)})
         self._limit, self._progress = limit, progress
         self.structure = structure
         self._comm = comm
@@ -106,12 +115,15 @@ class Analysis:
             checkpoint_file: Where to save the state after each converged increment. If the file is there, what is in
                 it is not computed again, and the run goes on from it; stages may be added or left out, and have other
                 `steps`. The solver may be another too: what is in the file is in equilibrium to the tolerance of the
-                solver that found it, and the rest is found by the present one.
+                solver that found it, and the rest is found by the present one. It is one file of any name, an SQLite
+                database; while a run has it, no other can use it, and its journal, named the same and "-journal", lies
+                beside it and belongs to it. The first process alone reads and writes it.
 
         Raises:
             ValueError: A stage does not fit the structure or the other stages, or leaves the structure free to move
                 as a rigid body (one turn about a line is let pass: loads may hold it); the checkpoint belongs to
-                another structure or to other stages, or cannot be written.
+                another structure or to other stages, was changed, is in use by another run or cannot be written; the
+                processes have different input.
             ConvergenceError: A load increment found no equilibrium, or the limit of work is used up; what was computed
                 before is on the exception.
 
@@ -122,30 +134,28 @@ class Analysis:
                 stage; or slack or wrinkled parts carry more than 1 % of the largest force of their kind.
             LostPrestressWarning: A part that was given a prestress has no tension left.
             UnbalancedStateWarning: Unbalanced forces of a stage are above 1e-6 of the loads.
+            CheckpointWarning: A state could not be saved, as on a full disk; the run goes on without.
         """
-        self._check(stages)
-        if self._comm.rank == 0:
-            warn_of_large_prestress(self.structure, stacklevel=3)
-        path = None if checkpoint_file is None else paths.agreed("checkpoint_file", checkpoint_file, self._comm)
-        progress = {} if path is None else checkpoint.load(path, self.structure, stages)
-
-        def save(name: str, state: Progress) -> None:
-            progress[name] = state
-            if path is not None and self._comm.rank == 0:
-                checkpoint.save(path, self.structure, stages, progress)
-
-        results = StageResults()
-        ends: dict[str | None, Actions] = {None: load_case.unloaded(self.structure)}
-        for stage in stages:
-            ends[stage.name] = end = load_case.target(self._problem, stage, ends[stage.after])
-            shape = results[stage.after].displacement if stage.after else np.zeros(self.structure.points.shape)
-            start = load_case.taking_hold(ends[stage.after], end, shape)
-            state = progress.get(stage.name) or Progress(shape, Fraction(0), Fraction(1, stage.steps), ())
-            results[stage.name] = remarked(self._run(stage, start, end, state, results, save), shape)
+        with together(self._comm):
+            self._check(stages)
+        refuse_differences(self._comm, lambda: of_stages(stages))
+        with together(self._comm):
             if self._comm.rank == 0:
-                warn_of_remarks(results[stage.name], stacklevel=3)
-                warn_of_large_strains(results[stage.name], stacklevel=3)
-                warn_of_unbalance(results[stage.name], stacklevel=3)
+                warn_of_large_prestress(self.structure, stacklevel=3)
+        with checkpoint.opened(checkpoint_file, self.structure, stages, self._comm) as saved:
+            results = StageResults()
+            ends: dict[str | None, Actions] = {None: load_case.unloaded(self.structure)}
+            for stage in stages:
+                ends[stage.name] = end = load_case.target(self._problem, stage, ends[stage.after])
+                shape = results[stage.after].displacement if stage.after else np.zeros(self.structure.points.shape)
+                start = load_case.taking_hold(ends[stage.after], end, shape)
+                state = saved.progress.get(stage.name) or Progress(shape, Fraction(0), Fraction(1, stage.steps), ())
+                results[stage.name] = remarked(self._run(stage, start, end, state, results, saved.save), shape)
+                with together(self._comm):
+                    if self._comm.rank == 0:
+                        warn_of_remarks(results[stage.name], stacklevel=3)
+                        warn_of_large_strains(results[stage.name], stacklevel=3)
+                        warn_of_unbalance(results[stage.name], stacklevel=3)
         return results
 
     def _check(self, stages: Sequence[Stage]) -> None:

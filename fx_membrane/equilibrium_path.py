@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 
 from . import load_case, validation, values
 from .balance import warn_of_unbalance
+from .fingerprints import of_settings
 from .large_strain import warn_of_large_strains
 from .problem import Actions, Problem
+from .processes import refuse_differences, together
 from .recorder import Recorder
 from .remarks import remarked, warn_of_remarks
 from .results import Increment, StageResult
@@ -102,17 +104,20 @@ class EquilibriumPath:
             UnbalancedStateWarning: Unbalanced forces are above 1e-6 of the loads.
         """
         count = len(self.points)
-        if not values.is_whole(type(point)) or not -count <= point < count:
-            raise ValueError(f"Point {validation.shown(point)} of the path is not there; it has {count} points.")
         validation.communicator("state comm", comm)
+        with together(comm):
+            if not values.is_whole(type(point)) or not -count <= point < count:
+                raise ValueError(f"Point {validation.shown(point)} of the path is not there; it has {count} points.")
+        refuse_differences(comm, lambda: of_settings({"point": self.points[point][:2], "end": (self.start, self.end)}))
         factor, displacement, _, iterations = self.points[point]
         problem = Problem(self.structure, comm)
         actions = load_case.between(self.start, self.end, factor)
         problem.apply(actions)
         x = problem.discretization.distribute(displacement)
         result = remarked(Recorder(problem)(self.name, x, actions, (Increment(factor, iterations),)), None)
-        if comm.rank == 0:
-            warn_of_remarks(result, stacklevel=3)
-            warn_of_large_strains(result, stacklevel=3)
-            warn_of_unbalance(result, stacklevel=3)
+        with together(comm):
+            if comm.rank == 0:
+                warn_of_remarks(result, stacklevel=3)
+                warn_of_large_strains(result, stacklevel=3)
+                warn_of_unbalance(result, stacklevel=3)
         return result

@@ -18,7 +18,9 @@ from petsc4py import PETSc
 
 from . import eigenvalues, factorization, validation
 from .eigenvalues import Eigenpair
+from .fingerprints import of_settings
 from .problem import Problem
+from .processes import refuse_differences, together
 from .remarks import held_by_slack_parts
 from .results import StageResult
 
@@ -104,15 +106,17 @@ def natural_frequencies(state: StageResult, count: int = 6, comm: MPI.Intracomm 
             singular or negative where there is no mass.
         RuntimeError: The eigenvalue solver did not converge.
     """
-    validation.instance("natural_frequencies state", state, StageResult)
     validation.communicator("natural_frequencies comm", comm)
-    parts = [part for part in state.structure.parts.values() if part.mass > 0]
-    if not parts:
-        raise ValueError("No part has mass; give mass=... to membranes [kg/m2], cables or masts [kg/m].")
-    movable = np.zeros_like(state.actions.held)
-    for part in parts:
-        movable[part.cells] = True
-    count = _checked_count("natural_frequencies", count, movable & ~state.actions.held, "components with mass")
+    with together(comm):
+        validation.instance("natural_frequencies state", state, StageResult)
+        parts = [part for part in state.structure.parts.values() if part.mass > 0]
+        if not parts:
+            raise ValueError("No part has mass; give mass=... to membranes [kg/m2], cables or masts [kg/m].")
+        movable = np.zeros_like(state.actions.held)
+        for part in parts:
+            movable[part.cells] = True
+        count = _checked_count("natural_frequencies", count, movable & ~state.actions.held, "components with mass")
+    _refuse_differences(comm, state, count)
     problem, K = _tangent(state, comm)
     full = problem.discretization.create_matrix()
     problem.mass(full)
@@ -139,9 +143,11 @@ def stability(state: StageResult, count: int = 1, comm: MPI.Intracomm = MPI.COMM
         ValueError: Fewer than count components can move.
         RuntimeError: The eigenvalue solver did not converge.
     """
-    validation.instance("stability state", state, StageResult)
     validation.communicator("stability comm", comm)
-    count = _checked_count("stability", count, state.structure.used[:, None] & ~state.actions.held, "components")
+    with together(comm):
+        validation.instance("stability state", state, StageResult)
+        count = _checked_count("stability", count, state.structure.used[:, None] & ~state.actions.held, "components")
+    _refuse_differences(comm, state, count)
     problem = Problem(state.structure, comm)
     with problem.without_kept_stiffness():
         K = _full_tangent(problem, state)
@@ -161,6 +167,11 @@ def _checked_count(function: str, count: int, movable: NDArray[np.bool_], what: 
     if count > available:
         raise ValueError(f"{function} count is {count}, but {available} {what} can move; ask for no more.")
     return count
+
+
+def _refuse_differences(comm: MPI.Intracomm, state: StageResult, count: int) -> None:
+    given = {"displacement of the state": state.displacement, "actions of the state": state.actions, "count": count}
+    refuse_differences(comm, lambda: of_settings(given))
 
 
 def _tangent(state: StageResult, comm: MPI.Intracomm) -> tuple[Problem, PETSc.Mat]:

@@ -1,7 +1,8 @@
 """Pictures: curves and wire frames (matplotlib), contours on the deformed structure (pyvista inside matplotlib).
 
 Each function writes one picture, a PNG or what else its name ends in, and makes its folder; a name that cannot be
-written is refused before anything is drawn. Under MPI call it on all processes; the first one draws.
+written is refused before anything is drawn. Under MPI call it on all processes; the first one draws what it was given,
+and the others wait until it has, and raise what it raises.
 """
 
 import warnings
@@ -10,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
 from . import paths, validation
@@ -19,6 +19,7 @@ from .colours import colour_bar, colours
 from .entries import entries
 from .fields import Field, checked, checked_limits
 from .parts import Part
+from .processes import by_the_first
 from .results import StageResult
 from .scene import INK, obstacle, picture, screen_axes
 from .solver import Iteration
@@ -28,6 +29,7 @@ FAR = 1e4  # displacements drawn larger than so many times the structure are lin
 PAPER = {"dpi": 160, "bbox_inches": "tight"}
 
 
+@by_the_first
 def convergence(result: StageResult, path: str | Path, force_unit: str = "N", energy_unit: str = "J") -> None:
     """Total potential energy and largest unbalanced force against the iteration, as in Gil's Fig. 7.
 
@@ -44,8 +46,6 @@ def convergence(result: StageResult, path: str | Path, force_unit: str = "N", en
     file = _checked_path(path)
     validation.text("force_unit", force_unit)
     validation.text("energy_unit", energy_unit)
-    if MPI.COMM_WORLD.rank:
-        return
     paths.check_writable("path", file)
     iterations = [entry for _, entry in result.history]
     count = np.arange(len(iterations))
@@ -64,6 +64,7 @@ def convergence(result: StageResult, path: str | Path, force_unit: str = "N", en
     _save(figure, file)
 
 
+@by_the_first
 def compare_convergence(
     histories: Mapping[str, Sequence[Iteration]],
     seconds: Mapping[str, float],
@@ -93,8 +94,6 @@ def compare_convergence(
     file = _checked_path(path)
     validation.text("force_unit", force_unit)
     validation.text("energy_unit", energy_unit)
-    if MPI.COMM_WORLD.rank:
-        return
     paths.check_writable("path", file)
     lowest = min(history[-1].energy for history in histories.values())
     figure = _figure(10, 7.5)
@@ -124,6 +123,7 @@ def compare_convergence(
     _save(figure, file)
 
 
+@by_the_first
 def wireframe(
     points: ArrayLike,
     parts: Mapping[str, Part | NDArray[np.int64]],
@@ -157,8 +157,6 @@ def wireframe(
     first = validation.integer("first", first)
     seen = positions @ screen_axes((0, 0, 1) if view is None else validation.direction("view", view)).T
     file = _checked_path(path)
-    if MPI.COMM_WORLD.rank:
-        return
     paths.check_writable("path", file)
     import matplotlib.collections  # noqa: PLC0415
 
@@ -187,6 +185,7 @@ def wireframe(
     _save(figure, file)
 
 
+@by_the_first
 def contours(
     result: StageResult,
     fields: Mapping[str, Field],
@@ -237,11 +236,9 @@ def contours(
     scale = _checked_scale(result, scale)
     eye = validation.direction("view", view)
     file = _checked_path(path)
-    if MPI.COMM_WORLD.rank:
-        return
     paths.check_writable("path", file)
     if reason := obstacle():
-        warnings.warn(f"{file} is not drawn: {reason}", stacklevel=2)
+        warnings.warn(f"{file} is not drawn: {reason}", stacklevel=3)
         return
     figure = _figure(6.4 * len(drawn), 5.6)
     panels = figure.subplots(1, len(drawn), squeeze=False)[0]

@@ -20,7 +20,9 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from .discretization import Discretization
+from .fingerprints import fingerprints
 from .part_forms import PartForms, mass_form, part_forms, tension_form
+from .processes import refuse_differences
 from .rounding import UNIT, Scales, prestress_force, scales, typical_stiffness
 from .structure import Structure
 
@@ -50,6 +52,9 @@ class Problem:
         comm: The processes that share the work; each must give the same structure.
         elastic: False leaves the prestress as the only stress, whatever the strain: for form finding.
 
+    Raises:
+        ValueError: The structure is not the same on all processes.
+
     Attributes:
         discretization: The meshes and their common numbering.
         parts: Forms of the parts of which this process has cells.
@@ -61,6 +66,7 @@ class Problem:
     """
 
     def __init__(self, structure: Structure, comm: MPI.Intracomm = MPI.COMM_WORLD, elastic: bool = True):
+        refuse_differences(comm, lambda: fingerprints(structure))
         self.discretization = Discretization(structure, comm)
         self.parts = {name: part_forms(mesh, structure, elastic) for name, mesh in self.discretization.parts.items()}
         self.prestress_forces = prestress_force(structure)

@@ -27,11 +27,13 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from . import load_case, loads, validation
+from .fingerprints import of_settings
 from .geometry import measures, normals, projected
 from .loads import DeadLoad, PointLoad, Pressure, Stage
 from .newton import Newton
 from .parts import Mast, Membrane, Part
 from .problem import Actions, Problem
+from .processes import refuse_differences, together
 from .recorder import Recorder
 from .results import BarResult, MembraneResult
 from .rigid_motion import check_supports
@@ -118,14 +120,17 @@ def updated_reference(
     Warns:
         UnsettledFormWarning: The steps were too few; the form is that of the last one.
     """
-    validation.instance("updated_reference structure", structure, Structure)
-    tolerance = validation.positive("tolerance", tolerance)
-    max_steps = validation.whole("max_steps", max_steps)
     validation.communicator("updated_reference comm", comm)
-    stage = Stage("form", validation.instances("loads_in_form", loads_in_form, PointLoad | DeadLoad | Pressure))
-    loads.check(structure, [stage])
-    check_supports(structure, structure.supported)
-    _check_prestress(structure)
+    with together(comm):
+        validation.instance("updated_reference structure", structure, Structure)
+        tolerance = validation.positive("tolerance", tolerance)
+        max_steps = validation.whole("max_steps", max_steps)
+        stage = Stage("form", validation.instances("loads_in_form", loads_in_form, PointLoad | DeadLoad | Pressure))
+        loads.check(structure, [stage])
+        check_supports(structure, structure.supported)
+        _check_prestress(structure)
+    settings = {"loads_in_form": stage.loads, "tolerance": tolerance, "max_steps": max_steps}
+    refuse_differences(comm, lambda: of_settings(settings))
     problem = Problem(structure, comm, elastic=False)
     solve, record = Newton(line_search=False).prepare(problem), Recorder(problem)
     points = structure.points
@@ -149,8 +154,9 @@ def updated_reference(
         area = sum(measures(points, part.cells).sum() for part in parts.values() if part.dimension == 2)
         steps.append(Step(float(area), change, error))
         converged = change <= tolerance and error <= stray
-    if not converged and comm.rank == 0:
-        _warn_of_unsettled_form(steps, tolerance)
+    with together(comm):
+        if not converged and comm.rank == 0:
+            _warn_of_unsettled_form(steps, tolerance)
     return Form(replace(structure, points=points, parts=parts), tuple(steps), converged)
 
 
