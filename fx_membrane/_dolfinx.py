@@ -8,7 +8,7 @@ import logging
 import os
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from typing import Any
 
 import basix
@@ -133,8 +133,13 @@ def newton_solver(comm: MPI.Intracomm) -> Any:
 @contextmanager
 def _quiet_stderr() -> Iterator[None]:
     """Keeps to itself what C++ writes: 0.11 says in each NewtonSolver that it is deprecated, past log and warnings."""
-    sys.stderr.flush()
-    kept = os.dup(2)
+    with suppress(AttributeError, OSError, ValueError):  # no stderr, or a closed one
+        sys.stderr.flush()
+    try:
+        kept = os.dup(2)
+    except OSError:  # closed
+        yield
+        return
     with open(os.devnull, "w") as nowhere:
         os.dup2(nowhere.fileno(), 2)
     try:

@@ -245,7 +245,7 @@ class _ProgressBar:
             bar_format="{desc}: {bar:10} load factor {n:.4f}{postfix}",  # 80 columns hold a name of 16 letters
             ncols=_columns(),
             nrows=20,  # any: one bar is shown at a time
-            disable=None if shown else True,
+            disable=None if shown and sys.stderr is not None else True,
             file=sys.stderr,
         )
 
@@ -266,5 +266,5 @@ def _columns() -> int | None:
     """Width of the terminal; 80 where it does not tell, as some that are not on a screen."""
     try:
         return os.get_terminal_size(sys.stderr.fileno()).columns or 80
-    except (OSError, ValueError):  # no terminal, no bar
+    except (AttributeError, OSError, ValueError):  # no terminal, no bar
         return None
