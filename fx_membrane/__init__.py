@@ -7,6 +7,7 @@ import signal as _signal
 # One thread for each process: with more, MUMPS can be ten times slower where cores are busy. Before PETSc is loaded.
 _os.environ.setdefault("OMP_NUM_THREADS", "1")
 
+from . import standard_streams as _standard_streams  # noqa: F401, I001  (before any other file is opened)
 from mpi4py import MPI as _MPI  # noqa: F401  (before dolfinx: its wheel from PyPI needs the MPI library loaded)
 
 from . import plot
