@@ -26,11 +26,13 @@ from .bordered_newton import BorderedNewton, Plane, Point, Step
 from .curvature import downhill
 from .diagnosis import linear_failure
 from .equilibrium_path import EquilibriumPath, PathPoint
+from .fingerprints import of_settings, of_stages
 from .large_strain import warn_of_large_prestress
 from .loads import Stage
 from .path_geometry import Arrival, Metric
 from .path_walk import Walk
 from .problem import Problem
+from .processes import refuse_differences, together
 from .results import StageResult, UnstableStateWarning
 from .rigid_motion import check_supports
 from .step_control import StepControl
@@ -90,12 +92,17 @@ def trace(
         UnstableStateWarning: The start is not stable.
         LargeStrainWarning: Strains that belong to the prestress of a structure are above 5 %.
     """
-    validation.instance("trace start", start, Structure | StageResult)
-    validation.instance("trace stage", stage, Stage)
-    validation.whole("trace max_points", max_points)
-    validation.tolerance("trace rtol", rtol)
-    structure = start if isinstance(start, Structure) else start.structure
-    _check_stage(structure, start, stage)
+    validation.communicator("trace comm", comm)
+    with together(comm):
+        validation.instance("trace start", start, Structure | StageResult)
+        validation.plain("trace stage", stage, Stage)
+        max_points = validation.whole("trace max_points", max_points)
+        rtol = validation.tolerance("trace rtol", rtol)
+        structure = start if isinstance(start, Structure) else start.structure
+        _check_stage(structure, start, stage)
+    state = () if isinstance(start, Structure) else (start.displacement, start.actions)
+    given = {"load_factor": load_factor, "displacement": displacement, "max_points": max_points, "rtol": rtol}
+    refuse_differences(comm, lambda: of_settings({"start": state} | given) | of_stages([stage]))
     shape = np.zeros(structure.points.shape) if isinstance(start, Structure) else start.displacement
     before = load_case.unloaded(structure) if isinstance(start, Structure) else start.actions
     problem = Problem(structure, comm)
@@ -106,8 +113,9 @@ def trace(
     ends = path_ends.ends(problem, load_factor, displacement, fixed, shape)
     path = EquilibriumPath(stage.name, structure, begin, after, (), False, reason="")
     x = problem.discretization.distribute(shape)
-    if isinstance(start, Structure) and comm.rank == 0:  # a state has been remarked on
-        warn_of_large_prestress(structure, stacklevel=3)
+    with together(comm):
+        if isinstance(start, Structure) and comm.rank == 0:  # a state has been remarked on
+            warn_of_large_prestress(structure, stacklevel=3)
     newton = BorderedNewton(problem, path.start, path.end, x, rtol)
     try:
         return _Tracer(newton, path, 1 / stage.steps).run(x, ends, max_points)

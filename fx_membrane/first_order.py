@@ -10,7 +10,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
-import numpy as np
 from petsc4py import PETSc
 
 from . import validation
@@ -88,11 +87,8 @@ class ConjugateGradient:
     max_iterations: int = 10_000
 
     def __post_init__(self) -> None:
-        if self.beta not in ("FR", "PR"):
-            raise ValueError(
-                f"ConjugateGradient beta is {validation.shown(self.beta)}; "
-                'give "FR" (Fletcher-Reeves) or "PR" (Polak-Ribiere).'
-            )
+        remedy = '"FR" (Fletcher-Reeves) or "PR" (Polak-Ribiere)'
+        validation.keep(self, beta=validation.choice("ConjugateGradient beta", self.beta, ("FR", "PR"), remedy))
         _check(self)
 
     def prepare(self, problem: Problem) -> Solve:
@@ -126,13 +122,12 @@ def _no_memory(now: Gradient, before: Gradient) -> float:
 
 def _check(settings: SteepestDescent | ConjugateGradient) -> None:
     name = type(settings).__name__
-    if settings.preconditioner not in (None, "jacobi", "tangent"):
-        raise ValueError(
-            f"{name} preconditioner is {validation.shown(settings.preconditioner)}; "
-            'give None, "jacobi" (the diagonal of the tangent) or "tangent".'
-        )
-    validation.tolerance(f"{name} rtol", settings.rtol)
-    validation.whole(f"{name} max_iterations", settings.max_iterations)
+    remedy = 'None, "jacobi" (the diagonal of the tangent) or "tangent"'
+    given = settings.preconditioner
+    preconditioner = validation.choice(f"{name} preconditioner", given, (None, "jacobi", "tangent"), remedy)
+    validation.keep(settings, preconditioner=preconditioner)
+    validation.store(settings, validation.tolerance, "rtol")
+    validation.store(settings, validation.whole, "max_iterations")
 
 
 class _Descent:
@@ -149,7 +144,7 @@ class _Descent:
 
     def __init__(self, settings: SteepestDescent | ConjugateGradient, beta: Beta, problem: Problem):
         self.settings, self.beta, self.problem = settings, beta, problem
-        self.size = float(np.ptp(problem.discretization.structure.points, axis=0).max())
+        self.size = problem.discretization.structure.size
         self.preconditioner = preconditioner(problem, settings.preconditioner)
         self.g = problem.discretization.create_vector()
 
@@ -177,13 +172,13 @@ class _Descent:
         """Whether an iterate is the solution; notes it, and its gradient."""
         b = x.duplicate()
         self.problem.residual(x, b)
-        self.tolerance = tolerance(self.problem, x, b, self.settings.rtol if self.history else ROUNDING)
+        accepted = tolerance(self.problem, x, b, self.settings.rtol if self.history else ROUNDING)
         self.problem.release(b)
         self.g = b
         largest = b.norm(PETSc.NormType.NORM_INFINITY)
         self.history.append(Iteration(self.problem.energy(x), largest, length))
         monitor(len(self.history) - 1, self.history[-1])
-        return bool(b.norm() < self.tolerance)
+        return self.problem.beyond_rounding(x, b) < accepted
 
     def step(self, x: PETSc.Vec, s: PETSc.Vec) -> float | None:
         """Goes one step; its length, or None where no length lowers the energy."""

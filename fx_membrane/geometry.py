@@ -9,6 +9,12 @@ from scipy.sparse.csgraph import connected_components
 
 from . import validation
 
+# The inverse of the metric of a triangle loses digits as the square of its aspect: of its forces a share of about
+# 4 eps aspect^2 is rounding, 9e-4 at 1e6, 0.09 at 1e7; at 7e7 nothing is left.
+SLIVER = 1.001e7  # most slender triangle
+SLENDER = 5e5  # rounding of 2e-4
+FLAT = 1e-10  # height over side that is none
+
 Diagonals = Literal["right", "left", "to centre"]
 
 
@@ -36,10 +42,12 @@ def rectangle(
     Raises:
         ValueError: A size or a number is not positive, or diagonals is none of the three.
     """
-    validation.positive("width", width)
-    validation.positive("height", height)
-    validation.whole("columns", columns)
-    validation.whole("rows", rows)
+    width, height = validation.positive("width", width), validation.positive("height", height)
+    columns, rows = validation.whole("columns", columns), validation.whole("rows", rows)
+    if 3 * (columns + 1) * (rows + 1) > validation.MOST:
+        raise ValueError(f"columns is {columns} and rows is {rows}, more nodes than PETSc numbers; give smaller ones.")
+    choices = ("right", "left", "to centre")
+    diagonals = validation.choice("diagonals", diagonals, choices, '"right", "left" or "to centre"')
     x = np.linspace(-width / 2, width / 2, columns + 1)
     y = np.linspace(-height / 2, height / 2, rows + 1)
     points = np.stack([*np.meshgrid(x, y), np.zeros((rows + 1, columns + 1))], axis=-1).reshape(-1, 3)
@@ -48,8 +56,6 @@ def rectangle(
     a = (columns + 1) * row + column  # lower left, then counter-clockwise
     b, c, d = a + 1, a + columns + 2, a + columns + 1
     same_sign = (2 * row + 1 > rows) == (2 * column + 1 > columns)
-    if diagonals not in ("right", "left", "to centre"):
-        raise ValueError(f'diagonals is {diagonals!r}; give "right", "left" or "to centre".')
     right = {"right": np.ones_like(same_sign), "left": np.zeros_like(same_sign), "to centre": same_sign}[diagonals]
     first = np.where(right, [a, b, c], [a, b, d])
     second = np.where(right, [a, c, d], [b, c, d])
@@ -109,32 +115,37 @@ def orientation(triangles: NDArray[np.int64]) -> NDArray[np.float64] | None:
     return np.where(label[0] == label[0, first][member.ravel()], 1.0, -1.0)
 
 
+def with_one_sense(triangles: NDArray[np.int64]) -> tuple[NDArray[np.int64], str]:
+    """Triangles turned to the sense of the first of their connected piece, shape (cells, 3); why they have no sides.
+
+    The first node of a triangle stays its first; the other two change places where it is turned. The reason is the end
+    of a sentence that begins with the surface: it branches, or has one side only; empty where it has two sides.
+    """
+    signs, branch = orientation(triangles), branching_edge(triangles)
+    if signs is None:
+        return triangles, (
+            "has only one side, like a Moebius strip, so that a normal, a pressure and a shear have no direction on "
+            "it; cut it into parts along a line of edges."
+        )
+    turned = np.where(signs[:, None] > 0, triangles, triangles[:, [0, 2, 1]])
+    if branch is None:
+        return turned, ""
+    return turned, (
+        f"branches at the edge between nodes {branch[0]} and {branch[1]}, so that it has no two sides, and a normal, a "
+        "pressure and a shear no direction; make each sheet a part of its own."
+    )
+
+
 def branching_edge(triangles: NDArray[np.int64]) -> NDArray[np.int64] | None:
     """An edge with three triangles or more, shape (2,); None if there is none."""
     edges, edge, count = _edges(triangles)
     return np.sort(edges[edge == np.argmax(count)][0]) if count.max() > 2 else None
 
 
-def senses(what: str, triangles: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Signs as `orientation` gives them, of triangles that have two sides, shape (cells,).
-
-    Raises:
-        ValueError: They branch, or have only one side; the sentence begins with what they are.
-    """
-    branch = branching_edge(triangles)
-    if branch is not None:
-        raise ValueError(
-            f"{what} branches at the edge between nodes {branch[0]} and {branch[1]}, so that it has no two sides; "
-            "make each sheet a part of its own."
-        )
-    signs = orientation(triangles)
-    if signs is None:
-        raise ValueError(
-            f"{what} has only one side, like a Moebius strip, so that a normal and a pressure have no direction on "
-            "it; cut it into parts along a line of edges."
-        )
-    signs.setflags(write=False)
-    return signs
+def from_smallest(cells: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Cells with their smallest node first, shape of cells: the sense of triangles stays, that of segments does not."""
+    order = np.argmin(cells, axis=1)[:, None] + np.arange(cells.shape[1])
+    return np.take_along_axis(cells, order % cells.shape[1], axis=1)
 
 
 def measures(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -164,9 +175,23 @@ def projected(vectors: NDArray[np.float64], normal: NDArray[np.float64]) -> NDAr
 
 
 def degenerate(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.intp]:
-    """Cells without area or length but for rounding, shape (k,)."""
-    span = np.ptp(points[cells], axis=1).max(axis=1) ** (cells.shape[1] - 1)
-    return np.flatnonzero(measures(points, cells) <= 1e-10 * np.maximum(span, np.finfo(float).tiny))
+    """Triangles more slender than `SLIVER`, segments without length but for rounding, shape (k,)."""
+    return np.flatnonzero(aspects(points, cells) > SLIVER)
+
+
+def aspects(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Longest side of triangles over the height on it, shape (cells,) [-]; of segments 1.
+
+    Infinite where height or length are nothing but rounding.
+    """
+    corners = points[cells]
+    side = np.roll(corners, -1, axis=1) - corners
+    span = np.maximum(np.abs(side).max(axis=(1, 2)), np.finfo(float).tiny)
+    side = side / span[:, None, None]  # squares of any size are numbers
+    longest = np.linalg.norm(side, axis=2).max(axis=1)
+    height = longest if cells.shape[1] == 2 else np.linalg.norm(np.cross(side[:, 0], side[:, 1]), axis=1) / longest
+    rounding = np.maximum(8 * np.finfo(float).eps * np.abs(corners).max(axis=(1, 2)) / span, FLAT)
+    return np.divide(longest, height, where=height > rounding, out=np.full(len(cells), np.inf))
 
 
 def _edges(triangles: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.intp], NDArray[np.intp]]:

@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike
 from . import validation
 from .structure import Structure
 
+STEPS = 1_000_000  # most increments of a stage: all their iterates are kept
+
 
 @dataclass(frozen=True, eq=False)
 class PointLoad:
@@ -28,8 +30,8 @@ class PointLoad:
     force: ArrayLike
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "nodes", validation.distinct("PointLoad nodes", self.nodes, "node"))
-        object.__setattr__(self, "force", validation.vector("PointLoad force", self.force))
+        validation.keep(self, nodes=validation.distinct("PointLoad nodes", self.nodes, "node"))
+        validation.store(self, validation.vector, "force")
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +43,7 @@ class _SpreadLoad:
     cells: ArrayLike | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "load", validation.vector(f"{type(self).__name__} load", self.load))
+        validation.store(self, validation.vector, "load")
         _check_cells(self)
 
 
@@ -94,16 +96,15 @@ class Pressure:
     cells: ArrayLike | None = None
 
     def __post_init__(self) -> None:
-        validation.number("Pressure pressure", self.pressure)
+        validation.store(self, validation.number, "pressure")
         _check_cells(self)
 
 
 def _check_cells(load: _SpreadLoad | Pressure) -> None:
     """Checks which cells of which part are loaded, and keeps their numbers as an array of their own."""
-    kind = type(load).__name__
-    validation.instance(f"{kind} part", load.part, str)
+    validation.store(load, validation.text, "part")
     if load.cells is not None:
-        object.__setattr__(load, "cells", validation.distinct(f"{kind} cells", load.cells, "cell"))
+        validation.keep(load, cells=validation.distinct(f"{type(load).__name__} cells", load.cells, "cell"))
 
 
 Load = PointLoad | DeadLoad | PlanLoad | Pressure
@@ -128,16 +129,15 @@ class PrescribedDisplacement:
     components: str = "xyz"
 
     def __post_init__(self) -> None:
-        nodes = validation.rows("PrescribedDisplacement nodes", self.nodes)
-        displacement = validation.finite("PrescribedDisplacement displacement", self.displacement)
+        validation.store(self, validation.rows, "nodes")
+        validation.store(self, validation.finite, "displacement")
+        validation.store(self, validation.letters, "components")
+        nodes, displacement = np.asarray(self.nodes), np.asarray(self.displacement)
         if displacement.shape not in ((3,), (len(nodes), 3)):
             raise ValueError(
                 f"PrescribedDisplacement displacement is {validation.shown(displacement)}; give three components "
                 f"(x, y, z), or three for each of the {len(nodes)} nodes."
             )
-        object.__setattr__(self, "nodes", nodes)
-        object.__setattr__(self, "displacement", displacement)
-        validation.components("PrescribedDisplacement components", self.components)
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,12 +148,14 @@ class Stage:
         name: Name of the stage; its results are found under it.
         loads: Loads that this stage adds.
         displacements: Displacements that this stage prescribes.
-        steps: Number of equal load increments to begin with; one that fails is halved, see `Analysis`.
+        steps: Number of equal load increments to begin with, at most a million; one that fails is halved, see
+            `Analysis`.
         after: Name of the stage whose final state this one starts from, and whose loads and prescribed
             displacements it keeps; without it the stage starts from the reference shape.
 
     Raises:
-        ValueError: steps is not a whole number above zero; an entry is not a load or a prescribed displacement.
+        ValueError: steps is not a whole number above zero, or more than a million; an entry is not a load or a
+            prescribed displacement, or is of a class derived from one.
     """
 
     name: str
@@ -163,13 +165,13 @@ class Stage:
     after: str | None = None
 
     def __post_init__(self) -> None:
-        name = f"Stage {validation.name('stage', self.name)!r}:"
-        object.__setattr__(self, "loads", validation.instances(f"{name} loads", self.loads, Load))
-        moves = validation.instances(f"{name} displacements", self.displacements, PrescribedDisplacement)
-        object.__setattr__(self, "displacements", moves)
-        validation.whole(f"{name} steps", self.steps)
+        validation.keep(self, name=validation.name("stage", self.name))
+        what = f"Stage {self.name!r}:"
+        moves = validation.instances(f"{what} displacements", self.displacements, PrescribedDisplacement)
+        validation.keep(self, loads=validation.instances(f"{what} loads", self.loads, Load), displacements=moves)
+        validation.keep(self, steps=validation.whole(f"{what} steps", self.steps, most=STEPS))
         if self.after is not None:
-            validation.instance(f"{name} after", self.after, str)
+            validation.keep(self, after=validation.text(f"{what} after", self.after))
 
 
 def check(structure: Structure, stages: Sequence[Stage]) -> None:
@@ -219,6 +221,6 @@ def _check_load(structure: Structure, stage: str, load: Load) -> None:
             "cables and masts give a DeadLoad."
         )
     if isinstance(load, Pressure):
-        structure.senses(load.part)
+        structure.check_sides(load.part)
     if load.cells is not None:
         validation.in_range(f"{stage}: a load on part {load.part!r}", np.asarray(load.cells), len(part.cells), "cell")

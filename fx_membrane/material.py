@@ -5,12 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .validation import number, positive
+from .validation import number, positive, shown, store
 
 
 @dataclass(frozen=True)
 class Fabric:
     """Isotropic Saint Venant-Kirchhoff membrane in plane stress.
+
+    A law of your own cannot be made by deriving from this class: `Membrane` refuses derived classes.
 
     Args:
         Et: Young's modulus times thickness [N/m].
@@ -24,9 +26,11 @@ class Fabric:
     nu: float
 
     def __post_init__(self) -> None:
-        positive("Fabric Et", self.Et)
-        if not -1 < number("Fabric nu", self.nu) <= 0.5:
-            raise ValueError(f"Fabric nu is {self.nu}; Poisson's ratio must be above -1 and at most 0.5.")
+        store(self, positive, "Et")
+        given = self.nu
+        store(self, number, "nu")
+        if not -1 < self.nu <= 0.5:
+            raise ValueError(f"Fabric nu is {shown(given)}; Poisson's ratio must be above -1 and at most 0.5.")
 
     @classmethod
     def from_modulus(cls, E: float, nu: float, thickness: float) -> "Fabric":
@@ -40,7 +44,7 @@ class Fabric:
 
 @dataclass(frozen=True)
 class OrthotropicFabric:
-    """Woven Saint Venant-Kirchhoff membrane in plane stress, with warp and weft.
+    """Woven Saint Venant-Kirchhoff membrane in plane stress, with warp and weft; derived classes are refused.
 
     Args:
         Et_warp: Modulus times thickness along the warp [N/m].
@@ -59,12 +63,13 @@ class OrthotropicFabric:
     Gt: float
 
     def __post_init__(self) -> None:
-        for name in ("Et_warp", "Et_weft", "Gt"):
-            positive(f"OrthotropicFabric {name}", getattr(self, name))
+        store(self, positive, "Et_warp", "Et_weft", "Gt")
+        given = self.nu
+        store(self, number, "nu")
         limit = (self.Et_warp / self.Et_weft) ** 0.5
-        if not abs(number("OrthotropicFabric nu", self.nu)) < limit:
+        if not abs(self.nu) < limit:
             raise ValueError(
-                f"OrthotropicFabric nu is {self.nu}; with these stiffnesses its magnitude must be below {limit:.6g}."
+                f"OrthotropicFabric nu is {shown(given)}; with these stiffnesses its size must be below {limit:.6g}."
             )
 
     def strain(self, stress: NDArray[np.float64]) -> NDArray[np.float64]:

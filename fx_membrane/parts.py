@@ -17,8 +17,8 @@ class Membrane:
     """Three-node membrane elements of one fabric.
 
     Args:
-        cells: Triangles as rows of node numbers, shape (n, 3).
-        material: The fabric.
+        cells: Triangles as rows of node numbers, shape (n, 3), in either order; see `Structure`.
+        material: The fabric, a `Fabric` or an `OrthotropicFabric` itself: the law of a derived class would not be used.
         prestress: Cauchy stress times thickness in the reference shape [N/m]: a number (isotropic), a pair
             (warp, weft), or a tensor (2, 2) in the warp/weft frame; or one of these per cell, shape (n, 1),
             (n, 2) or (n, 2, 2). Shape (2, 2) is always one tensor. A negative one is an excess of cloth: the cloth is
@@ -26,8 +26,8 @@ class Membrane:
             a small excess: stiffness and loads are per size of the reference shape, and cloth with an excess strain E0
             in all directions is 1 + 2 E0 times as stiff as its data (4 % more with 2 %).
         warp: A vector (3,), or one per cell (n, 3), that projected on the cell gives the warp direction. The weft
-            is a right angle further, counter-clockwise about the normal of the cell. Without a warp the global x
-            axis is taken, or y where a cell is nearly normal to x, for results only.
+            is a right angle further, counter-clockwise about the normal that `Structure.normals` gives. Without a
+            warp the global x axis is taken, or y where a cell is nearly normal to x, for results only.
         compression_stiffness: Share of the stiffness that is kept where the membrane wrinkles or is slack, in (0, 1]
             [-]. It keeps slack nodes in place; above 1e-3 it is seen in results. 1 switches wrinkling off: compression
             is carried like tension, and every cell is called taut.
@@ -36,8 +36,9 @@ class Membrane:
             weight: that is a load, `DeadLoad((0, 0, -9.81 * mass), part)`.
 
     Raises:
-        ValueError: Cells, prestress or warp have a wrong shape or values that are not finite; the material or the
-            prestress has a direction and there is no warp; the mass is negative.
+        ValueError: Cells, prestress or warp have a wrong shape or values that are not finite; the material is of
+            another class, also of a derived one; the material or the prestress has a direction and there is no warp;
+            the mass is negative.
     """
 
     dimension: ClassVar[int] = 2
@@ -49,16 +50,16 @@ class Membrane:
     mass: float = field(default=0.0, kw_only=True)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "cells", validation.cells("Membrane cells", self.cells, 3))
-        validation.instance("Membrane material", self.material, Fabric | OrthotropicFabric)
-        object.__setattr__(self, "prestress", validation.finite("Membrane prestress", self.prestress))
-        validation.share("Membrane compression_stiffness", self.compression_stiffness)
-        validation.not_negative("Membrane mass", self.mass)
+        validation.keep(self, cells=validation.cells("Membrane cells", self.cells, 3))
+        validation.plain("Membrane material", self.material, Fabric | OrthotropicFabric)
+        validation.store(self, validation.finite, "prestress")
+        validation.store(self, validation.share, "compression_stiffness")
+        validation.store(self, validation.not_negative, "mass")
         tensors = self.prestress_tensors()
         directed = not np.array_equal(tensors, tensors[:, :1, :1] * np.eye(2))
         if self.warp is not None:
             warp = validation.finite("Membrane warp", self.warp)
-            object.__setattr__(self, "warp", warp)
+            validation.keep(self, warp=warp)
             if warp.shape not in ((3,), (len(self.cells), 3)):
                 raise ValueError(f"Membrane warp has shape {warp.shape}; give (3,) or ({len(self.cells)}, 3).")
         elif directed or isinstance(self.material, OrthotropicFabric):
@@ -100,11 +101,10 @@ class Bar:
     mass: float = field(default=0.0, kw_only=True)
 
     def __post_init__(self) -> None:
-        kind = type(self).__name__
-        object.__setattr__(self, "cells", validation.cells(f"{kind} cells", self.cells, 2))
-        validation.positive(f"{kind} axial_stiffness", self.axial_stiffness)
-        validation.not_negative(f"{kind} mass", self.mass)
-        object.__setattr__(self, "prestress", validation.finite(f"{kind} prestress", self.prestress))
+        validation.keep(self, cells=validation.cells(f"{type(self).__name__} cells", self.cells, 2))
+        validation.store(self, validation.positive, "axial_stiffness")
+        validation.store(self, validation.not_negative, "mass")
+        validation.store(self, validation.finite, "prestress")
         self.prestress_tensors()
 
     @classmethod
@@ -151,7 +151,7 @@ class Cable(Bar):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        validation.share("Cable compression_stiffness", self.compression_stiffness)
+        validation.store(self, validation.share, "compression_stiffness")
 
 
 @dataclass(frozen=True, eq=False)  # again, so that Python's own refusals say Mast

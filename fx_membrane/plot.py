@@ -1,31 +1,35 @@
 """Pictures: curves and wire frames (matplotlib), contours on the deformed structure (pyvista inside matplotlib).
 
-Each function writes one picture, a PNG or what else its name ends in, and makes its folder. Under MPI call it on all
-processes; the first one draws.
+Each function writes one picture, a PNG or what else its name ends in, and makes its folder; a name that cannot be
+written is refused before anything is drawn. Under MPI call it on all processes; the first one draws what it was given,
+and the others wait until it has, and raise what it raises.
 """
 
+import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
-from . import validation
+from . import paths, validation
+from .colours import STATES as STATES  # noqa: PLC0414  (for those who draw them otherwise)
+from .colours import colour_bar, colours
+from .entries import entries
+from .fields import Field, checked, checked_limits
 from .parts import Part
+from .processes import by_the_first
 from .results import StageResult
-from .scene import INK, Colours, picture, screen_axes
+from .scene import INK, obstacle, picture, screen_axes
 from .solver import Iteration
 
 LINES = "#1f6f8b"
-BANDS = 16
-STATES = {"taut": "#8fc1b5", "wrinkled": "#f2b950", "slack": "#d1495b"}
+FAR = 1e4  # displacements drawn larger than so many times the structure are lines without a shape
 PAPER = {"dpi": 160, "bbox_inches": "tight"}
 
-Field = Mapping[str, ArrayLike] | ArrayLike
 
-
+@by_the_first
 def convergence(result: StageResult, path: str | Path, force_unit: str = "N", energy_unit: str = "J") -> None:
     """Total potential energy and largest unbalanced force against the iteration, as in Gil's Fig. 7.
 
@@ -39,9 +43,10 @@ def convergence(result: StageResult, path: str | Path, force_unit: str = "N", en
         ValueError: The result is not that of a stage; path ends in no format of pictures.
     """
     validation.instance("The first argument of convergence", result, StageResult)
-    _check_path(path)
-    if MPI.COMM_WORLD.rank:
-        return
+    file = _checked_path(path)
+    validation.text("force_unit", force_unit)
+    validation.text("energy_unit", energy_unit)
+    paths.check_writable("path", file)
     iterations = [entry for _, entry in result.history]
     count = np.arange(len(iterations))
     figure = _figure(9, 3.6)
@@ -56,9 +61,10 @@ def convergence(result: StageResult, path: str | Path, force_unit: str = "N", en
         axes.grid(color="#e3e5e8", linewidth=0.8)
         axes.spines[["top", "right"]].set_visible(False)
     figure.suptitle(f"Convergence of stage “{result.name}”", color=INK, fontsize=12)
-    _save(figure, path)
+    _save(figure, file)
 
 
+@by_the_first
 def compare_convergence(
     histories: Mapping[str, Sequence[Iteration]],
     seconds: Mapping[str, float],
@@ -84,14 +90,11 @@ def compare_convergence(
         ValueError: There are no histories, one has no iterate, or they are not those that have a time; path ends in no
             format of pictures.
     """
-    validation.instance("histories", histories, Mapping)
-    if not histories or not all(histories.values()):
-        raise ValueError("histories is empty, or has one without iterates; give {name: iterates}.")
-    if set(seconds) != set(histories):
-        raise ValueError(f"seconds is for {list(seconds)}; give the time of each of {list(histories)}.")
-    _check_path(path)
-    if MPI.COMM_WORLD.rank:
-        return
+    seconds = _checked_times(histories, seconds)
+    file = _checked_path(path)
+    validation.text("force_unit", force_unit)
+    validation.text("energy_unit", energy_unit)
+    paths.check_writable("path", file)
     lowest = min(history[-1].energy for history in histories.values())
     figure = _figure(10, 7.5)
     panels = figure.subplots(2, 2, sharex="col", sharey="row")
@@ -117,9 +120,10 @@ def compare_convergence(
     panels[1, 1].set_xlabel("Time [s]")
     handles, names = panels[0, 0].get_legend_handles_labels()
     figure.legend(handles, names, loc="lower left", bbox_to_anchor=(0.05, 1), ncols=4, frameon=False)
-    _save(figure, path)
+    _save(figure, file)
 
 
+@by_the_first
 def wireframe(
     points: ArrayLike,
     parts: Mapping[str, Part | NDArray[np.int64]],
@@ -145,14 +149,15 @@ def wireframe(
     """
     positions = validation.positions("points", points)
     validation.instance("parts", parts, Mapping)
-    lines = {name: np.asarray(getattr(part, "cells", part)) for name, part in parts.items()}
-    for name, cells in lines.items():
-        validation.in_range(f"Part {name!r}", cells, len(positions), "node")
-    validation.in_range("labels", np.asarray(labels, dtype=np.int64), len(positions), "node")
+    lines = {validation.name("part", name): _cells(name, part, len(positions)) for name, part in parts.items()}
+    if not lines:
+        raise ValueError('parts is empty; give at least one, {"name": cells}.')
+    marked = validation.rows("labels", labels, empty=True)
+    validation.in_range("labels", marked, len(positions), "node")
+    first = validation.integer("first", first)
     seen = positions @ screen_axes((0, 0, 1) if view is None else validation.direction("view", view)).T
-    _check_path(path)
-    if MPI.COMM_WORLD.rank:
-        return
+    file = _checked_path(path)
+    paths.check_writable("path", file)
     import matplotlib.collections  # noqa: PLC0415
 
     figure = _figure(7, 7)
@@ -167,7 +172,7 @@ def wireframe(
             label=name,
         )
         axes.add_collection(drawn)
-    for node in labels:
+    for node in marked:
         axes.annotate(str(node + first), seen[node], fontsize=6, color=INK, xytext=(1, 1), textcoords="offset points")
     axes.autoscale()
     axes.set_aspect("equal")
@@ -177,9 +182,10 @@ def wireframe(
         axes.set_ylabel("y")
     else:
         axes.axis("off")
-    _save(figure, path)
+    _save(figure, file)
 
 
+@by_the_first
 def contours(
     result: StageResult,
     fields: Mapping[str, Field],
@@ -192,6 +198,8 @@ def contours(
     limits: Mapping[str, Sequence[float]] | None = None,
 ) -> None:
     """Fields on the deformed structure, one picture beside the other; cables and masts are drawn as tubes.
+
+    Where pyvista is missing, or its VTK needs a screen and there is none, a warning says so and nothing is drawn.
 
     Args:
         result: A stage.
@@ -209,117 +217,75 @@ def contours(
     Raises:
         ValueError: A field has a wrong number of values, values that are not finite, or names no part; mirror is none
             of the three; odd or limits name no field; limits are not two numbers, the lower first, or are given for
-            states; view is not a direction; scale is not a number; path ends in no format of pictures.
-        RuntimeError: There is no screen, and this version of VTK needs one.
+            states; view is not a direction; scale is not a number, or draws displacements 1e4 times as large as the
+            structure; path ends in no format of pictures, or cannot be written.
     """
     validation.instance("The first argument of contours", result, StageResult)
     validation.instance("fields", fields, Mapping)
     if not fields:
         raise ValueError('fields is empty; give at least one, {"title": values}.')
-    checked = {title: _checked(result, title, field) for title, field in fields.items()}
-    if mirror not in (None, "x", "y", "z"):
-        raise ValueError(f'mirror is {mirror!r}; give "x", "y", "z" or None.')
+    drawn = {title: checked(result, title, field) for title, field in fields.items()}
+    validation.choice("mirror", mirror, (None, "x", "y", "z"), '"x", "y", "z" or None')
+    validation.instance("limits", limits, Mapping | None)
+    odd = validation.texts("odd", odd)
     for what, titles in (("odd", odd), ("limits", limits or {})):
-        unknown = [title for title in titles if title not in checked]
+        unknown = [title for title in titles if title not in drawn]
         if unknown:
-            raise ValueError(f"{what} names {unknown[0]!r}; the fields are {list(checked)}.")
-    ranges = {title: _limits(title, checked[title], given) for title, given in (limits or {}).items()}
-    validation.number("scale", scale)
-    validation.direction("view", view)
-    _check_path(path)
-    if MPI.COMM_WORLD.rank:
+            raise ValueError(f"{what} names {unknown[0]!r}; the fields are {list(drawn)}.")
+    ranges = {title: checked_limits(title, drawn[title], given) for title, given in (limits or {}).items()}
+    scale = _checked_scale(result, scale)
+    eye = validation.direction("view", view)
+    file = _checked_path(path)
+    paths.check_writable("path", file)
+    if reason := obstacle():
+        warnings.warn(f"{file} is not drawn: {reason}", stacklevel=3)
         return
-    figure = _figure(6.4 * len(checked), 5.6)
-    panels = figure.subplots(1, len(checked), squeeze=False)[0]
-    for axes, (title, field) in zip(panels, checked.items(), strict=True):
-        colours, numbers = _colours(field, symmetric=title in odd, limits=ranges.get(title))
-        axes.imshow(picture(result, numbers, colours, scale=scale, view=view, mirror=mirror, odd=title in odd))
+    figure = _figure(6.4 * len(drawn), 5.6)
+    panels = figure.subplots(1, len(drawn), squeeze=False)[0]
+    for axes, (title, field) in zip(panels, drawn.items(), strict=True):
+        shades, numbers = colours(field, symmetric=title in odd, limits=ranges.get(title))
+        axes.imshow(picture(result, numbers, shades, scale=scale, view=eye, mirror=mirror, odd=title in odd))
         axes.axis("off")
         axes.set_title(title, color=INK, fontsize=15)
-        _colour_bar(figure, axes, colours, limited=title in ranges)
-    _save(figure, path)
+        colour_bar(figure, axes, shades, limited=title in ranges)
+    _save(figure, file)
 
 
-def _checked(result: StageResult, title: str, field: Field) -> dict[str, NDArray[Any]] | NDArray[Any]:
-    if not isinstance(field, Mapping):
-        values = np.asarray(field)
-        if values.shape != (len(result.structure.points),):
-            raise ValueError(f"Field {title!r} has shape {values.shape}; give one value for each node.")
-        if values.dtype.kind == "U":
-            raise ValueError(f"Field {title!r} has states at nodes; states belong to cells, {{part: states}}.")
-        return _finite(title, values)
-    cells = {name: len(part.cells) for name, part in result.structure.parts.items()}
-    if not field or not set(field) <= set(cells):
-        raise ValueError(f"Field {title!r} is for the parts {list(field)}; give cell values for some of {list(cells)}.")
-    checked = {name: _finite(title, np.asarray(values)) for name, values in field.items()}
-    for name, values in checked.items():
-        if values.shape != (cells[name],):
-            raise ValueError(f"Field {title!r} on {name!r} has shape {values.shape}; give one value for each cell.")
-    return checked
+def _cells(name: str, part: Part | NDArray[np.int64], count: int) -> NDArray[np.int64]:
+    """Cells of a part, or given as they are, shape (cells, 2) or (cells, 3)."""
+    given: Any = getattr(part, "cells", part)
+    nodes = 3 if entries(f"Part {name!r}", given, "an array of cells").shape[1:] == (3,) else 2
+    cells = validation.cells(f"Part {name!r}", given, nodes, distinct=False)
+    validation.in_range(f"Part {name!r}", cells, count, "node")
+    return cells
 
 
-def _finite(title: str, values: NDArray[Any]) -> NDArray[Any]:
-    if values.dtype.kind == "U":
-        unknown = sorted(set(values.tolist()) - set(STATES))
-        if unknown:
-            raise ValueError(f"Field {title!r} has the state {unknown[0]!r}; the states are {list(STATES)}.")
-    elif not np.isfinite(values).all():
-        raise ValueError(f"Field {title!r} has values that are not finite.")
-    return values
+def _checked_times(histories: Mapping[str, Sequence[Iteration]], seconds: Mapping[str, float]) -> dict[str, float]:
+    """The time of each of some solves [s], which have iterates."""
+    validation.instance("histories", histories, Mapping)
+    validation.instance("seconds", seconds, Mapping)
+    for name, history in histories.items():
+        validation.name("history", name)
+        validation.instance(f"The history of {name!r}", history, Sequence)
+    if not histories or not all(map(len, histories.values())):
+        raise ValueError("histories is empty, or has one without iterates; give {name: iterates}.")
+    if set(seconds) != set(histories):
+        raise ValueError(f"seconds is for {list(seconds)}; give the time of each of {list(histories)}.")
+    for name, history in histories.items():
+        validation.instances(f"The history of {name!r}", history, Iteration)
+    return {name: validation.not_negative(f"seconds of {name!r}", value) for name, value in seconds.items()}
 
 
-def _limits(title: str, field: dict[str, NDArray[Any]] | NDArray[Any], given: Sequence[float]) -> tuple[float, float]:
-    if _values(field).dtype.kind == "U":
-        raise ValueError(f"limits are given for {title!r}, which shows states; leave them out there.")
-    pair = validation.finite(f"limits of {title!r}", given)
-    if pair.shape != (2,) or not pair[0] < pair[1]:
-        raise ValueError(f"limits of {title!r} is {validation.shown(given)}; give (low, high), the lower one first.")
-    return float(pair[0]), float(pair[1])
-
-
-def _values(field: dict[str, NDArray[Any]] | NDArray[Any]) -> NDArray[Any]:
-    return np.concatenate(list(field.values())) if isinstance(field, dict) else field
-
-
-def _colours(
-    field: dict[str, NDArray[Any]] | NDArray[Any], symmetric: bool, limits: tuple[float, float] | None
-) -> tuple[Colours, dict[str, NDArray[np.float64]] | NDArray[np.float64]]:
-    """Colours of a field, and its values as numbers; two-sided and symmetric where both signs matter."""
-    values = _values(field)
-    if values.dtype.kind == "U":
-        assert isinstance(field, dict)
-        order = list(STATES)
-        numbers = {name: np.array([order.index(state) for state in states]) for name, states in field.items()}
-        return Colours(list(STATES.values()), -0.5, 2.5, len(order)), numbers
-    if limits is not None:
-        return Colours("coolwarm" if limits[0] == -limits[1] else "viridis", *limits, BANDS), field
-    low, high = float(values.min()), float(values.max())
-    largest = max(-low, high)
-    if symmetric or min(-low, high) > 0.02 * largest:
-        return Colours("coolwarm", -largest, largest, BANDS), field
-    size = max(abs(low), abs(high))
-    if high - low <= 1e-9 * size:  # uniform: the last digits are no pattern to look at
-        low, high = low - 0.05 * (size or 1.0), high + 0.05 * (size or 1.0)
-    return Colours("viridis", low, high, BANDS), field
-
-
-def _colour_bar(figure: Any, axes: Any, colours: Colours, limited: bool) -> None:
-    import matplotlib.cm  # noqa: PLC0415
-    import matplotlib.colors  # noqa: PLC0415
-
-    named = not isinstance(colours.map, str)
-    ticks = np.arange(len(STATES)) if named else np.linspace(colours.low, colours.high, 5)
-    bounds = np.linspace(colours.low, colours.high, colours.bands + 1)
-    shades: Any = matplotlib.colors.ListedColormap(list(colours.map)) if named else colours.map
-    norm = matplotlib.colors.BoundaryNorm(bounds, colours.bands if named else 256)
-    mappable = matplotlib.cm.ScalarMappable(norm, shades)
-    bar = figure.colorbar(mappable, ax=axes, location="bottom", fraction=0.05, pad=0.02, shrink=0.8, ticks=ticks)
-    labels = list(STATES) if named else [f"{tick:.3g}" for tick in ticks]
-    if limited:
-        labels = [f"≤ {labels[0]}", *labels[1:-1], f"≥ {labels[-1]}"]
-    bar.ax.set_xticklabels(labels, color=INK)
-    bar.ax.tick_params(which="both", length=0)
-    bar.outline.set_visible(False)
+def _checked_scale(result: StageResult, scale: float) -> float:
+    """A factor of the displacements with which the structure can still be seen."""
+    scale = validation.number("scale", scale)
+    times = abs(scale) * np.abs(result.displacement).max() / np.ptp(result.structure.points, axis=0).max()
+    if times > FAR:
+        raise ValueError(
+            f"scale is {scale:g}, with which displacements are {times:.0e} times as large as the structure; give at "
+            f"most {abs(scale) * FAR / times:.1e} in size."
+        )
+    return scale
 
 
 def _figure(width: float, height: float) -> Any:
@@ -328,17 +294,18 @@ def _figure(width: float, height: float) -> Any:
     return matplotlib.figure.Figure(figsize=(width, height), layout="constrained")
 
 
-def _check_path(path: str | Path) -> None:
-    """Refuses a name before anything is drawn, on all processes."""
+def _checked_path(path: str | Path) -> Path:
+    """A name of a picture, before anything is drawn, on all processes."""
     import matplotlib.backend_bases  # noqa: PLC0415
 
-    validation.instance("path", path, str | Path)
+    file = paths.path("path", path)
     formats = sorted(matplotlib.backend_bases.FigureCanvasBase.get_supported_filetypes())
-    ending = Path(path).suffix[1:]
+    ending = file.suffix[1:]
     if ending and ending.lower() not in formats:
         raise ValueError(f"path is {str(path)!r}, which ends in no format of pictures; give .png, or one of {formats}.")
+    return file
 
 
-def _save(figure: Any, path: str | Path) -> None:
-    Path(path).parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, **PAPER)
+def _save(figure: Any, file: Path) -> None:
+    file.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(file, **PAPER)

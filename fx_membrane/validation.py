@@ -1,44 +1,51 @@
-"""Refusals at the door: each check returns the value as an array or a number, or raises one clear sentence."""
+"""Refusals at the door: each check returns the value as an array or a number, or raises one clear sentence.
 
-import math
-from collections.abc import Iterable, Sequence, Sized
+Plain data keeps what the checks return: floats, whole numbers, texts, read-only arrays of float64 or int64.
+"""
+
+from collections.abc import Callable, Iterable, Sequence, Set
 from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
+from .entries import all_are, described, entries, frozen_integers, misfit
+from .values import expected, is_real, is_whole, scalar, with_article
+from .values import place as place  # noqa: PLC0414  (others take both from here)
+from .values import shown as shown  # noqa: PLC0414
 
-def shown(value: Any) -> str:
-    """A value as a refusal shows it: as it is, or its kind and shape if that would be long."""
-    if isinstance(value, type):
-        return f"the class {value.__name__}"
-    text = repr(value.tolist() if isinstance(value, np.ndarray | np.generic) else value)
-    if len(text) <= 50:
-        return text
-    if isinstance(value, np.ndarray):
-        return f"an array of {value.dtype}, shape {value.shape}"
-    return _article(type(value).__name__) + (f" of {len(value)} entries" if isinstance(value, Sized) else "")
+LARGEST = 1e60  # of all numbers: the square of the product of two is still a number
+MOST = 2**31 - 1  # of whole numbers
 
 
-def place(point: NDArray[np.float64]) -> str:
-    """A position as a message shows it."""
-    return f"({', '.join(f'{coordinate:.6g}' for coordinate in point)})"
+def store(owner: object, check: Callable[[str, Any], Any], *fields: str) -> None:
+    """Puts what a check returns into fields of a frozen dataclass; refusals call them "Class field"."""
+    for field in fields:
+        keep(owner, **{field: check(f"{type(owner).__name__} {field}", getattr(owner, field))})
 
 
-def _article(noun: str) -> str:
-    return f"{'an' if noun[0] in 'AEIOUaeiou' else 'a'} {noun}"
+def keep(owner: object, **values: Any) -> None:
+    """Sets fields of a frozen dataclass."""
+    for field, value in values.items():
+        object.__setattr__(owner, field, value)
 
 
 def number(name: str, value: Any) -> float:
     """A finite number."""
     if isinstance(value, str):
-        raise ValueError(f"{name} is the text {value!r}; give a number.")
+        raise ValueError(f"{name} is the text {shown(value)}; give a number.")
+    value = scalar(value)
+    if not is_real(type(value)):
+        raise ValueError(f"{name} must be a number, not {shown(value)}.")
     try:
-        result = float("not a number" if isinstance(value, bool) else value)
+        result = float(value)
     except (TypeError, ValueError):
         raise ValueError(f"{name} must be a number, not {shown(value)}.") from None
-    if not math.isfinite(result):
-        raise ValueError(f"{name} is {value}; give a finite number.")
+    except OverflowError:
+        result = np.inf
+    if not abs(result) <= LARGEST:
+        raise ValueError(f"{name} is {shown(value)}; give a finite number, at most {LARGEST:g} in size.")
     return result
 
 
@@ -46,7 +53,7 @@ def positive(name: str, value: Any) -> float:
     """A finite number above zero."""
     result = number(name, value)
     if result <= 0:
-        raise ValueError(f"{name} is {value}; it must be positive.")
+        raise ValueError(f"{name} is {shown(value)}; it must be positive.")
     return result
 
 
@@ -54,45 +61,77 @@ def not_negative(name: str, value: Any) -> float:
     """A finite number, zero or above."""
     result = number(name, value)
     if result < 0:
-        raise ValueError(f"{name} is {value}; it must not be negative.")
+        raise ValueError(f"{name} is {shown(value)}; it must not be negative.")
     return result
 
 
-def whole(name: str, value: Any) -> int:
+def whole(name: str, value: Any, most: int = MOST) -> int:
     """A whole number above zero."""
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
-        raise ValueError(f"{name} is {value!r}; give a whole number above zero.")
+    return _integer(name, value, "a whole number above zero", 1, most)
+
+
+def integer(name: str, value: Any) -> int:
+    """A whole number."""
+    return _integer(name, value, "a whole number", -MOST, MOST)
+
+
+def _integer(name: str, value: Any, wanted: str, least: int, most: int) -> int:
+    value = scalar(value)
+    fits = is_whole(type(value))
+    if not (fits and least <= value <= most):
+        limit = f" and at most {most}" if fits and value > most else ""
+        raise ValueError(f"{name} is {shown(value)}; give {wanted}{limit}.")
     return int(value)
 
 
 def share(name: str, value: Any) -> float:
     """A number above zero and at most one."""
-    if positive(name, value) > 1:
-        raise ValueError(f"{name} is {value}; it must be at most 1.")
-    return float(value)
+    result = positive(name, value)
+    if result > 1:
+        raise ValueError(f"{name} is {shown(value)}; it must be at most 1.")
+    return result
 
 
 def tolerance(name: str, value: Any) -> float:
     """A relative tolerance: a number above zero and at most one per cent."""
-    if positive(name, value) > 1e-2:
-        raise ValueError(f"{name} is {value}; it must be at most 0.01, or forces would not balance.")
-    return float(value)
+    result = positive(name, value)
+    if result > 1e-2:
+        raise ValueError(f"{name} is {shown(value)}; it must be at most 0.01, or forces would not balance.")
+    return result
+
+
+def truth(name: str, value: Any) -> bool:
+    """True or False."""
+    instance(name, value, bool | np.bool_)
+    return bool(value)
+
+
+def choice(name: str, value: Any, choices: Sequence[str | None], remedy: str) -> Any:
+    """One of some texts, or None where it is one of the choices."""
+    if not (value is None or isinstance(value, str)) or value not in choices:
+        raise ValueError(f"{name} is {shown(value)}; give {remedy}.")
+    return value if value is None else str.__str__(value)
 
 
 def finite(name: str, value: ArrayLike) -> NDArray[np.float64]:
     """A read-only array of finite numbers."""
+    wanted = "an array of numbers with rows of equal length"
+    array = entries(name, value, wanted)
+    if not all_are(is_real, array):
+        raise ValueError(f"{name} must be {wanted}, not {misfit(is_real, value)}.")
     try:
-        if value is None or np.iscomplexobj(value) or np.asarray(value).dtype.kind in "US":
-            raise TypeError
-        result = np.array(value, dtype=np.float64)
+        with np.errstate(over="ignore"):
+            result = np.array(array, dtype=np.float64)
     except (TypeError, ValueError):
-        raise ValueError(f"{name} must be an array of numbers with rows of equal length, not {shown(value)}.") from None
-    bad = np.argwhere(~np.isfinite(result))
+        raise ValueError(f"{name} must be {wanted}, not {shown(value)}.") from None
+    except OverflowError:
+        raise ValueError(f"{name} has a value that is not finite as a number of 64 bits; give smaller ones.") from None
+    bad = np.argwhere(~(np.abs(result) <= LARGEST))
     if len(bad):
-        where = f" at index {tuple(map(int, bad[0]))}" if result.ndim else ""
-        raise ValueError(
-            f"{name} has a value that is not finite ({result[tuple(bad[0])]}){where}; give finite numbers."
-        )
+        entry, where = result[tuple(bad[0])], f" at index {tuple(map(int, bad[0]))}" if result.ndim else ""
+        if np.isfinite(entry):
+            raise ValueError(f"{name} has the value {entry:g}{where}; give numbers of at most {LARGEST:g} in size.")
+        raise ValueError(f"{name} has a value that is not finite ({entry}){where}; give finite numbers.")
     result.setflags(write=False)
     return result
 
@@ -114,22 +153,25 @@ def vector(name: str, value: ArrayLike) -> NDArray[np.float64]:
 
 
 def direction(name: str, value: ArrayLike) -> NDArray[np.float64]:
-    """A vector that is not zero."""
+    """Unit vector along a vector that is not zero."""
     result = vector(name, value)
     if not result.any():
         raise ValueError(f"{name} is {shown(value)}; give a direction (x, y, z) that is not zero.")
-    return result
+    result = result / np.abs(result).max()  # squares of tiny ones would be zero
+    return np.asarray(result / np.linalg.norm(result))
 
 
-def rows(name: str, value: ArrayLike) -> NDArray[np.int64]:
+def rows(name: str, value: ArrayLike, empty: bool = False) -> NDArray[np.int64]:
     """A read-only, one-dimensional array of node or cell numbers; a single number is an array of one."""
-    result = np.atleast_1d(_array(name, value, "a list of whole numbers"))
-    if result.ndim != 1 or not (result.dtype.kind in "iu" or result.size == 0):
-        hint = "; turn a mask into numbers with numpy.flatnonzero" if result.dtype.kind == "b" else ""
-        raise ValueError(f"{name} must be a list of whole numbers, not {shown(value)}{hint}.")
-    if not result.size:
+    wanted = "a list of whole numbers"
+    array = np.atleast_1d(entries(name, value, wanted))
+    if array.ndim != 1 or not (all_are(is_whole, array) or array.size == 0):
+        mask = array.size and (array.dtype.kind == "b" or all(isinstance(entry, bool) for entry in array.flat))
+        hint = "; turn a mask into numbers with numpy.flatnonzero" if mask else ""
+        raise ValueError(f"{name} must be {wanted}, not {misfit(is_whole, value)}{hint}.")
+    if not (array.size or empty):
         raise ValueError(f"{name} is empty; name at least one, or leave it out.")
-    return _frozen_integers(result)
+    return frozen_integers(name, array)
 
 
 def distinct(name: str, value: ArrayLike, of: str) -> NDArray[np.int64]:
@@ -147,10 +189,12 @@ def distinct(name: str, value: ArrayLike, of: str) -> NDArray[np.int64]:
 def cells(name: str, value: ArrayLike, nodes: int, distinct: bool = True) -> NDArray[np.int64]:
     """A read-only array of cells with that many nodes each; no cell may have a node twice, nor be there twice."""
     wanted = f"an array of whole numbers of shape (n, {nodes}) with n >= 1"
-    result = _array(name, value, wanted)
-    if result.ndim != 2 or result.shape[1] != nodes or not len(result) or result.dtype.kind not in "iu":
-        what = f"{result.dtype} of shape {result.shape}" if result.ndim else shown(value)
-        raise ValueError(f"{name} must be {wanted}, not {what}.")
+    array = entries(name, value, wanted)
+    if array.ndim != 2 or array.shape[1] != nodes or not len(array):
+        raise ValueError(f"{name} must be {wanted}, not {described(value)}.")
+    if not all_are(is_whole, array):
+        raise ValueError(f"{name} must be {wanted}, not {described(value)} ({misfit(is_whole, value)}).")
+    result = frozen_integers(name, array)
     ordered = np.sort(result, axis=1)
     twice = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
     if len(twice):
@@ -165,7 +209,7 @@ def cells(name: str, value: ArrayLike, nodes: int, distinct: bool = True) -> NDA
             f"{name}: cells {cell} and {other} have the same nodes, {result[cell].tolist()}; remove one, "
             "or make the second a part of its own."
         )
-    return _frozen_integers(result)
+    return result
 
 
 def in_range(name: str, numbers: NDArray[np.int64], count: int, of: str) -> None:
@@ -175,17 +219,41 @@ def in_range(name: str, numbers: NDArray[np.int64], count: int, of: str) -> None
         raise ValueError(f"{name} names {of} {bad[0]}, which does not exist; {of}s are numbered 0 to {count - 1}.")
 
 
+def letters(name: str, value: Any) -> str:
+    """Components as a text, some of "xyz"."""
+    if not isinstance(value, str) or not value or set(value) - set("xyz") or len(set(value)) < len(value):
+        raise ValueError(f'{name} is {shown(value)}; give one or more of the letters x, y and z, like "xyz" or "z".')
+    return str.__str__(value)
+
+
 def components(name: str, value: str) -> tuple[int, ...]:
     """Components as column numbers: "xz" is (0, 2)."""
-    if not isinstance(value, str) or not value or set(value) - set("xyz") or len(set(value)) < len(value):
-        raise ValueError(f'{name} is {value!r}; give one or more of the letters x, y and z, like "xyz" or "z".')
-    return tuple("xyz".index(letter) for letter in value)
+    return tuple("xyz".index(letter) for letter in letters(name, value))
 
 
 def name(what: str, value: Any) -> str:
     """A text that is not empty."""
     if not isinstance(value, str) or not value:
-        raise ValueError(f"The name of a {what} is {value!r}; give a text.")
+        raise ValueError(f"The name of a {what} is {shown(value)}; give a text.")
+    return str.__str__(value)
+
+
+def text(what: str, value: Any) -> str:
+    """A text, which may be empty; of a class derived from text, the text itself."""
+    instance(what, value, str)
+    return str.__str__(value)
+
+
+def texts(name: str, values: Any) -> tuple[str, ...]:
+    """A tuple of texts, from any sequence or set of them."""
+    values = sorted(values, key=str) if isinstance(values, Set) else values
+    return tuple(map(str.__str__, instances(name, values, str)))
+
+
+def communicator(name: str, value: Any) -> MPI.Intracomm:
+    """Processes that share the work."""
+    if not isinstance(value, MPI.Intracomm) or value == MPI.COMM_NULL:
+        raise ValueError(f"{name} is {shown(value)}; give a communicator of mpi4py, as MPI.COMM_WORLD.")
     return value
 
 
@@ -193,16 +261,32 @@ def instance(what: str, value: Any, kind: Any) -> None:
     """Refuses an object of another kind (a class, or several joined by |)."""
     if not isinstance(value, kind):
         hint = ", with brackets behind its name" if isinstance(value, type) else ""
-        raise ValueError(f"{what} is {shown(value)}; give {_article(_expected(kind))}{hint}.")
+        raise ValueError(f"{what} is {shown(value)}; give {with_article(expected(kind))}{hint}.")
+
+
+def plain(what: str, value: Any, kind: Any) -> None:
+    """Refuses an object of another kind or of a class derived from it, whose own data and methods nothing would use."""
+    instance(what, value, kind)
+    _refuse_derived(f"{what} is", value, kind)
+
+
+def _refuse_derived(what: str, value: Any, kind: Any) -> None:
+    if type(value) not in getattr(kind, "__args__", (kind,)):
+        raise ValueError(
+            f"{what} {with_article(type(value).__name__)}, a class derived from {type(value).__mro__[1].__name__}, "
+            f"whose own data and methods would not be used; give {with_article(expected(kind))} itself."
+        )
 
 
 def instances(name: str, values: Any, kind: Any) -> tuple[Any, ...]:
     """A tuple of objects of a kind (a class, or several joined by |), from any sequence of them."""
-    if not isinstance(values, Sequence) or isinstance(values, str):
-        raise ValueError(f"{name} must be a list of {_expected(kind)}, not {shown(values)}; put it in brackets.")
+    if not isinstance(values, Sequence) or isinstance(values, str | bytes | bytearray):
+        raise ValueError(f"{name} must be a list of {expected(kind)}, not {shown(values)}; put it in brackets.")
     for value in values:
         if not isinstance(value, kind):
-            raise ValueError(f"{name} has {shown(value)}; give a list of {_expected(kind)}.")
+            raise ValueError(f"{name} has {shown(value)}; give a list of {expected(kind)}.")
+        if kind is not str:
+            _refuse_derived(f"{name} has", value, kind)
     return tuple(values)
 
 
@@ -213,22 +297,3 @@ def unique(name: str, values: Iterable[str]) -> None:
         if value in seen:
             raise ValueError(f"{name} {value!r} is given twice; names must differ.")
         seen.add(value)
-
-
-def _array(name: str, value: Any, wanted: str) -> NDArray[Any]:
-    """Any array; rows of unequal length are none."""
-    try:
-        return np.asarray(value)
-    except ValueError:
-        raise ValueError(f"{name} must be {wanted}, not {shown(value)}.") from None
-
-
-def _expected(kind: Any) -> str:
-    names = (entry.__name__ for entry in getattr(kind, "__args__", (kind,)))
-    return " or ".join({"str": "text", "Mapping": "dictionary"}.get(name, name) for name in names)
-
-
-def _frozen_integers(array: NDArray[Any]) -> NDArray[np.int64]:
-    result = array.astype(np.int64)
-    result.setflags(write=False)
-    return result

@@ -1,0 +1,55 @@
+"""Colours of a field, and their scale beside a picture (matplotlib)."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .fields import STATES as ORDER
+from .fields import Checked, joined
+from .scene import INK, Colours
+
+BANDS = 16
+STATES = dict(zip(ORDER, ("#8fc1b5", "#f2b950", "#d1495b"), strict=True))  # taut, wrinkled, slack
+
+
+def colours(
+    field: Checked, symmetric: bool, limits: tuple[float, float] | None
+) -> tuple[Colours, dict[str, NDArray[np.float64]] | NDArray[np.float64]]:
+    """Colours of a field, and its values as numbers; two-sided and symmetric where both signs matter."""
+    values = joined(field)
+    if values.dtype.kind == "U":
+        assert isinstance(field, dict)
+        order = list(STATES)
+        numbers = {name: np.array([order.index(state) for state in states]) for name, states in field.items()}
+        return Colours(list(STATES.values()), -0.5, 2.5, len(order)), numbers
+    if limits is not None:
+        return Colours("coolwarm" if limits[0] == -limits[1] else "viridis", *limits, BANDS), field
+    low, high = float(values.min()), float(values.max())
+    largest = max(-low, high)
+    if symmetric or min(-low, high) > 0.02 * largest:
+        return Colours("coolwarm", -largest, largest, BANDS), field
+    size = max(abs(low), abs(high))
+    if high - low <= 1e-9 * size:  # uniform: the last digits are no pattern to look at
+        low, high = low - 0.05 * (size or 1.0), high + 0.05 * (size or 1.0)
+    return Colours("viridis", low, high, BANDS), field
+
+
+def colour_bar(figure: Any, axes: Any, shown: Colours, limited: bool) -> None:
+    """Draws the scale of the colours below a picture."""
+    import matplotlib.cm  # noqa: PLC0415
+    import matplotlib.colors  # noqa: PLC0415
+
+    named = not isinstance(shown.map, str)
+    ticks = np.arange(len(STATES)) if named else np.linspace(shown.low, shown.high, 5)
+    bounds = np.linspace(shown.low, shown.high, shown.bands + 1)
+    shades: Any = matplotlib.colors.ListedColormap(list(shown.map)) if named else shown.map
+    norm = matplotlib.colors.BoundaryNorm(bounds, shown.bands if named else 256)
+    mappable = matplotlib.cm.ScalarMappable(norm, shades)
+    bar = figure.colorbar(mappable, ax=axes, location="bottom", fraction=0.05, pad=0.02, shrink=0.8, ticks=ticks)
+    labels = list(STATES) if named else [f"{tick:.3g}" for tick in ticks]
+    if limited:
+        labels = [f"≤ {labels[0]}", *labels[1:-1], f"≥ {labels[-1]}"]
+    bar.ax.set_xticklabels(labels, color=INK)
+    bar.ax.tick_params(which="both", length=0)
+    bar.outline.set_visible(False)

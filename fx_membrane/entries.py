@@ -1,0 +1,81 @@
+"""Entries of arrays and of nested lists as they are given, before NumPy makes one type of them."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .values import shown
+
+
+def entries(name: str, value: Any, wanted: str) -> NDArray[Any]:
+    """An array of the entries; those of lists are the objects that they are.
+
+    NumPy would give all of a list one type: 1.0 for True beside 2.0.
+
+    Raises:
+        ValueError: Rows have unequal lengths, or entries are masked.
+    """
+    try:
+        array = _array(value)
+    except ValueError:
+        raise ValueError(f"{name} must be {wanted}, not {shown(value)}.") from None
+    if _masked(array):
+        raise ValueError(f"{name} has masked entries; leave them out, or fill them with array.filled(value).")
+    return array
+
+
+def _masked(array: NDArray[Any]) -> bool:
+    if isinstance(array, np.ma.MaskedArray):
+        return bool(np.any(array.mask))
+    return array.dtype.kind == "O" and type(np.ma.masked) in set(map(type, array.flat))
+
+
+def _array(value: Any) -> NDArray[Any]:
+    if isinstance(value, bytes | bytearray):  # numbers to NumPy
+        raise ValueError
+    if not isinstance(value, list | tuple):
+        return np.asanyarray(value)
+    if any(issubclass(kind, np.ma.MaskedArray) for kind in set(map(type, value))):
+        return np.asanyarray(np.ma.stack(value))  # np.array drops the masks
+    return np.array(value, dtype=object)
+
+
+def all_are(fits: Callable[[type], bool], array: NDArray[Any]) -> bool:
+    """Whether all entries of an array are of classes that fit."""
+    if array.dtype.kind == "O":
+        return all(map(fits, set(map(type, array.flat))))
+    return fits(array.dtype.type) or array.size == 0
+
+
+def misfit(fits: Callable[[type], bool], value: Any) -> str:
+    """A value as a refusal shows it; where that is long, with the first entry that does not fit."""
+    text = shown(value)
+    if not isinstance(value, list | tuple) or not text.endswith("entries"):
+        return text
+    array = np.array(value, dtype=object)
+    for index, entry in np.ndenumerate(array):
+        if not fits(type(entry)) and not isinstance(entry, list | tuple | np.ndarray):
+            return f"{text}, with {shown(entry)} at index {index}"
+    return text
+
+
+def described(value: Any) -> str:
+    """Type and shape of a value as NumPy sees it."""
+    try:
+        array = np.asarray(value)
+    except ValueError:  # rows of unequal length
+        return shown(value)
+    return f"{array.dtype} of shape {array.shape}" if array.ndim else shown(value)
+
+
+def frozen_integers(name: str, array: NDArray[Any]) -> NDArray[np.int64]:
+    """A read-only copy of whole numbers."""
+    limits = np.iinfo(np.int64)
+    for extreme in (array.max(), array.min()) if array.size else ():
+        if not limits.min <= extreme <= limits.max:
+            raise ValueError(f"{name} has {shown(extreme)}, a number that no node and no cell has; mend it.")
+    result = np.array(array, dtype=np.int64)
+    result.setflags(write=False)
+    return result

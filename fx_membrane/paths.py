@@ -1,0 +1,83 @@
+"""Names of files that are to be written, checked before anything is computed."""
+
+import errno
+import os
+from pathlib import Path
+from typing import Any
+
+from mpi4py import MPI
+
+from .validation import instance, shown
+
+LONGEST = 4096  # bytes of a path on Linux
+SPARE = 10  # bytes that a temporary name may add
+
+
+def agreed(name: str, value: Any, comm: MPI.Intracomm) -> Path:
+    """A path that the first of some processes can write; all refuse it if that one cannot.
+
+    Raises:
+        ValueError: As `path` and `check_writable`.
+    """
+    file, refusal = path(name, value), ""
+    if comm.rank == 0:
+        try:
+            check_writable(name, file)
+        except ValueError as error:
+            refusal = str(error)
+    refusal = comm.bcast(refusal)
+    if refusal:
+        raise ValueError(refusal)
+    return file
+
+
+def path(name: str, value: Any, spare: int = SPARE) -> Path:
+    """A path of letters and lengths that a file system allows, with some bytes to spare.
+
+    Raises:
+        ValueError: It is no path, is empty, or no file can have that name.
+    """
+    instance(name, value, str | Path)
+    shown_name = f"{name} is {shown(str(value))}"
+    try:
+        encoded = os.fsencode(value)
+    except UnicodeEncodeError:
+        raise ValueError(f"{shown_name}, with letters that no file name can have; leave them out.") from None
+    if not os.path.basename(encoded) or b"\0" in encoded:
+        raise ValueError(f"{shown_name}; give the name of a file, without zero bytes.")
+    longest = max(map(len, encoded.split(b"/")))
+    if longest > 255 - spare or len(encoded) > LONGEST - spare:
+        raise ValueError(
+            f"{name} has {len(encoded)} bytes, in one name {longest}, which is too long; give names of at most "
+            f"{255 - spare} bytes, and {LONGEST - spare} in all."
+        )
+    return Path(value)
+
+
+def check_writable(name: str, file: Path) -> None:
+    """Refuses a file that this process cannot write; folders that are not there will be made.
+
+    Raises:
+        ValueError: It is a folder, or lies under a file, or in a folder in which nothing may be written.
+    """
+    named = f"{name} is {shown(str(file))}"
+    try:
+        above = next(folder for folder in file.absolute().parents if _there(folder))
+        if file.is_dir():
+            raise ValueError(f"{named}, a folder; give the name of a file in it.")
+    except OSError as error:
+        raise ValueError(f"{named}, which cannot be reached ({error.strerror}); give another name.") from None
+    if not above.is_dir():
+        raise ValueError(f"{named}, but {above} is no folder; give another name.")
+    if not os.access(above, os.W_OK | os.X_OK):
+        raise ValueError(f"{named}, but nothing may be written in {above}; give another folder.")
+
+
+def _there(folder: Path) -> bool:
+    try:
+        folder.lstat()
+    except OSError as error:
+        if error.errno in (errno.ENOENT, errno.ENOTDIR):  # the second under a file, which is the next to be looked at
+            return False
+        raise
+    return True
