@@ -177,12 +177,16 @@ class Problem:
             A.axpy(self.tension, self._tension(), PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
 
     @contextmanager
-    def without_kept_stiffness(self) -> Iterator[None]:
-        """Sets aside what wrinkled and slack cells keep of their stiffness: they carry no compression at all."""
+    def without_kept_stiffness(self, left: float = 0.0) -> Iterator[None]:
+        """Sets aside what wrinkled and slack cells keep of their stiffness: they carry no compression at all.
+
+        Args:
+            left: Share of the kept stiffness that is left [-].
+        """
         shares = [part.kept for part in self.parts.values() if part.kept is not None and part.kept.value < 1]
         values = [float(share.value) for share in shares]
-        for share in shares:
-            share.value = 0.0
+        for share, value in zip(shares, values, strict=True):
+            share.value = left * value
         try:
             yield
         finally:
