@@ -3,7 +3,10 @@
 BIN := .venv/bin
 SUITE ?= trixie
 
-.PHONY: demo test lint test-wheel test-debian test-matrix benchmark clean
+.PHONY: setup demo test lint test-wheel test-debian test-matrix benchmark clean
+
+# Only what the others need; then `.venv/bin/python script.py`.
+setup: .venv/ready
 
 demo: .venv/ready
 	$(BIN)/python demos/square_membrane.py

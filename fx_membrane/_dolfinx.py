@@ -19,6 +19,8 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from ufl.corealg.map_dag import map_expr_dag
 
+from .decimal_point import decimal_point
+
 CELL = {1: "interval", 2: "triangle"}
 
 # -O3 takes seconds to compile on some gcc and gains little; 300 s is how long a process waits for one that compiles.
@@ -34,6 +36,7 @@ def _element(family: str, cell: str, degree: int, size: int) -> Any:
     return ufl.VectorElement(family, ufl.Cell(cell, geometric_dimension=3), degree, dim=size, **variant)
 
 
+@decimal_point()
 def create_mesh(points: NDArray[np.float64], cells: NDArray[np.int64]) -> Any:
     """Mesh of intervals, cells (n, 2), or triangles, cells (n, 3), in space; points (m, 3) [m]."""
     domain = ufl.Mesh(_element("Lagrange", CELL[cells.shape[1] - 1], 1, 3))
@@ -120,6 +123,7 @@ def _numbered_variables(expression: Any) -> Any:
     return map_expr_dag(visit, expression)
 
 
+@decimal_point()
 def newton_solver(comm: MPI.Intracomm) -> Any:
     """The NewtonSolver of C++, which takes callbacks; None after 0.11, where upstream removes it."""
     with _quiet_stderr():

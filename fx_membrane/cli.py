@@ -1,13 +1,12 @@
 """The command `fx-membrane`."""
 
+import importlib
 import importlib.metadata
 import platform
 import sys
+from collections.abc import Callable
 
 import click
-import dolfinx
-from mpi4py import MPI
-from petsc4py import PETSc
 
 
 @click.group()
@@ -19,18 +18,43 @@ def main() -> None:
 @main.command()
 def info() -> None:
     """Print the versions of everything that computes, for a report of a problem."""
-    rows = {
-        "fx_membrane": importlib.metadata.version("fx-membrane"),
-        "dolfinx": dolfinx.__version__,
-        "PETSc": ".".join(map(str, PETSc.Sys.getVersion())),
-        "MPI": MPI.Get_library_version().split(",")[0].strip(),
-        "Python": f"{platform.python_version()} ({sys.executable})",
-        "system": platform.platform(),
+    rows: dict[str, Callable[[], str]] = {
+        "fx_membrane": lambda: importlib.metadata.version("fx-membrane"),
+        "dolfinx": lambda: _version("dolfinx"),
+        "PETSc": _petsc,
+        "MPI": _mpi,
+        "Python": lambda: f"{platform.python_version()} ({sys.executable})",
+        "system": platform.platform,
+        "numpy": lambda: _version("numpy"),
+        "scipy": lambda: _version("scipy"),
+        "matplotlib": lambda: _version("matplotlib"),
+        "pyvista": lambda: _version("pyvista"),
+        "vtk": lambda: _version("vtkmodules"),  # Debian's package of VTK has no metadata
     }
-    for name in ("numpy", "scipy", "matplotlib", "pyvista", "vtk"):
-        try:
-            rows[name] = importlib.metadata.version(name)
-        except importlib.metadata.PackageNotFoundError:
-            rows[name] = "not installed"
     for name, version in rows.items():
-        click.echo(f"{name:12} {version}")
+        click.echo(f"{name:12} {_told(version)}")
+
+
+def _version(module: str) -> str:
+    return str(importlib.import_module(module).__version__)
+
+
+def _petsc() -> str:
+    return ".".join(map(str, importlib.import_module("petsc4py.PETSc").Sys.getVersion()))
+
+
+def _mpi() -> str:
+    version: str = importlib.import_module("mpi4py.MPI").Get_library_version()
+    return version.split(",", maxsplit=1)[0].strip()
+
+
+def _told(version: Callable[[], str]) -> str:
+    """A version, or why there is none: a report of a problem is wanted most where something is missing."""
+    try:
+        return version()
+    except importlib.metadata.PackageNotFoundError:
+        return "not installed"
+    except ModuleNotFoundError as error:
+        return f"not installed (no module {error.name})"
+    except Exception as error:
+        return f"does not load: {error}"

@@ -115,32 +115,37 @@ def orientation(triangles: NDArray[np.int64]) -> NDArray[np.float64] | None:
     return np.where(label[0] == label[0, first][member.ravel()], 1.0, -1.0)
 
 
+def with_one_sense(triangles: NDArray[np.int64]) -> tuple[NDArray[np.int64], str]:
+    """Triangles turned to the sense of the first of their connected piece, shape (cells, 3); why they have no sides.
+
+    The first node of a triangle stays its first; the other two change places where it is turned. The reason is the end
+    of a sentence that begins with the surface: it branches, or has one side only; empty where it has two sides.
+    """
+    signs, branch = orientation(triangles), branching_edge(triangles)
+    if signs is None:
+        return triangles, (
+            "has only one side, like a Moebius strip, so that a normal, a pressure and a shear have no direction on "
+            "it; cut it into parts along a line of edges."
+        )
+    turned = np.where(signs[:, None] > 0, triangles, triangles[:, [0, 2, 1]])
+    if branch is None:
+        return turned, ""
+    return turned, (
+        f"branches at the edge between nodes {branch[0]} and {branch[1]}, so that it has no two sides, and a normal, a "
+        "pressure and a shear no direction; make each sheet a part of its own."
+    )
+
+
 def branching_edge(triangles: NDArray[np.int64]) -> NDArray[np.int64] | None:
     """An edge with three triangles or more, shape (2,); None if there is none."""
     edges, edge, count = _edges(triangles)
     return np.sort(edges[edge == np.argmax(count)][0]) if count.max() > 2 else None
 
 
-def senses(what: str, triangles: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Signs as `orientation` gives them, of triangles that have two sides, shape (cells,).
-
-    Raises:
-        ValueError: They branch, or have only one side; the sentence begins with what they are.
-    """
-    branch = branching_edge(triangles)
-    if branch is not None:
-        raise ValueError(
-            f"{what} branches at the edge between nodes {branch[0]} and {branch[1]}, so that it has no two sides; "
-            "make each sheet a part of its own."
-        )
-    signs = orientation(triangles)
-    if signs is None:
-        raise ValueError(
-            f"{what} has only one side, like a Moebius strip, so that a normal and a pressure have no direction on "
-            "it; cut it into parts along a line of edges."
-        )
-    signs.setflags(write=False)
-    return signs
+def from_smallest(cells: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Cells with their smallest node first, shape of cells: the sense of triangles stays, that of segments does not."""
+    order = np.argmin(cells, axis=1)[:, None] + np.arange(cells.shape[1])
+    return np.take_along_axis(cells, order % cells.shape[1], axis=1)
 
 
 def measures(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.float64]:

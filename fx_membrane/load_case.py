@@ -35,7 +35,7 @@ def target(problem: Problem, stage: Stage, start: Actions) -> Actions:
         chosen = np.arange(len(cells)) if load.cells is None else np.asarray(load.cells)
         if isinstance(load, Pressure):
             on_cells = pressures.setdefault(load.part, np.zeros(len(cells)))
-            on_cells[chosen] += load.pressure * structure.senses(load.part)[chosen]
+            on_cells[chosen] += load.pressure
             continue
         per_area = np.broadcast_to(np.asarray(load.load), (len(chosen), 3))
         if isinstance(load, PlanLoad):

@@ -221,6 +221,6 @@ def _check_load(structure: Structure, stage: str, load: Load) -> None:
             "cables and masts give a DeadLoad."
         )
     if isinstance(load, Pressure):
-        structure.senses(load.part)
+        structure.check_sides(load.part)
     if load.cells is not None:
         validation.in_range(f"{stage}: a load on part {load.part!r}", np.asarray(load.cells), len(part.cells), "cell")

@@ -27,7 +27,7 @@ class PartForms:
         follow: Brings what the energy must be told of the strain up to date with the displacement.
         kept: Share of the stiffness that is kept in compression; None where a part has no other energy.
         q: Dead load per reference area or length, piecewise constant [N/m2 or N/m].
-        p: Pressure along the normals of the cells, piecewise constant [Pa]; without meaning in cables and masts.
+        p: Pressure along `Structure.normals`, piecewise constant [Pa]; without meaning in cables and masts.
         energy: Compiled strain energy.
         residual: Compiled derivative of the energy, less the virtual work of p.
         tangent: Compiled derivative of the residual.

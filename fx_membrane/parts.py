@@ -17,7 +17,7 @@ class Membrane:
     """Three-node membrane elements of one fabric.
 
     Args:
-        cells: Triangles as rows of node numbers, shape (n, 3).
+        cells: Triangles as rows of node numbers, shape (n, 3), in either order; see `Structure`.
         material: The fabric, a `Fabric` or an `OrthotropicFabric` itself: the law of a derived class would not be used.
         prestress: Cauchy stress times thickness in the reference shape [N/m]: a number (isotropic), a pair
             (warp, weft), or a tensor (2, 2) in the warp/weft frame; or one of these per cell, shape (n, 1),
@@ -26,8 +26,8 @@ class Membrane:
             a small excess: stiffness and loads are per size of the reference shape, and cloth with an excess strain E0
             in all directions is 1 + 2 E0 times as stiff as its data (4 % more with 2 %).
         warp: A vector (3,), or one per cell (n, 3), that projected on the cell gives the warp direction. The weft
-            is a right angle further, counter-clockwise about the normal of the cell. Without a warp the global x
-            axis is taken, or y where a cell is nearly normal to x, for results only.
+            is a right angle further, counter-clockwise about the normal that `Structure.normals` gives. Without a
+            warp the global x axis is taken, or y where a cell is nearly normal to x, for results only.
         compression_stiffness: Share of the stiffness that is kept where the membrane wrinkles or is slack, in (0, 1]
             [-]. It keeps slack nodes in place; above 1e-3 it is seen in results. 1 switches wrinkling off: compression
             is carried like tension, and every cell is called taut.

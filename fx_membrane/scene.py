@@ -19,6 +19,8 @@ INK = "#30343b"
 MAST = "#8a5a2b"
 FABRIC = "#e8e4da"
 
+REMEDY = "run pip install '.[plot]' in the folder of fx_membrane, in a virtual environment"
+
 
 @dataclass(frozen=True)
 class Colours:
@@ -28,6 +30,18 @@ class Colours:
     low: float
     high: float
     bands: int
+
+
+def obstacle() -> str:
+    """One sentence that says why pyvista cannot draw here, with the remedy; empty where it can."""
+    try:
+        import pyvista  # noqa: PLC0415  (numbers alone should not wait for it)
+    except ImportError as error:
+        return f"pyvista does not load ({error}); {REMEDY}."
+    if not os.environ.get("DISPLAY") and pyvista.vtk_version_info < (9, 4):  # it would abort the whole process
+        version = ".".join(map(str, pyvista.vtk_version_info))
+        return f"VTK {version} cannot draw without a screen; {REMEDY}, or run the script with xvfb-run -a."
+    return ""
 
 
 def picture(
@@ -45,19 +59,14 @@ def picture(
     Cell values colour the parts they are given for; nodal values the membranes, and the lines where there are none.
 
     Where mirror names a coordinate, the mirror image is there too, of values of the other sign if the field is odd.
-
-    Raises:
-        RuntimeError: There is no screen, and this version of VTK needs one.
     """
     import pyvista  # noqa: PLC0415  (numbers alone should not wait for it)
 
-    if not os.environ.get("DISPLAY") and pyvista.vtk_version_info < (9, 4):  # it would abort the whole process
-        raise RuntimeError("Without a screen this version of VTK cannot draw; run the script with xvfb-run.")
     plotter = pyvista.Plotter(off_screen=True, window_size=(1200, 900))
     plotter.set_background("white")
     plotter.enable_anti_aliasing("ssaa")
     points = result.structure.points + scale * result.displacement
-    radius = 0.0025 * np.linalg.norm(np.ptp(points, axis=0))
+    radius = 0.0025 * np.linalg.norm(np.ptp(points[result.structure.used], axis=0))
     membranes = any(part.dimension == 2 for part in result.structure.parts.values())
     shapes = [(points, 1)]
     if mirror is not None:

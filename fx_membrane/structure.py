@@ -4,21 +4,16 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial import cKDTree
 
 from . import validation
-from .geometry import SLENDER, SLIVER, aspects, normals, projected, senses
+from .coincidence import CoincidentNodesWarning, coincident_nodes
+from .geometry import SLENDER, SLIVER, aspects, normals, projected, with_one_sense
 from .parts import Cable, Kind, Mast, Membrane, Part
-
-COINCIDENT = 1e-9
-
-
-class CoincidentNodesWarning(UserWarning):
-    """Nodes at one place that are not one node: parts are joined by the nodes they share, not by where these are."""
 
 
 class SliverWarning(UserWarning):
@@ -50,32 +45,42 @@ class Structure:
     """Everything that does not change from stage to stage.
 
     The nodes of a triangle may be in either order: when the structure is made, all cells of a connected membrane, open
-    or closed, are given one sense, that of the first, which `normals` and `senses` show. A membrane that has none (a
-    Moebius strip, or sheets that branch) is a structure all the same; it is refused where a normal is asked for, or a
-    pressure acts.
+    or closed, are turned to one sense, that of the first. In `parts` a turned cell has its last two nodes exchanged;
+    the rows of cells keep their order. Data per cell stay valid, as none depend on the order of its nodes: prestress
+    is in the warp/weft frame of the one sense, warp is a vector in space, pressure is along `normals`.
+
+    A membrane without two sides (a Moebius strip, or sheets that branch) is a structure too. It is refused where
+    `normals` are asked for, a pressure acts, or one prestress tensor with shear is given for all its cells. Its cells
+    keep the sense that they have, in a branching one that of their sheet; so do the signs of shear in each cell:
+    in the results, and in prestress tensors given per cell.
 
     Args:
         points: Reference (prestressed) position of the nodes, shape (n, 3) [m]. A node is known by its row.
         parts: Membranes, cables and masts by name. Parts that share a node are hinged together there. Give each a
             name of its own: of two entries with one name a Python dictionary keeps the last without a word.
         supports: Nodes that do not move.
+        separate: Pairs of names of parts that lie on each other without being joined, as the two skins of a cushion:
+            `[("top", "bottom")]`. Their nodes may be at one place; of a part and itself too, as at a slit.
 
     Raises:
         ValueError: A cell names a node that does not exist, has no area or no length, is a sliver more than 1e7 times
             as long as it is high, or is normal to its warp vector; a part is of a class derived from `Membrane`,
-            `Cable` or `Mast`; a support is on a node that does not exist or that no part uses; a value is not finite.
+            `Cable` or `Mast`; a support is on a node that does not exist or that no part uses; a value is not finite; a
+            membrane without two sides has one prestress tensor with shear; separate names a
+            part that is not there.
 
     Warns:
         CoincidentNodesWarning: Nodes of the parts are at one place, nearer than 1e-9 of the size of the structure, and
-            not all of them are held there by supports. If they are meant to be apart (a slit, two cables that cross),
-            switch it off: `warnings.simplefilter("ignore", CoincidentNodesWarning)`.
+            not all of them are held there by supports. If they are meant to be apart (two skins, a slit, two cables
+            that cross), name their parts in `separate`.
         SliverWarning: A triangle is more than 5e5 times as long as it is high.
     """
 
     points: NDArray[np.float64]
     parts: Mapping[str, Part]
     supports: Sequence[Support] = ()
-    _senses: dict[str, NDArray[np.float64] | ValueError] = field(init=False, repr=False, default_factory=dict)
+    separate: Sequence[tuple[str, str]] = ()
+    _no_sides: dict[str, str] = field(init=False, repr=False, default_factory=dict)  # membrane: reason
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "points", validation.positions("points", self.points))
@@ -94,9 +99,10 @@ class Structure:
             self._check_measures(name, part)
             if part.dimension == 2:
                 self.warp(name)
-                self._orient(name)
+        object.__setattr__(self, "parts", {name: self._turned(name, part) for name, part in self.parts.items()})
         for number, support in enumerate(self.supports):
             self.check_nodes(f"Support {number}", np.asarray(support.nodes))
+        object.__setattr__(self, "separate", self._checked_separate())
         self._warn_of_coincident_nodes()
 
     def __repr__(self) -> str:
@@ -110,6 +116,11 @@ class Structure:
         for part in self.parts.values():
             used[part.cells] = True
         return used
+
+    @property
+    def size(self) -> float:
+        """Largest extent along an axis, of the nodes that belong to a part [m]."""
+        return float(np.ptp(self.points[self.used], axis=0).max())
 
     @property
     def supported(self) -> NDArray[np.bool_]:
@@ -141,29 +152,27 @@ class Structure:
             )
         return tangent
 
-    def senses(self, name: str) -> NDArray[np.float64]:
-        """1 where the nodes of a cell of a membrane run counter-clockwise about its normal, else -1, shape (cells,).
+    def normals(self, name: str) -> NDArray[np.float64]:
+        """Unit normals of a membrane, all on one side of it, shape (cells, 3) [-]; a positive pressure acts along them.
 
-        The normals are those of `normals`; in each connected piece the first cell has 1.
+        The nodes of its cells in `parts` run counter-clockwise about them. To turn those of a connected piece round,
+        give the nodes of its first cell in the other order.
 
         Raises:
             ValueError: There is no membrane of that name; it has only one side, like a Moebius strip, or branches.
         """
-        self.part(name, Membrane)
-        found = self._senses[name]
-        if isinstance(found, ValueError):
-            raise ValueError(*found.args)
-        return found
+        membrane = self.part(name, Membrane)
+        self.check_sides(name)
+        return normals(self.points, membrane.cells)
 
-    def normals(self, name: str) -> NDArray[np.float64]:
-        """Unit normals of a membrane, all on one side of it, shape (cells, 3) [-]; a positive pressure acts along them.
-
-        To turn those of a connected piece round, give the nodes of its first cell in the other order.
+    def check_sides(self, name: str) -> None:
+        """Refuses a membrane without two sides.
 
         Raises:
-            ValueError: As for `senses`.
+            ValueError: It has only one side, like a Moebius strip, or branches.
         """
-        return self.senses(name)[:, None] * normals(self.points, self.parts[name].cells)
+        if name in self._no_sides:
+            raise ValueError(f"Part {name!r} {self._no_sides[name]}")
 
     def part(self, name: str, kind: type[Kind]) -> Kind:
         """The part of a name and a kind, Membrane, Cable or Mast.
@@ -196,38 +205,34 @@ class Structure:
                 f"{what} is on node {loose[0]}, which no part uses, at {where}; mend the number or add the part."
             )
 
+    def _checked_separate(self) -> list[tuple[str, str]]:
+        pairs: Sequence[Any] = self.separate if isinstance(self.separate, list | tuple) else [self.separate]
+        for pair in pairs:
+            if not isinstance(pair, list | tuple) or len(pair) != 2:
+                raise ValueError(f'separate has {validation.shown(pair)}; give pairs of names, [("top", "bottom")].')
+            for name in pair:
+                if not isinstance(name, str) or name not in self.parts:
+                    raise ValueError(
+                        f"separate names part {name!r}, which does not exist; those are {list(self.parts)}."
+                    )
+        return [(first, second) for first, second in pairs]
+
     def _warn_of_coincident_nodes(self) -> None:
-        used = np.flatnonzero(self.used)
-        size = np.ptp(self.points[used], axis=0).max()
-        pairs = used[cKDTree(self.points[used]).query_pairs(COINCIDENT * size, output_type="ndarray")]
-        fixed = self.supported.all(axis=1)
-        pairs = pairs[~fixed[pairs].all(axis=1)]
-        if len(pairs):
-            pairs = np.sort(pairs, axis=1)
-            a, b = pairs[np.lexsort(pairs.T[::-1])[0]]
-            count = f" ({len(pairs)} such pairs in all)" if len(pairs) > 1 else ""
-            warnings.warn(
-                f"Nodes {a} and {b} are at the same place, {validation.place(self.points[a])}, but nothing joins them"
-                f"{count}: {self._using(a)} and {self._using(b)} can part there. To join them, give all cells that "
-                "meet there the same node number.",
-                CoincidentNodesWarning,
-                stacklevel=4,
-            )
+        found = coincident_nodes(self.points, self.parts, self.supported.all(axis=1), self.separate)
+        if found:
+            warnings.warn(found, CoincidentNodesWarning, stacklevel=4)
 
-    def _using(self, node: int) -> str:
-        """The first cell at a node, in words."""
-        for name, part in self.parts.items():
-            cells = np.flatnonzero((part.cells == node).any(axis=1))
-            if len(cells):
-                return f"cell {cells[0]} of {name!r}"
-        raise AssertionError("no part uses the node")
-
-    def _orient(self, name: str) -> None:
-        """Finds one sense of all cells of a membrane; why it has none is kept until someone asks for it."""
-        try:
-            self._senses[name] = senses(f"Part {name!r}", self.parts[name].cells)
-        except ValueError as refusal:
-            self._senses[name] = refusal
+    def _turned(self, name: str, part: Part) -> Part:
+        """The part with cells of one sense; why it has no two sides is kept until someone asks for them."""
+        if not isinstance(part, Membrane):
+            return part
+        cells, reason = with_one_sense(part.cells)
+        if reason:
+            self._no_sides[name] = reason
+            prestress = np.asarray(part.prestress)
+            if prestress.shape == (2, 2) and prestress[0, 1]:
+                raise ValueError(f"Part {name!r}, with shear in its prestress {prestress.tolist()}, {reason}")
+        return part if np.array_equal(cells, part.cells) else replace(part, cells=cells)
 
     def _check_measures(self, name: str, part: Part) -> None:
         aspect = aspects(self.points, part.cells)

@@ -1,4 +1,7 @@
-"""One report under MPI: processes other than the first test in silence; their exit codes count all the same."""
+"""Marks of tests that run again on several processes, and one report under MPI.
+
+Processes other than the first test in silence; their exit codes count nevertheless.
+"""
 
 import os
 import sys
@@ -7,6 +10,32 @@ import pytest
 from mpi4py import MPI
 
 pytest.register_assert_rewrite("interrupted", "models", "wrinkled")
+
+# Files whose tests are the same on every process: plain NumPy, or single elements on COMM_SELF.
+ONE_PROCESS = {
+    "forms/test_dccf.py",
+    "forms/test_tension_direction.py",
+    "forms/test_wrinkled_cells.py",
+    "forms/test_wrinkling.py",
+    "unit/test_form_finding.py",
+    "unit/test_geometry.py",
+    "unit/test_line_search.py",
+    "unit/test_loads.py",
+    "unit/test_material.py",
+    "unit/test_partition.py",
+    "unit/test_parts.py",
+    "unit/test_rigid_motion.py",
+    "unit/test_structure.py",
+    "unit/test_validation.py",
+}
+
+
+def pytest_collection_modifyitems(items):
+    """Mark `mpi` every test of the other files, unless it says `serial`: a new test counts as collective."""
+    for item in items:
+        file = f"{item.path.parent.name}/{item.path.name}"
+        if file not in ONE_PROCESS and not item.get_closest_marker("serial"):
+            item.add_marker(pytest.mark.mpi)
 
 
 @pytest.hookimpl(trylast=True)

@@ -10,6 +10,7 @@ import venv
 import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import fx_membrane
@@ -49,6 +50,26 @@ def test_names_of_the_package_are_its_own():
     public = {name for name in dir(fx_membrane) if not name.startswith("_")}
     submodules = {name for name in public if f"fx_membrane.{name}" in sys.modules}
     assert public - submodules <= set(fx_membrane.__all__)
+
+
+@pytest.mark.skipif(Path(sys.prefix) != ROOT / ".venv", reason="for the environment that .ci/setup makes")
+def test_pip_keeps_the_numpy_that_dolfinx_is_built_for(tmp_path):
+    """Neither `pip install pandas` nor a request for the next numpy brings another major version into .venv."""
+    later = f"{int(np.__version__.split('.')[0]) + 1}.0"
+    for package in (f"numpy-{later}", "wanting-1.0"):
+        name, version = package.split("-")
+        needs = f"Requires-Dist: numpy>={later}\n" if name == "wanting" else ""
+        with zipfile.ZipFile(tmp_path / f"{package}-py3-none-any.whl", "w") as archive:
+            folder = f"{package}.dist-info"
+            archive.writestr(f"{folder}/METADATA", f"Metadata-Version: 2.1\nName: {name}\nVersion: {version}\n{needs}")
+            archive.writestr(f"{folder}/WHEEL", "Wheel-Version: 1.0\nRoot-Is-Purelib: true\nTag: py3-none-any\n")
+            archive.writestr(f"{folder}/RECORD", "")
+    pip = [sys.executable, "-m", "pip", "install", "--dry-run", "--no-index", "--find-links", str(tmp_path)]
+    for wanted in (f"numpy=={later}", "wanting"):
+        refused = subprocess.run([*pip, wanted], capture_output=True, text=True, check=False)
+        assert refused.returncode != 0
+        assert "constraint" in refused.stdout + refused.stderr
+    run(*pip, wanted, env={**os.environ, "PIP_CONSTRAINT": os.devnull})  # it is the constraint that refuses
 
 
 def test_wheel_has_the_forms_as_files(wheel):

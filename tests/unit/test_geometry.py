@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fx_membrane import boundary, polyline, rectangle
-from fx_membrane.geometry import measures, normals, orientation
+from fx_membrane.geometry import from_smallest, measures, normals, orientation, with_one_sense
 
 DIAGONALS = ["right", "left", "to centre"]
 
@@ -171,3 +171,19 @@ def test_moebius_strip_has_no_orientation(seed):
 
 def test_one_sided_piece_beside_another_is_found():
     assert orientation(np.concatenate([OCTAHEDRON + 50, strip(6, turned=True)])) is None
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_triangles_are_turned_about_their_first_node(seed):
+    triangles, signs = flipped(OCTAHEDRON, seed)
+    found, reason = with_one_sense(triangles)
+    assert reason == ""
+    assert found[:, 0].tolist() == triangles[:, 0].tolist()
+    assert orientation(found).tolist() == [1] * 8
+    kept = signs == signs[0]
+    assert found[kept].tolist() == triangles[kept].tolist()
+
+
+def test_cells_from_their_smallest_node():
+    assert from_smallest(np.array([[3, 1, 2], [5, 6, 4], [0, 8, 7]])).tolist() == [[1, 2, 3], [4, 5, 6], [0, 8, 7]]
+    assert from_smallest(np.array([[2, 1], [0, 5]])).tolist() == [[1, 2], [0, 5]]

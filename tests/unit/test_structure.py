@@ -1,6 +1,8 @@
 """Supports and structures: what they hold, and which input they refuse."""
 
+import re
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -77,8 +79,8 @@ def test_normals_of_a_closed_surface_are_all_on_the_side_of_the_first(seed):
 
 def test_one_sense_is_found_when_the_structure_is_made(monkeypatch):
     made = sheet(points=OCTAHEDRON, cells=FACES)
-    monkeypatch.setattr("fx_membrane.structure.senses", None)
-    assert made.senses("fabric").tolist() == [1] * 8
+    monkeypatch.setattr("fx_membrane.structure.with_one_sense", None)
+    assert made.normals("fabric").shape == (8, 3)
 
 
 def test_branching_membrane_has_no_normals():
@@ -92,19 +94,18 @@ def test_one_sided_membrane_has_no_normals():
     points = np.random.default_rng(1).normal(size=(5, 3))
     strip = [[0, 1, 2], [1, 2, 3], [2, 3, 4], [3, 4, 0], [4, 0, 1]]  # the shortest Moebius strip
     structure = sheet(points=points, cells=strip)  # is a structure all the same
-    for ask in (structure.normals, structure.senses):
-        with pytest.raises(ValueError, match=r"^Part 'fabric' has only one side, like a Moebius strip"):
-            ask("fabric")
+    with pytest.raises(ValueError, match=r"^Part 'fabric' has only one side, like a Moebius strip"):
+        structure.normals("fabric")
+    assert structure.parts["fabric"].cells.tolist() == strip
 
 
-def test_senses_turn_the_cells_own_normals_into_those_of_the_membrane():
+def test_cells_are_turned_to_the_sense_of_the_first():
     structure = sheet(cells=[[0, 2, 1], [0, 2, 3]])  # the first seen from below, the second from above
-    assert structure.senses("fabric").tolist() == [1, -1]
+    assert structure.parts["fabric"].cells.tolist() == [[0, 2, 1], [0, 3, 2]]
     assert structure.normals("fabric").tolist() == [[0, 0, -1], [0, 0, -1]]
-    assert not structure.senses("fabric").flags.writeable
 
 
-@pytest.mark.parametrize("ask", ["normals", "senses", "warp"])
+@pytest.mark.parametrize("ask", ["normals", "warp"])
 @pytest.mark.parametrize("name", ["roof", "cable", 3])
 def test_only_membranes_have_normals(ask, name):
     parts = {"fabric": Membrane(TRIANGLES, FABRIC), "cable": Cable([[0, 1]], 1e6)}
@@ -253,3 +254,47 @@ def test_objects_of_another_kind(arguments, message):
     good = {"points": [[0, 0, 0], [0, 0, 1.0]], "parts": {"cable": Cable([[0, 1]], 1.0)}, "supports": []}
     with pytest.raises(ValueError, match=message):
         Structure(**(good | arguments))
+
+
+@pytest.mark.parametrize("separate", [[("top", "bottom")], (["bottom", "top"],)])
+def test_coincident_nodes_of_separate_parts_are_meant(separate, recwarn):
+    skins = {"top": Membrane(TRIANGLES, FABRIC), "bottom": Membrane(np.asarray(TRIANGLES) + len(POINTS), FABRIC)}
+    points = np.vstack([POINTS, POINTS])
+    structure = Structure(points, skins, separate=separate)
+    assert not recwarn.list
+    assert replace(structure, points=2 * points).separate == [tuple(separate[0])]  # answered for good
+    assert not recwarn.list
+    cable = Cable(np.array([[0, 1]]), 1e6)  # of the top, so that what it crosses of the bottom is meant too
+    Structure(points, {**skins, "cable": cable}, separate=separate)
+    assert not recwarn.list
+    other = Structure(
+        np.vstack([points, POINTS[:2]]),
+        {**skins, "cable": Cable([[2 * len(POINTS), 2 * len(POINTS) + 1]], 1e6)},
+        separate=[*separate, ("cable", "top")],
+    )
+    (found,) = recwarn.list  # the cable and the bottom
+    assert re.search(
+        r"cell \d+ of 'bottom' and cell 0 of 'cable' can .*separate=\[\('bottom', 'cable'\)\]", str(found.message)
+    )
+    assert isinstance(other, Structure)
+
+
+def test_slit_is_a_part_separate_of_itself(recwarn):
+    points = [[0.0, 0, 0], [1, 0, 0], [1, 0, 0], [2, 0, 0]]
+    Structure(points, {"cable": Cable([[0, 1], [2, 3]], 1e6)}, separate=[("cable", "cable")])
+    assert not recwarn.list
+
+
+@pytest.mark.parametrize(
+    ("separate", "message"),
+    [
+        ([("fabric", "roof")], r"^separate names part 'roof', which does not exist; those are \['fabric'\]"),
+        ([("fabric", 3)], "^separate names part 3, which"),
+        (("fabric", "fabric"), r"^separate has 'fabric'; give pairs of names"),
+        ([("fabric",)], r"^separate has \('fabric',\); give pairs"),
+        (None, "^separate has None; give pairs"),
+    ],
+)
+def test_separate_parts_that_are_no_pairs_of_names(separate, message):
+    with pytest.raises(ValueError, match=message):
+        Structure(POINTS, {"fabric": Membrane(TRIANGLES, FABRIC)}, separate=separate)

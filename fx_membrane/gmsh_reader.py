@@ -1,0 +1,135 @@
+"""Arrays of a gmsh model; as a script, those of a mesh file: `python -P gmsh_reader.py mesh.msh arrays.npz SECONDS`.
+
+The script runs in a process of its own, which a damaged file may end. So it needs gmsh and numpy only, never MPI.
+"""
+
+import os
+import resource
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+NO_GMSH, NOT_READ = 3, 4  # exit codes
+
+
+@dataclass(frozen=True)
+class Group:
+    """A physical group.
+
+    Attributes:
+        name: Physical name.
+        dimension: 0 to 3.
+        tag: Number of the group.
+        cells: Node tags of its cells, (cells, nodes of a cell), by gmsh's name of the element type ("Triangle 3").
+        nodes: Node tags of the group.
+    """
+
+    name: str
+    dimension: int
+    tag: int
+    cells: dict[str, NDArray[np.int64]]
+    nodes: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class GmshMesh:
+    """Node tags (n,), positions of the nodes (n, 3), and the physical groups."""
+
+    tags: NDArray[np.int64]
+    points: NDArray[np.float64]
+    groups: list[Group]
+
+
+def mesh_of_model(model: Any) -> GmshMesh:
+    """The mesh of the current gmsh model, in the order of gmsh's node tags."""
+    tags, coordinates, _ = model.mesh.getNodes()
+    order = np.argsort(tags)
+    return GmshMesh(
+        tags=np.asarray(tags, dtype=np.int64)[order],
+        points=np.reshape(coordinates, (-1, 3))[order],
+        groups=[_group(model, *group) for group in model.getPhysicalGroups()],
+    )
+
+
+def _group(model: Any, dimension: int, tag: int) -> Group:
+    cells: dict[str, list[NDArray[np.int64]]] = {}
+    for entity in model.getEntitiesForPhysicalGroup(dimension, tag):
+        for kind, _, nodes in zip(*model.mesh.getElements(dimension, entity), strict=True):
+            name, _, _, size, *_ = model.mesh.getElementProperties(kind)
+            cells.setdefault(name, []).append(np.asarray(nodes, dtype=np.int64).reshape(-1, size))
+    return Group(
+        name=model.getPhysicalName(dimension, tag),
+        dimension=dimension,
+        tag=tag,
+        cells={name: np.concatenate(found) for name, found in cells.items()},
+        nodes=np.asarray(model.mesh.getNodesForPhysicalGroup(dimension, tag)[0], dtype=np.int64),
+    )
+
+
+def save(mesh: GmshMesh, path: str | Path) -> None:
+    """Writes a mesh for `load`; arrays only, nothing that Python would run."""
+    arrays: dict[str, NDArray[Any]] = {
+        "tags": mesh.tags,
+        "points": mesh.points,
+        "groups": np.array([(group.dimension, group.tag) for group in mesh.groups], dtype=np.int64).reshape(-1, 2),
+        "names": np.array([group.name for group in mesh.groups], dtype=np.str_),
+    }
+    for i, group in enumerate(mesh.groups):
+        arrays[f"{i} nodes"] = group.nodes
+        arrays |= {f"{i} cells {kind}": cells for kind, cells in group.cells.items()}
+    np.savez(path, **arrays)
+
+
+def load(path: str | Path) -> GmshMesh:
+    """The mesh that `save` wrote."""
+    with np.load(path, allow_pickle=False) as arrays:
+        groups = [
+            Group(
+                name=str(arrays["names"][i]),
+                dimension=int(dimension),
+                tag=int(tag),
+                cells={key.removeprefix(f"{i} cells "): arrays[key] for key in arrays if key.startswith(f"{i} cells ")},
+                nodes=arrays[f"{i} nodes"],
+            )
+            for i, (dimension, tag) in enumerate(arrays["groups"])
+        ]
+        return GmshMesh(arrays["tags"], arrays["points"], groups)
+
+
+def _limit(kind: int, value: int) -> None:
+    """Limit of this process; the kernel ends it there, even where its parent is gone."""
+    _, hard = resource.getrlimit(kind)
+    resource.setrlimit(kind, (value if hard == resource.RLIM_INFINITY else min(value, hard), hard))
+
+
+def _main(source: str, target: str, seconds: str) -> None:
+    # Counts in a damaged file ask for any amount of memory; sound ones need some ten times the size of the file.
+    _limit(resource.RLIMIT_AS, 4 * 2**30 + 200 * os.path.getsize(source))
+    _limit(resource.RLIMIT_CPU, int(seconds))
+    try:
+        import gmsh  # noqa: PLC0415  (its absence has an exit code)
+
+        gmsh.initialize(readConfigFiles=False)
+    except Exception as error:
+        print(error, file=sys.stderr)
+        sys.exit(NO_GMSH)
+    gmsh.option.setNumber("General.Terminal", 0)
+    gmsh.logger.start()
+    try:
+        gmsh.merge(source)
+        failure = ""
+    except Exception as error:  # gmsh raises nothing more precise
+        failure = str(error)
+    errors = [line.removeprefix("Error: ") for line in gmsh.logger.get() if line.startswith("Error")]
+    if failure or errors:
+        print((errors or [failure])[0], file=sys.stderr)
+        sys.exit(NOT_READ)
+    save(mesh_of_model(gmsh.model), target)
+
+
+if __name__ == "__main__":
+    _main(*sys.argv[1:])

@@ -1,0 +1,267 @@
+"""Results do not depend on the order of nodes within a cell: random rotations and reversals against a mesh in order."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from fx_membrane import (
+    Analysis,
+    Cable,
+    Fabric,
+    Mast,
+    Membrane,
+    OrthotropicFabric,
+    PlanLoad,
+    Pressure,
+    Stage,
+    Structure,
+    Support,
+    boundary,
+    natural_frequencies,
+    plot,
+    rectangle,
+    report,
+    stability,
+    structure_from_gmsh,
+    trace,
+    updated_reference,
+)
+from fx_membrane.checkpoint import fingerprints
+from fx_membrane.geometry import normals
+
+SEEDS = [1, 2]
+FABRIC = Fabric(Et=1e5, nu=0.3)
+WOVEN = OrthotropicFabric(Et_warp=1e5, Et_weft=6e4, nu=0.2, Gt=5e3)
+FLAT, TRIANGLES = rectangle(2.0, 2.0, 6, 6)
+POINTS = FLAT + np.array([[0, 0, 0.2 * x * y + 0.1 * x**2] for x, y, _ in FLAT])
+LEFT = FLAT[TRIANGLES].mean(axis=1)[:, 0] < 0
+TENSORS = np.array([[[900.0, 150 + 3 * k], [150 + 3 * k, 700]] for k in range(np.count_nonzero(LEFT))])
+STAGES = [
+    Stage("air", [Pressure(300.0, "plain"), Pressure(150.0, "woven", range(5, 20))]),
+    Stage("snow", [PlanLoad((400.0, 0, -4000.0), "woven")], after="air", steps=2),
+]
+
+
+def shuffled(cells, seed):
+    """The cells, each with its nodes in a random order; that of the first is in its own sense."""
+    random = np.random.default_rng(seed)
+    mixed = random.permuted(cells, axis=1)
+    mixed[0] = np.roll(cells[0], 1)
+    assert (mixed != cells).any()
+    return mixed
+
+
+def roof(seed=None):
+    """Plain and woven fabric side by side, with shear in the prestress of both, a cable, a mast below."""
+
+    def order(cells):
+        return cells if seed is None else shuffled(cells, seed)
+
+    parts = {
+        "plain": Membrane(order(TRIANGLES[LEFT]), FABRIC, TENSORS, warp=(1, 0.2, 0), mass=1.0),
+        "woven": Membrane(order(TRIANGLES[~LEFT]), WOVEN, [[1000, -200], [-200, 600]], warp=(1, 1, 0), mass=1.0),
+        "ridge": Cable(order(np.column_stack([np.arange(21, 27), np.arange(22, 28)])), 1e6, 3e3, mass=1.0),
+        "mast": Mast(order(np.array([[49, 24], [49, 10]])), 1e6, mass=1.0),
+    }
+    return Structure(np.vstack([POINTS, [[0, 0, -1]]]), parts, [Support([*np.unique(boundary(TRIANGLES)), 49])])
+
+
+def assert_same(found, expected, what="result", size=None):
+    """Two results or plain data, entry by entry, to rounding beside the largest number of each array."""
+    if dataclasses.is_dataclass(expected):
+        for entry in dataclasses.fields(expected):
+            if entry.name not in ("structure", "iterations", "increments"):
+                a, b = getattr(found, entry.name), getattr(expected, entry.name)
+                # sums of forces and moments are rounding where they balance
+                assert_same(a, b, entry.name, 1e3 if what == "equilibrium" else None)
+    elif isinstance(expected, dict):
+        assert found.keys() == expected.keys()
+        for name in expected:
+            assert_same(found[name], expected[name], what)
+    elif np.asarray(expected).dtype.kind in "Ub":
+        assert np.array_equal(found, expected), what
+    else:
+        bound = 1e-9 * (size or np.abs(expected).max())
+        np.testing.assert_allclose(found, expected, rtol=0, atol=bound + 1e-15, err_msg=what)
+
+
+@pytest.fixture(scope="module")
+def expected():
+    return Analysis(roof()).run(STAGES)
+
+
+def test_two_triangles_have_one_shear():
+    cells = [[0, 1, 2], [0, 3, 2]]  # the second seen from below
+    square = [[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    fabric = Membrane(cells, FABRIC, [[10, 4], [4, 10]], warp=(1, 0, 0))
+    result = Analysis(Structure(square, {"fabric": fabric}, [Support(range(4))])).run([Stage("rest")])["rest"]
+    state = result.membrane("fabric")
+    assert state.cauchy[:, 0, 1] == pytest.approx([4, 4], rel=1e-12)
+    assert state.second_piola_kirchhoff[:, 0, 1] == pytest.approx([4, 4], rel=1e-12)
+    assert fabric.cells.tolist() == cells  # the user's own data are as they were
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_turned_cells_keep_their_rows_and_data(seed):
+    mixed, ordered = roof(seed), roof()
+    for name in ("plain", "woven"):
+        cells = mixed.parts[name].cells
+        assert np.sort(cells).tolist() == np.sort(ordered.parts[name].cells).tolist()
+        assert mixed.normals(name) == pytest.approx(ordered.normals(name), abs=1e-14)
+        assert normals(mixed.points, cells) == pytest.approx(mixed.normals(name), abs=0)
+        assert mixed.warp(name) == pytest.approx(ordered.warp(name), abs=1e-14)
+        assert np.array_equal(mixed.parts[name].prestress, ordered.parts[name].prestress)
+        assert not cells.flags.writeable
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_results_of_stages(seed, expected):
+    states = np.concatenate([part.state for part in expected["snow"].parts.values() if hasattr(part, "state")])
+    assert set(states) >= {"taut", "wrinkled"}
+    assert np.abs(expected["snow"].membrane("woven").strain[:, 0, 1]).max() > 1e-3
+    found = Analysis(roof(seed)).run(STAGES)
+    for name in expected:
+        assert_same(found[name], expected[name])
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_report(seed, expected):
+    def table(result):  # without the balance, which is rounding
+        return [line for line in report(result, nodes=[0, 49]).splitlines() if "balance" not in line]
+
+    assert table(Analysis(roof(seed)).run(STAGES)["snow"]) == table(expected["snow"])
+
+
+def test_modes_and_stability(expected):
+    found = Analysis(roof(1)).run(STAGES[:1])["air"]
+    wanted = natural_frequencies(expected["air"], 3).frequencies
+    assert natural_frequencies(found, 3).frequencies == pytest.approx(wanted, rel=1e-9)
+    assert stability(found).stiffnesses == pytest.approx(stability(expected["air"]).stiffnesses, rel=1e-8)
+
+
+def test_path(expected):
+    stage = Stage("more air", [Pressure(200.0, "plain")], after="air")
+    found = trace(Analysis(roof(1)).run(STAGES[:1])["air"], stage, load_factor=1.0)
+    wanted = trace(expected["air"], stage, load_factor=1.0)
+    assert found.load_factors == pytest.approx(wanted.load_factors, rel=1e-8)
+    assert_same(found.displacements[-1], wanted.displacements[-1])
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_form_finding(seed):
+    def form(order):
+        cells = TRIANGLES if order is None else shuffled(TRIANGLES, order)
+        fabric = Membrane(cells, WOVEN, (2e3, 1e3), warp=(1, 0.3, 0))
+        rim = Structure(POINTS + FLAT**2 * [0, 0, 0.3], {"fabric": fabric}, [Support(np.unique(boundary(TRIANGLES)))])
+        return updated_reference(rim, [Pressure(300.0, "fabric")])
+
+    found, wanted = form(seed), form(None)
+    assert found.structure.points == pytest.approx(wanted.structure.points, abs=1e-10)
+    assert_same(found.structure.parts["fabric"].prestress, wanted.structure.parts["fabric"].prestress)
+    assert np.array(found.steps) == pytest.approx(np.array(wanted.steps), rel=1e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_checkpoint_is_of_the_same_structure(seed):
+    assert fingerprints(roof(seed)) == fingerprints(roof())
+    other = roof(seed)
+    turned = dataclasses.replace(other.parts["plain"], cells=other.parts["plain"].cells[:, ::-1])
+    assert fingerprints(Structure(other.points, {**other.parts, "plain": turned}, other.supports)) != fingerprints(
+        other
+    )
+
+
+@pytest.mark.serial
+def test_pictures(tmp_path, expected):
+    pytest.importorskip("pyvista")
+    image = pytest.importorskip("matplotlib.image")
+
+    def drawn(result, name):
+        fabric = {part: result.membrane(part).principal[:, 0] for part in ("plain", "woven")}
+        plot.contours(result, {"stress": fabric}, tmp_path / name)
+        return image.imread(tmp_path / name)
+
+    a, b = drawn(Analysis(roof(1)).run(STAGES)["snow"], "mixed.png"), drawn(expected["snow"], "ordered.png")
+    assert a.shape == b.shape
+    assert np.abs(a - b).max() < 0.02  # lighting is rounded
+
+
+@pytest.mark.serial
+def test_gmsh_model():
+    gmsh = pytest.importorskip("gmsh")
+
+    def structure(cells):
+        gmsh.model.add("sheet")
+        gmsh.model.addDiscreteEntity(2, 1)
+        gmsh.model.mesh.addNodes(2, 1, np.arange(1, len(POINTS) + 1), POINTS.ravel())
+        gmsh.model.mesh.addElementsByType(1, 2, [], cells.ravel() + 1)
+        gmsh.model.setPhysicalName(2, gmsh.model.addPhysicalGroup(2, [1]), "fabric")
+        parts = {"fabric": lambda cells: Membrane(cells, FABRIC, [[900, 200], [200, 700]], warp=(1, 0, 0))}
+        made = structure_from_gmsh(None, parts)
+        gmsh.model.remove()
+        return dataclasses.replace(made, supports=[Support(np.unique(boundary(TRIANGLES)))])
+
+    gmsh.initialize()
+    gmsh.option.setNumber("General.Terminal", 0)
+    try:
+        mixed, ordered = structure(shuffled(TRIANGLES, 1)), structure(TRIANGLES)
+    finally:
+        gmsh.finalize()
+    stages = [Stage("air", [Pressure(300.0, "fabric")])]
+    assert_same(Analysis(mixed).run(stages)["air"], Analysis(ordered).run(stages)["air"])
+
+
+# Surfaces without two sides
+
+
+def moebius(prestress, n=12):
+    """A strip with half a turn, held along its rim."""
+    angle = 2 * np.pi * np.arange(n) / n
+    radius = np.cos(angle / 2)
+    half = 0.3 * np.stack([radius * np.cos(angle), radius * np.sin(angle), np.sin(angle / 2)], axis=1)
+    centre = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    low, middle, high = np.arange(3 * n).reshape(3, n)
+    ahead = [np.roll(row, -1) for row in (low, middle, high)]
+    ahead[0][-1], ahead[2][-1] = high[0], low[0]  # half a turn
+    cells = [
+        np.stack(corners, axis=1)
+        for a, b, c, d in [(low, middle, ahead[1], ahead[0]), (middle, high, ahead[2], ahead[1])]
+        for corners in [(a, b, c), (a, c, d)]
+    ]
+    fabric = Membrane(np.concatenate(cells), FABRIC, prestress, warp=(1, 0.3, 0.2))
+    points = np.concatenate([centre - half, centre, centre + half])
+    return Structure(points, {"fabric": fabric}, [Support([*low, *high])])
+
+
+def branching(prestress):
+    """Three sheets on one edge."""
+    points = [[0.0, 0, 0], [0, 1, 0], [1, 0, 0], [-1, 0, 0.5], [0, 0.5, 1]]
+    fabric = Membrane([[0, 1, 2], [0, 1, 3], [0, 1, 4]], FABRIC, prestress, warp=(0, 1, 0))
+    return Structure(points, {"fabric": fabric}, [Support([2, 3, 4])])
+
+
+@pytest.mark.parametrize(
+    ("surface", "reason"), [(moebius, "has only one side, like a Moebius strip"), (branching, "branches at the edge")]
+)
+def test_surface_without_two_sides(surface, reason):
+    structure = surface((900.0, 700.0))
+    air = [Stage("air", [Pressure(1.0, "fabric")])]
+    for refused in (
+        lambda: structure.normals("fabric"),
+        lambda: Analysis(structure).run(air),
+        lambda: updated_reference(structure, air[0].loads),
+    ):
+        with pytest.raises(ValueError, match=f"^Part 'fabric' {reason}"):
+            refused()
+    with pytest.raises(ValueError, match=rf"^Part 'fabric', with shear in its prestress \[\[900.*, {reason}"):
+        surface([[900, 200], [200, 700]])
+    assert np.abs(structure.warp("fabric")).max() > 0.1
+
+
+def test_soap_film_on_a_moebius_strip_is_found_and_handed_over():
+    form = updated_reference(moebius(1e3))
+    assert form.converged
+    assert form.steps[-1].area < form.steps[0].area
+    rest = Analysis(form.structure).run([Stage("rest")])["rest"]
+    assert np.abs(rest.displacement).max() < 1e-9

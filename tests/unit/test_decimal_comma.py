@@ -1,0 +1,65 @@
+"""A program that has chosen a decimal comma, as those with Qt do: same numbers, and the comma stays."""
+
+import locale
+import os
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from fx_membrane.decimal_point import decimal_point
+
+pytestmark = pytest.mark.serial
+SCRIPT = """
+import locale
+import sys
+
+import numpy as np
+
+from fx_membrane import *
+
+if len(sys.argv) > 1:
+    locale.setlocale(locale.LC_ALL, "de_DE.UTF-8")
+points, triangles = rectangle(1.0, 1.0, 4, 4)
+edges = edges_on(points, triangles, lambda x: np.isclose(x[0], 0.0))
+parts = {"fabric": Membrane(triangles, Fabric(1e5, 0.3), 1e3, mass=1.5), "cable": Cable(edges, 1e6, 1e3)}
+structure = Structure(points, parts, [Support(np.unique(boundary(triangles)))])
+snow = Analysis(structure).run([Stage("snow", [DeadLoad((0, 0, -10.5), "fabric")])])["snow"]
+print(*snow.displacement.ravel(), *natural_frequencies(snow, 2).frequencies, stability(snow).negative)
+print(locale.localeconv()["decimal_point"])
+"""
+
+
+@pytest.fixture(scope="module")
+def german(tmp_path_factory):
+    """Environment in which the German locale is there, also where it is not installed."""
+    folder = tmp_path_factory.mktemp("locales")
+    if shutil.which("localedef"):
+        make = ["localedef", "-i", "de_DE", "-f", "UTF-8", str(folder / "de_DE.UTF-8")]
+        subprocess.run(make, capture_output=True, check=False)
+    if not any(folder.iterdir()):
+        pytest.skip("needs localedef and its sources, of Debian's package locales")
+    return {**os.environ, "LOCPATH": str(folder)}
+
+
+def run(environment, *arguments):
+    command = [sys.executable, "-c", SCRIPT, *arguments]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    numbers, point = done.stdout.splitlines()
+    return np.array(numbers.split(), dtype=float), point
+
+
+def test_same_numbers_with_a_decimal_comma(german):
+    (expected, point), (found, comma) = run(german), run(german, "comma")
+    assert (point, comma) == (".", ",")
+    np.testing.assert_array_equal(found, expected)
+
+
+def test_locale_is_restored_after_an_error():
+    before = locale.setlocale(locale.LC_NUMERIC)
+    with pytest.raises(ZeroDivisionError), decimal_point():
+        _ = 1 / 0
+    assert locale.setlocale(locale.LC_NUMERIC) == before

@@ -1,0 +1,229 @@
+"""Mesh files as users read them: in a process that has not started gmsh; files that would run commands, or end gmsh."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fx_membrane import Cable, Fabric, Membrane, gmsh_file, gmsh_reader, structure_from_gmsh
+
+pytest.importorskip("gmsh")
+PARTS = {
+    "fabric": lambda cells: Membrane(cells, Fabric(Et=500e3, nu=0.3), prestress=1e3),
+    "cable": lambda cells: Cable(cells, axial_stiffness=1e6, prestress=1e4),
+}
+FORMATS = [(2.2, 0), (2.2, 1), (4.0, 0), (4.1, 0), (4.1, 1)]  # version, binary (gmsh writes no binary 4.0)
+WRITE = """
+import gmsh
+gmsh.initialize(readConfigFiles=False)
+gmsh.option.setNumber("General.Terminal", 0)
+surface = gmsh.model.occ.addRectangle(0, 0, 0, 2, 1)
+gmsh.model.occ.synchronize()
+sides = [tag for _, tag in gmsh.model.getBoundary([(2, surface)], oriented=False)]
+for name, dimension, tags in [("fabric", 2, [surface]), ("cable", 1, sides[:1]), ("fixed", 1, sides[2:3])]:
+    gmsh.model.setPhysicalName(dimension, gmsh.model.addPhysicalGroup(dimension, tags), name)
+gmsh.option.setNumber("Mesh.MeshSizeMax", 0.5)
+gmsh.model.mesh.generate(2)
+for version, binary in FORMATS:
+    gmsh.option.setNumber("Mesh.MshFileVersion", version)
+    gmsh.option.setNumber("Mesh.Binary", binary)
+    gmsh.write(f"{version}-{binary}.msh")
+"""
+READ = """
+import sys
+from fx_membrane import Cable, Fabric, Membrane, structure_from_gmsh
+structure = structure_from_gmsh(
+    sys.argv[1],
+    {"fabric": lambda cells: Membrane(cells, Fabric(5e5, 0.3), 1e3), "cable": lambda cells: Cable(cells, 1e6)},
+    {"fixed": "xyz"},
+)
+print(len(structure.points), structure.supported.all(axis=1).sum(), len(structure.parts["cable"].cells))
+assert "gmsh" not in sys.modules
+"""
+REFUSED = """
+import sys
+from fx_membrane import structure_from_gmsh
+for name in sys.argv[1:]:
+    try:
+        structure_from_gmsh(name, {"fabric": list})
+    except ValueError as error:
+        print(str(error).split(",")[0])
+"""
+NO_MODEL = """
+from fx_membrane import structure_from_gmsh
+
+def read():
+    try:
+        structure_from_gmsh(None, {"fabric": list})
+    except ValueError as error:
+        print(str(error).split(",")[0])
+
+read()
+import gmsh
+read()
+gmsh.initialize()
+gmsh.finalize()
+read()
+"""
+
+
+def python(code, *arguments, **options):
+    command = [sys.executable, "-c", code, *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, **options)
+
+
+def script(folder):
+    """What gmsh would run, wherever the process that reads it stands."""
+    return f'SystemCall "touch {folder}/ran";\nPrintf("hi") > "{folder}/printed";\n'
+
+
+@pytest.fixture(scope="module")
+def meshes(tmp_path_factory):
+    """One mesh in all formats, written by another process: this one has not started gmsh."""
+    folder = tmp_path_factory.mktemp("meshes")
+    written = python(WRITE.replace("FORMATS", str(FORMATS)), cwd=folder)
+    assert written.returncode == 0, written.stderr
+    return folder
+
+
+@pytest.fixture
+def good(meshes, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return Path(shutil.copy(meshes / "4.1-0.msh", tmp_path / "roof.msh"))
+
+
+@pytest.mark.serial
+def test_mesh_in_a_fresh_process(good):
+    read = python(READ, good)
+    assert read.returncode == 0, read.stderr
+    nodes, held, segments = map(int, read.stdout.split())
+    assert nodes > 15
+    assert held == segments + 1  # the opposite side, as long
+
+
+def test_all_formats_give_the_same(meshes):
+    first, *others = (
+        structure_from_gmsh(meshes / f"{version}-{binary}.msh", PARTS, {"fixed": "xyz"}) for version, binary in FORMATS
+    )
+    assert first.supported.any()
+    for other in others:
+        np.testing.assert_allclose(other.points, first.points, rtol=0, atol=1e-14)
+        np.testing.assert_array_equal(other.supported, first.supported)
+        for name in PARTS:
+            np.testing.assert_array_equal(other.parts[name].cells, first.parts[name].cells)
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize("before", ["", "import gmsh; gmsh.initialize()"])
+def test_script_is_not_run(before, tmp_path):
+    names = ["roof.msh", "roof.geo", "roof.msh.opt", "roof.opt", "roof.py"]
+    for name in names:
+        (tmp_path / name).write_text(script(tmp_path))
+    read = python(before + REFUSED, *names, cwd=tmp_path)
+    assert read.stdout.splitlines() == [f"{name} has no mesh that gmsh can read; give a .msh file" for name in names]
+    assert sorted(file.name for file in tmp_path.iterdir()) == sorted(names)
+
+
+@pytest.mark.parametrize("where", ["beside", "comments", "between", "after", "post"])
+def test_script_with_a_good_mesh_is_not_run(where, good):
+    text, evil = good.read_text(), script(good.parent)
+    beside = good.with_name("roof.msh.opt")
+    begin, post = "$EndMeshFormat\n", "$PostFormat\n1.4 0 8\n$EndPostFormat\n"
+    file, content = {
+        "beside": (beside, evil),
+        "comments": (good, text.replace(begin, f"{begin}$Comments\n{evil}$EndComments\n")),
+        "between": (good, text.replace(begin, begin + evil)),
+        "after": (good, text + evil),
+        "post": (good, text + post + evil),
+    }[where]
+    file.write_text(content)
+    assert len(structure_from_gmsh(good, PARTS).points) > 15
+    assert {file.name for file in Path().iterdir()} <= {good.name, beside.name}
+
+
+@pytest.mark.serial
+def test_configuration_of_the_user_is_not_read(good, tmp_path):
+    (tmp_path / ".gmshrc").write_text(script(tmp_path))
+    read = python(READ, good, cwd=tmp_path, env={**os.environ, "HOME": str(tmp_path), "GMSH_HOME": str(tmp_path)})
+    assert read.returncode == 0, read.stderr
+    assert not (tmp_path / "ran").exists()
+
+
+def test_what_the_user_has_open_stays(good):
+    import gmsh  # noqa: PLC0415
+
+    gmsh.initialize()
+    try:
+        gmsh.model.add("mine")
+        gmsh.option.setNumber("General.Terminal", 1)
+        before = gmsh.model.list(), gmsh.model.getCurrent()
+        structure_from_gmsh(good, PARTS)
+        assert (gmsh.model.list(), gmsh.model.getCurrent()) == before
+        assert gmsh.option.getNumber("General.Terminal") == 1
+    finally:
+        gmsh.finalize()
+
+
+@pytest.mark.serial
+def test_no_model_is_open():
+    words = python(NO_MODEL).stdout.splitlines()
+    assert words == ["No gmsh model is open in this process; call gmsh.initialize() and mesh a model before"] * 3
+
+
+@pytest.mark.parametrize("share", [0.02, 0.2, 0.5, 0.8, 0.97])
+@pytest.mark.parametrize("name", ["2.2-0", "4.1-1"])
+def test_truncated_mesh(name, share, meshes, tmp_path):
+    whole = (meshes / f"{name}.msh").read_bytes()
+    file = tmp_path / "roof.msh"
+    file.write_bytes(whole[: int(share * len(whole))])
+    with pytest.raises(ValueError, match=r"roof\.msh (is not a file|has no mesh) that gmsh can read"):
+        structure_from_gmsh(file, PARTS)
+
+
+@pytest.mark.parametrize(
+    ("ending", "words"),
+    [
+        ("import time; time.sleep(60)", "gmsh was stopped, after 1 s"),
+        ("while True: pass", "gmsh was stopped, after 1 s"),
+        ("import os; os.abort()", "gmsh ended by SIGABRT"),
+        ("import os, signal; os.kill(os.getpid(), signal.SIGSEGV)", "gmsh ended by SIGSEGV"),
+        ("raise MemoryError('8 TB')", "MemoryError: 8 TB"),
+    ],
+)
+def test_reader_that_aborts_or_never_ends(ending, words, good, tmp_path, monkeypatch):
+    reader = tmp_path / "reader.py"
+    reader.write_text(ending)
+    monkeypatch.setattr(gmsh_reader, "__file__", str(reader))
+    monkeypatch.setattr(gmsh_file, "SECONDS", 1)
+    with pytest.raises(ValueError, match=rf"roof\.msh is damaged, and no file that gmsh can read \({words}"):
+        structure_from_gmsh(good, PARTS)
+
+
+@pytest.mark.parametrize(
+    ("source", "message"),
+    [
+        (5, "^source is 5; give"),
+        ("no.msh", "^There is no file no.msh; give the name"),
+        ("", "^source is ''; give"),
+        ("..", r"^\.\. is a folder; give the name of a gmsh mesh in it"),
+        ("/dev/zero", "^There is no file /dev/zero"),
+        ("a\0b.msh", "^source is .* without zero bytes"),
+        ("/proc/self/mem", r"^/proc/self/mem cannot be read \(Input/output error\); make it readable"),
+    ],
+)
+def test_source_that_is_no_file(source, message):
+    with pytest.raises(ValueError, match=message):
+        structure_from_gmsh(source, PARTS)
+
+
+def test_cells_at_nodes_that_the_file_does_not_have(good):
+    """A damaged file; such a number once made an array of that size."""
+    good.write_text(
+        '$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 1 "fabric"\n$EndPhysicalNames\n'
+        "$Nodes\n3\n1 0 0 0\n2 1 0 0\n999999999 0 1 0\n$EndNodes\n$Elements\n1\n1 2 2 1 1 1 2 999999999\n$EndElements\n"
+    )
+    assert structure_from_gmsh(good, {"fabric": PARTS["fabric"]}).points.shape == (3, 3)

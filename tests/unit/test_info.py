@@ -1,0 +1,47 @@
+"""The command `fx-membrane info` reports what an import finds, and what is missing."""
+
+import sys
+import types
+
+import pytest
+from click.testing import CliRunner
+
+from fx_membrane.cli import main
+
+pytestmark = pytest.mark.serial
+
+
+def info():
+    """Rows of the report by name."""
+    done = CliRunner().invoke(main, ["info"], catch_exceptions=False)
+    assert done.exit_code == 0
+    return {line[:12].strip(): line[12:].strip() for line in done.output.splitlines()}
+
+
+def test_all_that_computes_is_listed():
+    rows = info()
+    assert {"fx_membrane", "dolfinx", "PETSc", "MPI", "Python", "numpy", "scipy", "pyvista", "vtk"} <= set(rows)
+    assert rows["numpy"] == sys.modules["numpy"].__version__
+
+
+def test_vtk_without_metadata_is_found(monkeypatch):
+    """Debian's python3-vtk9 is a module without metadata of a distribution."""
+    debian = types.ModuleType("vtkmodules")
+    debian.__version__ = "9.3.0"
+    monkeypatch.setitem(sys.modules, "vtkmodules", debian)
+    assert info()["vtk"] == "9.3.0"
+
+
+@pytest.mark.parametrize("module", ["dolfinx", "scipy", "matplotlib", "pyvista", "vtkmodules", "petsc4py.PETSc"])
+def test_missing_module_is_reported(module, monkeypatch):
+    monkeypatch.setitem(sys.modules, module, None)
+    row = {"vtkmodules": "vtk", "petsc4py.PETSc": "PETSc"}.get(module, module)
+    assert "not installed" in info()[row]
+
+
+def test_module_that_does_not_load_is_reported(monkeypatch, tmp_path):
+    """Debian 13's pyvista beside pip's VTK, for instance."""
+    (tmp_path / "pyvista.py").write_text("from math import vtkCapsuleSource\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "pyvista", raising=False)
+    assert "vtkCapsuleSource" in info()["pyvista"]
