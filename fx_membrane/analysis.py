@@ -16,6 +16,7 @@ from tqdm import tqdm
 
 from . import checkpoint, load_case, loads, validation
 from .checkpoint import Progress
+from .curvature import explained
 from .first_order import ConjugateGradient, SteepestDescent
 from .large_strain import warn_of_large_prestress, warn_of_large_strains
 from .loads import Stage
@@ -105,7 +106,7 @@ class Analysis:
             UnstableStateWarning: A state is not stable; the structure has snapped or buckled between two load factors
                 (`Newton` with a line search tells); a node moved by more than half the size of the structure in the
                 stage; or slack or wrinkled parts carry more than 1 % of the largest force of their kind.
-            LostPrestressWarning: A part that was given a prestress has no tension left.
+            LostPrestressWarning: No cell of a part has 1 % of its prestress left.
         """
         self._check(stages)
         if self._comm.rank == 0:
@@ -196,6 +197,8 @@ class Analysis:
 
         At the start of a stage forces may not show that yet: a small share of the increment brings them forth.
         """
+        if not explained(self._problem):
+            return reached  # nothing can be slack
         factor = float(state.factor) or PROBE * float(reached.factor)
         actions = load_case.between(start, end, factor)
         self._problem.apply(actions)
