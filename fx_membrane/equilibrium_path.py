@@ -110,7 +110,7 @@ class EquilibriumPath:
         Warns:
             LargeStrainWarning: Strains are above 5 %.
             UnstableStateWarning: Slack or wrinkled parts carry more than 1 % of the largest force of their kind.
-            LostPrestressWarning: A part that was given a prestress has no tension left.
+            LostPrestressWarning: No cell of a part has 1 % of its prestress left.
             UnbalancedStateWarning: Unbalanced forces are above 1e-6 of the loads.
         """
         count = len(self.points)

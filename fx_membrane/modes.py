@@ -62,9 +62,9 @@ class Stability:
     236-249), and the state does not diverge, but flutter is for `natural_frequencies` to tell.
 
     The stiffness that wrinkled and slack cells keep (`compression_stiffness`) is set aside: slack cells that buckle
-    from node to node are no instability. Nodes at which all cells are slack have no stiffness then; they are left out, as
-    long as others are enough. A motion that is left without stiffness is one of the structure: a mechanism. Where slack
-    parts push, a state is no equilibrium without them, and eigenvalues tell little: `held_by_slack` says so.
+    from node to node are no instability. Nodes at which all cells are slack have no stiffness then; they are left out,
+    as long as others are enough. A motion that is left without stiffness is one of the structure: a mechanism. Where
+    slack parts push, a state is no equilibrium without them, and eigenvalues tell little: `held_by_slack` says so.
 
     Attributes:
         stiffnesses: Ascending, shape (count,) [N/m]; 0 where there is none but for rounding.
