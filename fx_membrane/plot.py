@@ -4,6 +4,7 @@ Each function writes one picture, a PNG or what else its name ends in, and makes
 processes; the first one draws.
 """
 
+import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ from .fields import Field, checked, checked_limits
 from .parts import Part
 from .results import StageResult
 from .scene import INK, picture, screen_axes
+from .screen import obstacle
 from .solver import Iteration
 
 LINES = "#1f6f8b"
@@ -199,6 +201,8 @@ def contours(
 ) -> None:
     """Fields on the deformed structure, one picture beside the other; cables and masts are drawn as tubes.
 
+    Where pyvista is missing, or VTK can draw neither on a screen nor in memory, a warning says so; no file is written.
+
     Args:
         result: A stage.
         fields: For each title, either nodal values, shape (n,), or cell values (cells,) of some parts by name, as the
@@ -216,7 +220,6 @@ def contours(
         ValueError: A field has a wrong number of values, values that are not finite, or names no part; mirror is none
             of the three; odd or limits name no field; limits are not two numbers, the lower first, or are given for
             states; view is not a direction; scale is not a number; path ends in no format of pictures.
-        RuntimeError: There is no screen, and this version of VTK needs one.
     """
     validation.instance("The first argument of contours", result, StageResult)
     validation.instance("fields", fields, Mapping)
@@ -237,6 +240,9 @@ def contours(
     if MPI.COMM_WORLD.rank:
         return
     paths.check_writable("path", file)
+    if reason := obstacle():
+        warnings.warn(f"{file} is not drawn: {reason}", stacklevel=2)
+        return
     figure = _figure(6.4 * len(drawn), 5.6)
     panels = figure.subplots(1, len(drawn), squeeze=False)[0]
     for axes, (title, field) in zip(panels, drawn.items(), strict=True):

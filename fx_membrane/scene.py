@@ -1,6 +1,5 @@
 """One picture of the deformed structure by pyvista, without words: `plot` puts titles and scales around it."""
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,10 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from .parts import Mast
 from .results import StageResult
-
-# Without a screen VTK draws in memory; to be set before pyvista loads it.
-if not os.environ.get("DISPLAY"):
-    os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkOSOpenGLRenderWindow")
 
 INK = "#30343b"
 MAST = "#8a5a2b"
@@ -45,14 +40,9 @@ def picture(
     Cell values colour the parts they are given for; nodal values the membranes, and the lines where there are none.
 
     Where mirror names a coordinate, the mirror image is there too, of values of the other sign if the field is odd.
-
-    Raises:
-        RuntimeError: There is no screen, and this version of VTK needs one.
     """
     import pyvista  # noqa: PLC0415  (numbers alone should not wait for it)
 
-    if not os.environ.get("DISPLAY") and pyvista.vtk_version_info < (9, 4):  # it would abort the whole process
-        raise RuntimeError("Without a screen this version of VTK cannot draw; run the script with xvfb-run.")
     plotter = pyvista.Plotter(off_screen=True, window_size=(1200, 900))
     plotter.set_background("white")
     plotter.enable_anti_aliasing("ssaa")
