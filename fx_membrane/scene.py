@@ -1,6 +1,5 @@
 """One picture of the deformed structure by pyvista, without words: `plot` puts titles and scales around it."""
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,10 +9,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from .parts import Mast
 from .results import StageResult
-
-# Without a screen VTK draws in memory; to be set before pyvista loads it.
-if not os.environ.get("DISPLAY"):
-    os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkOSOpenGLRenderWindow")
 
 INK = "#30343b"
 MAST = "#8a5a2b"
