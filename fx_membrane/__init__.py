@@ -30,6 +30,7 @@ from .results import BarResult, Equilibrium, Increment, MembraneResult, StageRes
 from .solver import Iteration
 from .structure import Structure, Support
 from .updated_reference import Form, UnsettledFormWarning, updated_reference
+from .wave_speed import MassUnitWarning
 
 # PETSc takes a pipe that is closed at its other end, `script.py | head`, for a crash; to Python it is an exception.
 with _contextlib.suppress(ValueError):  # not in the main thread
@@ -51,6 +52,7 @@ __all__ = [
     "Increment",
     "Iteration",
     "LargeStrainWarning",
+    "MassUnitWarning",
     "Mast",
     "Membrane",
     "MembraneResult",
