@@ -43,6 +43,7 @@ from .solver import Iteration
 from .structure import SliverWarning, Structure, Support
 from .updated_reference import Form, UnsettledFormWarning, updated_reference
 from .work import WorkLimit
+from .wave_speed import MassUnitWarning
 
 # PETSc takes a pipe that is closed at its other end, `script.py | head`, for a crash; to Python it is an exception.
 with _contextlib.suppress(ValueError):  # not in the main thread
@@ -66,6 +67,7 @@ __all__ = [
     "Iteration",
     "LargeStrainWarning",
     "LostPrestressWarning",
+    "MassUnitWarning",
     "Mast",
     "Membrane",
     "MembraneResult",
