@@ -10,7 +10,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from . import checkpoint, load_case, loads, validation
+from . import _dolfinx, checkpoint, load_case, loads, validation
 from .balance import warn_of_unbalance
 from .checkpoint_file import Progress
 from .curvature import explained
@@ -184,6 +184,7 @@ class Analysis:
             work = Work(self._limit, self._comm, report.iteration)
             while state.factor < 1:
                 factor = min(state.factor + state.size, Fraction(1))
+                _dolfinx.free_dropped(self._comm)
                 self._problem.apply(load_case.between(start, end, float(factor)))
                 solution = self._solved(x, work)
                 judged = (balanced or state.factor > 0) and not any(entry.snapped for entry in state.increments)

@@ -21,7 +21,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from . import load_case, loads, path_check, path_ends, validation
+from . import _dolfinx, load_case, loads, path_check, path_ends, validation
 from .bordered_newton import BorderedNewton, Plane, Point, Step
 from .curvature import downhill
 from .diagnosis import linear_failure
@@ -154,6 +154,7 @@ class _Tracer:
         length = self.first = self.share / here.direction.factor
         while not self.path.complete and len(self.path.points) < max_points:
             last = here
+            _dolfinx.free_dropped(self.newton.problem.discretization.comm)
             here, length, complete = self.next(last, length, ends)
             if last.turned(here):
                 end = self.pass_limit_point(last, here, ends)
