@@ -109,7 +109,7 @@ def test_wrinkles_are_no_instability_and_slack_nodes_are_left_out():
 @pytest.mark.filterwarnings("ignore:Stage 'rest'")
 @pytest.mark.parametrize("kept", [1e-6, 1e-3])
 def test_what_slack_cables_keep_holds_no_mast(kept):
-    """A mast within guys longer than the way: it stands there, pushed up a little by what they keep, held by nothing."""
+    """A mast within guys longer than the way: what they keep pushes it up a little, nothing holds it."""
     feet = [[3.0, 0, 0], [-2, 2, 0], [-2, -2, 0]]
     guys = Cable([[1, 2], [1, 3], [1, 4]], 12e6, prestress=-1e4, compression_stiffness=kept)
     parts = {"mast": Mast([[0, 1]], 200e6), "guys": guys}
