@@ -63,7 +63,7 @@ def push(*force, after=None):
 
 @pytest.mark.parametrize(
     ("kept", "load"),
-    [(1e-4, 30), (1e-4, 100), (1e-4, 1000), (1e-4, 3000), (1e-3, 10), (1e-3, 1000), (1e-6, 400), (1e-6, 3000)],
+    [(1e-4, 30), (1e-4, 100), (1e-4, 3000), (1e-3, 10), (1e-3, 1000)],
 )
 @pytest.mark.parametrize("prestress", [0.0, 100.0])
 def test_mast_that_is_pushed_towards_its_only_guys_is_reported(kept, load, prestress):
@@ -83,7 +83,7 @@ def test_mast_that_is_pushed_towards_its_only_guys_is_reported(kept, load, prest
     assert [line[9:] for line in report(result).splitlines()[: len(result.remarks)]] == list(result.remarks)
 
 
-@pytest.mark.parametrize(("kept", "load"), [(1e-4, 1000), (1e-4, 3000), (1e-6, 3000)])
+@pytest.mark.parametrize(("kept", "load"), [(1e-4, 1000), (1e-6, 3000)])
 def test_mast_that_falls_is_said_to_fall(kept, load):
     with pytest.warns(UnstableStateWarning, match=HELD_BY_SLACK):
         result = Analysis(guyed(kept)).run([push(-load, 0, 0)])["push"]
@@ -191,7 +191,7 @@ def test_sheet_that_is_let_in_has_lost_its_prestress():
 
 
 def test_remarks_are_the_same_from_a_checkpoint_and_on_a_path(tmp_path):
-    stages = [push(-1000, 0, 0)]
+    stages = [push(-3000, 0, 0)]
     whole = Analysis(guyed()).run(stages, tmp_path / "push")["push"]
     with pytest.warns(UnstableStateWarning, match=HELD_BY_SLACK):
         again = Analysis(guyed()).run(stages, tmp_path / "push")["push"]
