@@ -10,7 +10,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from . import _dolfinx, checkpoint, load_case, loads, validation
+from . import _dolfinx, checkpoint, load_case, loads, paths, validation
 from .balance import warn_of_unbalance
 from .checkpoint_file import Progress
 from .curvature import explained
@@ -99,7 +99,7 @@ class Analysis:
             validation.instance("Analysis structure", structure, Structure)
             validation.instance("Analysis solver", solver, AnySolver)
             validation.instance("Analysis limit", limit, WorkLimit)
-            validation.instance("Analysis progress", progress, bool)
+            progress = validation.truth("Analysis progress", progress)
         refuse_differences(comm, lambda: {"solver": fingerprint(solver), "limit": fingerprint(limit)})
         self._limit, self._progress = limit, progress
         self.structure = structure
@@ -138,12 +138,15 @@ class Analysis:
             CheckpointWarning: A state could not be saved, as on a full disk; the run goes on without.
         """
         with together(self._comm):
+            file = None if checkpoint_file is None else paths.path("checkpoint_file", checkpoint_file)
+            if file and self._comm.rank == 0:
+                paths.check_writable("checkpoint_file", file)
             self._check(stages)
         refuse_differences(self._comm, lambda: of_stages(stages))
         with together(self._comm):
             if self._comm.rank == 0:
                 warn_of_large_prestress(self.structure, stacklevel=3)
-        with checkpoint.opened(checkpoint_file, self.structure, stages, self._comm) as saved:
+        with checkpoint.opened(file, self.structure, stages, self._comm) as saved:
             results = StageResults()
             ends: dict[str | None, Actions] = {None: load_case.unloaded(self.structure)}
             for stage in stages:
