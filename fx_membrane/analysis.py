@@ -10,9 +10,10 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from . import checkpoint, load_case, loads, paths, validation
+from . import _dolfinx, checkpoint, load_case, loads, paths, validation
 from .balance import warn_of_unbalance
 from .checkpoint_file import Progress
+from .curvature import explained
 from .fingerprints import fingerprint, of_stages
 from .first_order import ConjugateGradient, SteepestDescent
 from .large_strain import warn_of_large_prestress, warn_of_large_strains
@@ -132,7 +133,7 @@ class Analysis:
             UnstableStateWarning: A state is not stable; the structure has snapped or buckled between two load factors
                 (`Newton` with a line search tells); a node moved by more than half the size of the structure in the
                 stage; or slack or wrinkled parts carry more than 1 % of the largest force of their kind.
-            LostPrestressWarning: A part that was given a prestress has no tension left.
+            LostPrestressWarning: No cell of a part has 1 % of its prestress left.
             UnbalancedStateWarning: Unbalanced forces of a stage are above 1e-6 of the loads.
             CheckpointWarning: A state could not be saved, as on a full disk; the run goes on without.
         """
@@ -186,6 +187,7 @@ class Analysis:
             work = Work(self._limit, self._comm, report.iteration)
             while state.factor < 1:
                 factor = min(state.factor + state.size, Fraction(1))
+                _dolfinx.free_dropped(self._comm)
                 self._problem.apply(load_case.between(start, end, float(factor)))
                 solution = self._solved(x, work)
                 judged = (balanced or state.factor > 0) and not any(entry.snapped for entry in state.increments)
@@ -237,6 +239,8 @@ class Analysis:
 
         At the start of a stage forces may not show that yet: a small share of the increment brings them forth.
         """
+        if not explained(self._problem):
+            return reached  # nothing can be slack
         factor = float(state.factor) or PROBE * float(reached.factor)
         actions = load_case.between(start, end, factor)
         self._problem.apply(actions)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from mpi4py import MPI
 
+from . import paths
 from .checkpoint_file import CheckpointFile, Digests, Progress
 from .fingerprints import fingerprints
 from .loads import Stage
@@ -95,8 +96,10 @@ def opened(
     try:
         with together(comm):
             if path is not None and comm.rank == 0:
+                target = paths.path("checkpoint_file", path)
+                paths.check_writable("checkpoint_file", target)
                 mine = fingerprints(structure)
-                file = CheckpointFile(Path(path), mine)
+                file = CheckpointFile(target, mine)
             kept = Checkpoint(comm, stages, file)
             if file:
                 kept.load(mine, stages)

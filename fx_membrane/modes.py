@@ -23,6 +23,7 @@ from .problem import Problem
 from .processes import refuse_differences, together
 from .remarks import held_by_slack_parts
 from .results import StageResult
+from .wave_speed import warn_of_mass_units
 
 Array = NDArray[np.float64]
 
@@ -62,9 +63,9 @@ class Stability:
     236-249), and the state does not diverge, but flutter is for `natural_frequencies` to tell.
 
     The stiffness that wrinkled and slack cells keep (`compression_stiffness`) is set aside: slack cells that buckle
-    from node to node are no instability. Nodes at which all cells are slack have no stiffness then; they are left out, as
-    long as others are enough. A motion that is left without stiffness is one of the structure: a mechanism. Where slack
-    parts push, a state is no equilibrium without them, and eigenvalues tell little: `held_by_slack` says so.
+    from node to node are no instability. Nodes at which all cells are slack have no stiffness then; they are left out,
+    as long as others are enough. A motion that is left without stiffness is one of the structure: a mechanism. Where
+    slack parts push, a state is no equilibrium without them, and eigenvalues tell little: `held_by_slack` says so.
 
     Attributes:
         stiffnesses: Ascending, shape (count,) [N/m]; 0 where there is none but for rounding.
@@ -94,7 +95,10 @@ class Stability:
 def natural_frequencies(state: StageResult, count: int = 6, comm: MPI.Intracomm = MPI.COMM_WORLD) -> Modes:
     """Lowest natural frequencies about a state, and their shapes. What the state holds is held.
 
-    Parts without mass follow the others by their stiffness alone.
+    Parts without mass follow the others by their stiffness alone. Frequencies are in Hz where masses are in the unit
+    that the other data demand: force unit times s2 over length unit, that is kg with N and m, t with kN and m (1.05
+    kg/m2 is 1.05e-3 t/m2), t with N and mm (1.05e-9 t/mm2), lbf s2/in with lbf and in. Masses 1000 times too large
+    give frequencies 32 times too low.
 
     Args:
         state: An equilibrium state of a structure in which some parts have a `mass`.
@@ -105,6 +109,9 @@ def natural_frequencies(state: StageResult, count: int = 6, comm: MPI.Intracomm 
         ValueError: No part has mass; fewer than count components have mass and can move; the tangent stiffness is
             singular or negative where there is no mass.
         RuntimeError: The eigenvalue solver did not converge.
+
+    Warns:
+        MassUnitWarning: A mass makes waves slower or faster than in any fabric, cable or mast.
     """
     validation.communicator("natural_frequencies comm", comm)
     with together(comm):
@@ -112,6 +119,8 @@ def natural_frequencies(state: StageResult, count: int = 6, comm: MPI.Intracomm 
         parts = [part for part in state.structure.parts.values() if part.mass > 0]
         if not parts:
             raise ValueError("No part has mass; give mass=... to membranes [kg/m2], cables or masts [kg/m].")
+        if comm.rank == 0:
+            warn_of_mass_units(state.structure, stacklevel=3)
         movable = np.zeros_like(state.actions.held)
         for part in parts:
             movable[part.cells] = True

@@ -21,7 +21,8 @@ from .fields import Field, checked, checked_limits, checked_scale
 from .parts import Part
 from .processes import by_the_first
 from .results import StageResult
-from .scene import INK, obstacle, picture, screen_axes
+from .scene import INK, picture, screen_axes
+from .screen import obstacle
 from .solver import Iteration
 
 LINES = "#1f6f8b"
@@ -198,7 +199,7 @@ def contours(
 ) -> None:
     """Fields on the deformed structure, one picture beside the other; cables and masts are drawn as tubes.
 
-    Where pyvista is missing, or its VTK needs a screen and there is none, a warning says so and nothing is drawn.
+    Where pyvista is missing, or VTK can draw neither on a screen nor in memory, a warning says so; no file is written.
 
     Args:
         result: A stage.

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from .parts import Mast, Membrane
 from .results import BarResult, LostPrestressWarning, StageResult, UnstableStateWarning
 from .slack_forces import Loose, Push, loose_masts, pushes, slack_cells
-from .solver import FALLEN, ROUNDING
+from .solver import FALLEN
 from .structure import Structure
 
+LEFT = 0.01  # share of its prestress, below which a part has lost it
 SHOWN = 3  # load factors and parts that are named
 
 
@@ -88,7 +89,8 @@ def _snapped(result: StageResult, moved: str) -> Iterator[Remark]:
         if increment.fallen:
             yield Remark(
                 f"{increment.fallen}, falls{moved and f': {moved}'}. It carries nothing but by the small stiffness "
-                "that slack parts keep (compression_stiffness): no load is safe. Add cables, masts or supports that hold it."
+                "that slack parts keep (compression_stiffness): no load is safe. Add cables, masts or supports "
+                "that hold it."
             )
         elif increment.snapped:
             yield Remark(
@@ -134,31 +136,26 @@ def _loss(result: StageResult, lost: Sequence[str]) -> str:
     structure = result.structure
     nodes = np.unique(np.concatenate([structure.parts[name].cells.ravel() for name in lost]))
     motion = np.linalg.norm(result.displacement[nodes], axis=1)
-    whole = all(name in lost for name, part in structure.parts.items() if _tensioned(structure, name).any())
-    verb = "have lost their" if len(lost) > 1 else "has lost its"
-    what = "all prestress is lost: no cell of" if whole else "a part has lost all its prestress: no cell of"
-    if not whole and len(lost) > 1:
-        what = f"{len(lost)} parts {verb} prestress: no cell of"
+    whole = all(name in lost for name, part in structure.parts.items() if _tensions(structure, name).max() > 0)
+    what = "all prestress is lost" if whole else "prestress is lost"
     return (
-        f"{what} {_listed(lost)} is in tension, and node {nodes[motion.argmax()]} has moved by {motion.max():.3g} from "
-        f"the reference shape. If that is not meant, check that every mast has its stays and every edge its supports, "
-        "and that shape and prestress belong together."
+        f"{what}: no cell of {_listed(lost)} has more than {100 * LEFT:g} % of it left, and node "
+        f"{nodes[motion.argmax()]} has moved by {motion.max():.3g} from the reference shape. If that is not meant, "
+        "check that every mast has its stays and every edge its supports, and that shape and prestress belong together."
     )
 
 
 def _has_lost_its_prestress(result: StageResult, name: str) -> bool:
-    """Whether a part that was given tension has none left."""
-    if not _tensioned(result.structure, name).any():
-        return False
+    """Whether a part that was given tension has next to none left."""
+    given = _tensions(result.structure, name).max()
     part = result.parts[name]
-    tension = part.force if isinstance(part, BarResult) else part.principal[:, 0]
-    rounding = ROUNDING * np.abs(result.structure.parts[name].prestress_tensors()).max()
-    return bool((slack_cells(result, name) | (tension <= rounding)).all())
+    left = part.force if isinstance(part, BarResult) else part.principal[:, 0]
+    return bool(given > 0 and (slack_cells(result, name) | (left <= LEFT * given)).all())
 
 
-def _tensioned(structure: Structure, name: str) -> NDArray[np.bool_]:
-    """Cells of a part whose prestress is a tension in some direction, shape (cells,)."""
-    return np.asarray(np.linalg.eigvalsh(structure.parts[name].prestress_tensors())[:, -1] > 0)
+def _tensions(structure: Structure, name: str) -> NDArray[np.float64]:
+    """Largest prestress of each cell of a part, shape (cells,); negative where it is no tension."""
+    return np.linalg.eigvalsh(structure.parts[name].prestress_tensors())[:, -1]
 
 
 def _moved(result: StageResult, start: NDArray[np.float64]) -> str:

@@ -1,6 +1,5 @@
 """One picture of the deformed structure by pyvista, without words: `plot` puts titles and scales around it."""
 
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,15 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 from .parts import Mast
 from .results import StageResult
 
-# Without a screen VTK draws in memory; to be set before pyvista loads it.
-if not os.environ.get("DISPLAY"):
-    os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", "vtkOSOpenGLRenderWindow")
-
 INK = "#30343b"
 MAST = "#8a5a2b"
 FABRIC = "#e8e4da"
-
-REMEDY = "run pip install '.[plot]' in the folder of fx_membrane, in a virtual environment"
 
 
 @dataclass(frozen=True)
@@ -30,18 +23,6 @@ class Colours:
     low: float
     high: float
     bands: int
-
-
-def obstacle() -> str:
-    """One sentence that says why pyvista cannot draw here, with the remedy; empty where it can."""
-    try:
-        import pyvista  # noqa: PLC0415  (numbers alone should not wait for it)
-    except ImportError as error:
-        return f"pyvista does not load ({error}); {REMEDY}."
-    if not os.environ.get("DISPLAY") and pyvista.vtk_version_info < (9, 4):  # it would abort the whole process
-        version = ".".join(map(str, pyvista.vtk_version_info))
-        return f"VTK {version} cannot draw without a screen; {REMEDY}, or run the script with xvfb-run -a."
-    return ""
 
 
 def picture(
