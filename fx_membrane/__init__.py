@@ -12,6 +12,9 @@ from mpi4py import MPI as _MPI  # noqa: F401  (before dolfinx: its wheel from Py
 from . import plot
 from .analysis import Analysis, ConvergenceError
 from .arc_length import ContinuationError, trace
+from .balance import UnbalancedStateWarning
+from .checkpoint import CheckpointWarning
+from .coincidence import CoincidentNodesWarning
 from .edges import edges_on
 from .equilibrium_path import EquilibriumPath, PathPoint
 from .first_order import ConjugateGradient, SteepestDescent
@@ -25,10 +28,20 @@ from .modes import Modes, Stability, natural_frequencies, stability
 from .newton import Newton
 from .parts import Cable, Mast, Membrane
 from .report import report
-from .results import BarResult, Equilibrium, Increment, MembraneResult, StageResult, StageResults, UnstableStateWarning
+from .results import (
+    BarResult,
+    Equilibrium,
+    Increment,
+    LostPrestressWarning,
+    MembraneResult,
+    StageResult,
+    StageResults,
+    UnstableStateWarning,
+)
 from .solver import Iteration
-from .structure import CoincidentNodesWarning, SliverWarning, Structure, Support
+from .structure import SliverWarning, Structure, Support
 from .updated_reference import Form, UnsettledFormWarning, updated_reference
+from .work import WorkLimit
 
 # PETSc takes a pipe that is closed at its other end, `script.py | head`, for a crash; to Python it is an exception.
 with _contextlib.suppress(ValueError):  # not in the main thread
@@ -38,6 +51,7 @@ __all__ = [
     "Analysis",
     "BarResult",
     "Cable",
+    "CheckpointWarning",
     "CoincidentNodesWarning",
     "ConjugateGradient",
     "ContinuationError",
@@ -50,6 +64,7 @@ __all__ = [
     "Increment",
     "Iteration",
     "LargeStrainWarning",
+    "LostPrestressWarning",
     "Mast",
     "Membrane",
     "MembraneResult",
@@ -70,8 +85,10 @@ __all__ = [
     "SteepestDescent",
     "Structure",
     "Support",
+    "UnbalancedStateWarning",
     "UnsettledFormWarning",
     "UnstableStateWarning",
+    "WorkLimit",
     "boundary",
     "edges_on",
     "force_density",

@@ -1,35 +1,38 @@
 """Stages: load increments, load cases that branch from a common state, and results that are never lost."""
 
-import os
-import sys
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Self
 
 import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
-from tqdm import tqdm
 
-from . import checkpoint, load_case, loads, paths, validation
-from .checkpoint import Progress
+from . import checkpoint, load_case, loads, validation
+from .balance import warn_of_unbalance
+from .checkpoint_file import Progress
+from .fingerprints import fingerprint, of_stages
 from .first_order import ConjugateGradient, SteepestDescent
 from .large_strain import warn_of_large_prestress, warn_of_large_strains
 from .loads import Stage
 from .newton import Newton
 from .problem import Actions, Problem
+from .processes import refuse_differences, together
+from .progress import Report
 from .recorder import Recorder
-from .results import Increment, StageResult, StageResults, UnstableStateWarning
+from .remarks import held_by_slack_parts, remarked, warn_of_remarks
+from .results import Increment, StageResult, StageResults
 from .rigid_motion import check_supports
 from .slackness import hanging_ends, slack_parts
-from .solver import FALLEN, Iteration
+from .solver import Solution
 from .structure import Structure
+from .work import Work, WorkDone, WorkLimit
 
 HALVINGS = 8
+MORE = "allow more (WorkLimit), or see in its iterations, `failed`, whether it comes nearer at all"
+PROBE = 1 / 256  # of an increment that snapped: a load under which the start of a stage shows what holds it
 
 AnySolver = Newton | ConjugateGradient | SteepestDescent
 
@@ -71,13 +74,33 @@ class Analysis:
     Args:
         structure: The structure.
         solver: What finds equilibrium in each load increment.
-        comm: The processes that share the work; each must give the same structure and stages.
+        comm: The processes that share the work; each must give the same structure, solver and stages. What one of them
+            refuses is refused by all; an exception in a script of yours is not seen from here, and others wait for
+            that process for ever unless the script is run as `mpirun -n 2 python -m mpi4py script.py`.
+        limit: Most work that each stage may take.
+        progress: Whether stderr shows how far a stage is: a bar on a terminal, or else a line for each increment and
+            one every ten seconds.
+
+    Raises:
+        ValueError: An argument is none such, or is not the same on all processes.
     """
 
-    def __init__(self, structure: Structure, solver: AnySolver = Newton(), comm: MPI.Intracomm = MPI.COMM_WORLD):
-        validation.instance("Analysis structure", structure, Structure)
-        validation.instance("Analysis solver", solver, AnySolver)
+    def __init__(
+        self,
+        structure: Structure,
+        solver: AnySolver = Newton(),
+        comm: MPI.Intracomm = MPI.COMM_WORLD,
+        limit: WorkLimit = WorkLimit(),
+        progress: bool = True,
+    ):
         validation.communicator("Analysis comm", comm)
+        with together(comm):
+            validation.instance("Analysis structure", structure, Structure)
+            validation.instance("Analysis solver", solver, AnySolver)
+            validation.instance("Analysis limit", limit, WorkLimit)
+            validation.instance("Analysis progress", progress, bool)
+        refuse_differences(comm, lambda: {"solver": fingerprint(solver), "limit": fingerprint(limit)})
+        self._limit, self._progress = limit, progress
         self.structure = structure
         self._comm = comm
         self._problem = Problem(structure, comm)
@@ -92,41 +115,47 @@ class Analysis:
             checkpoint_file: Where to save the state after each converged increment. If the file is there, what is in
                 it is not computed again, and the run goes on from it; stages may be added or left out, and have other
                 `steps`. The solver may be another too: what is in the file is in equilibrium to the tolerance of the
-                solver that found it, and the rest is found by the present one.
+                solver that found it, and the rest is found by the present one. It is one file of any name, an SQLite
+                database; while a run has it, no other can use it, and its journal, named the same and "-journal", lies
+                beside it and belongs to it. The first process alone reads and writes it.
 
         Raises:
             ValueError: A stage does not fit the structure or the other stages, or leaves the structure free to move
                 as a rigid body (one turn about a line is let pass: loads may hold it); the checkpoint belongs to
-                another structure or to other stages.
-            ConvergenceError: A load increment found no equilibrium; what was computed before is on the exception.
+                another structure or to other stages, was changed, is in use by another run or cannot be written; the
+                processes have different input.
+            ConvergenceError: A load increment found no equilibrium, or the limit of work is used up; what was computed
+                before is on the exception.
 
         Warns:
             LargeStrainWarning: Strains of a stage, or those that belong to the prestress, are above 5 %.
             UnstableStateWarning: A state is not stable; the structure has snapped or buckled between two load factors
-                (`Newton` with a line search tells); or a node moved by more than half the size of the structure in
-                one increment; this once for each stage.
+                (`Newton` with a line search tells); a node moved by more than half the size of the structure in the
+                stage; or slack or wrinkled parts carry more than 1 % of the largest force of their kind.
+            LostPrestressWarning: A part that was given a prestress has no tension left.
+            UnbalancedStateWarning: Unbalanced forces of a stage are above 1e-6 of the loads.
+            CheckpointWarning: A state could not be saved, as on a full disk; the run goes on without.
         """
-        self._check(stages)
-        if self._comm.rank == 0:
-            warn_of_large_prestress(self.structure, stacklevel=3)
-        path = None if checkpoint_file is None else paths.agreed("checkpoint_file", checkpoint_file, self._comm)
-        progress = {} if path is None else checkpoint.load(path, self.structure, stages)
-
-        def save(name: str, state: Progress) -> None:
-            progress[name] = state
-            if path is not None and self._comm.rank == 0:
-                checkpoint.save(path, self.structure, stages, progress)
-
-        results = StageResults()
-        ends: dict[str | None, Actions] = {None: load_case.unloaded(self.structure)}
-        for stage in stages:
-            ends[stage.name] = end = load_case.target(self._problem, stage, ends[stage.after])
-            shape = results[stage.after].displacement if stage.after else np.zeros(self.structure.points.shape)
-            start = load_case.taking_hold(ends[stage.after], end, shape)
-            state = progress.get(stage.name) or Progress(shape, Fraction(0), Fraction(1, stage.steps), ())
-            results[stage.name] = self._run(stage, start, end, state, results, save)
+        with together(self._comm):
+            self._check(stages)
+        refuse_differences(self._comm, lambda: of_stages(stages))
+        with together(self._comm):
             if self._comm.rank == 0:
-                warn_of_large_strains(results[stage.name], stacklevel=3)
+                warn_of_large_prestress(self.structure, stacklevel=3)
+        with checkpoint.opened(checkpoint_file, self.structure, stages, self._comm) as saved:
+            results = StageResults()
+            ends: dict[str | None, Actions] = {None: load_case.unloaded(self.structure)}
+            for stage in stages:
+                ends[stage.name] = end = load_case.target(self._problem, stage, ends[stage.after])
+                shape = results[stage.after].displacement if stage.after else np.zeros(self.structure.points.shape)
+                start = load_case.taking_hold(ends[stage.after], end, shape)
+                state = saved.progress.get(stage.name) or Progress(shape, Fraction(0), Fraction(1, stage.steps), ())
+                results[stage.name] = remarked(self._run(stage, start, end, state, results, saved.save), shape)
+                with together(self._comm):
+                    if self._comm.rank == 0:
+                        warn_of_remarks(results[stage.name], stacklevel=3)
+                        warn_of_large_strains(results[stage.name], stacklevel=3)
+                        warn_of_unbalance(results[stage.name], stacklevel=3)
         return results
 
     def _check(self, stages: Sequence[Stage]) -> None:
@@ -150,12 +179,12 @@ class Analysis:
         balanced = stage.after is not None or not self._problem.prestress_forces
         beyond: Progress | None = None  # a state past a loss of stability, while smaller increments locate that
         x = self._problem.discretization.distribute(state.displacement)
-        far = False  # whether a node has been found to have moved very far
-        with _ProgressBar(stage.name, state.factor, shown=self._comm.rank == 0) as bar:
+        with Report(stage.name, float(state.factor), shown=self._progress and self._comm.rank == 0) as report:
+            work = Work(self._limit, self._comm, report.iteration)
             while state.factor < 1:
                 factor = min(state.factor + state.size, Fraction(1))
                 self._problem.apply(load_case.between(start, end, float(factor)))
-                solution = self._solve(x, bar.iteration)
+                solution = self._solved(x, work)
                 judged = (balanced or state.factor > 0) and not any(entry.snapped for entry in state.increments)
                 snapped = solution.converged and solution.lost_stability and judged
                 remarks = (solution.drawn_smooth, solution.unstable, solution.unlisted, snapped)
@@ -171,22 +200,49 @@ class Analysis:
                     state = replace(state, size=(factor - state.factor) / 2)
                     self._problem.discretization.distribute(state.displacement).copy(x)
                 elif reached := found or beyond:
-                    moved = "" if far else _fallen(self.structure, reached.displacement - state.displacement, end.held)
-                    _warn_of_instability(stage.name, state.factor, reached, moved)
-                    far = far or bool(moved)
+                    if reached.increments[-1].snapped:
+                        reached = self._fallen(stage, start, end, state, reached, work)
                     state, beyond = reached, None
                     self._problem.discretization.distribute(state.displacement).copy(x)
                     save(stage.name, state)
-                    bar.increment(state.factor)
+                    report.increment(float(state.factor))
                 else:
                     slack = self._slack(stage, x, load_case.between(start, end, float(factor)))
-                    last = self._result(stage, start, end, state)
+                    shape = results[stage.after].displacement if stage.after else np.zeros(self.structure.points.shape)
+                    last = remarked(self._result(stage, start, end, state), shape)
+                    if self._comm.rank == 0:
+                        warn_of_remarks(last, stacklevel=4)
                     message = (
                         f"Stage {stage.name!r} found no equilibrium at load factor {float(factor):.6g} "
                         f"(the last found is at {float(state.factor):.6g}): {solution.reason}{slack}"
                     )
                     raise ConvergenceError(message, results, last, increment, solution.motion)
         return self._result(stage, start, end, state)
+
+    def _solved(self, x: PETSc.Vec, work: Work) -> Solution:
+        """How an increment ended; where the limit of work is used up it is not tried again."""
+        work.iterates.clear()
+        try:
+            return self._solve(x, work)
+        except WorkDone as done:
+            return Solution(False, f"{done}; {MORE}", tuple(work.iterates), retry=False)
+
+    def _fallen(
+        self, stage: Stage, start: Actions, end: Actions, state: Progress, reached: Progress, work: Work
+    ) -> Progress:
+        """Notes with an increment that snapped where nothing but slack parts held the structure before.
+
+        At the start of a stage forces may not show that yet: a small share of the increment brings them forth.
+        """
+        factor = float(state.factor) or PROBE * float(reached.factor)
+        actions = load_case.between(start, end, factor)
+        self._problem.apply(actions)
+        x = self._problem.discretization.distribute(state.displacement)
+        if state.factor == 0 and not self._solved(x, work).converged:
+            return reached
+        *others, snap = reached.increments
+        words = held_by_slack_parts(self._record(stage.name, x, actions, ()))
+        return replace(reached, increments=(*others, snap._replace(fallen=words)))
 
     def _slack(self, stage: Stage, x: PETSc.Vec, actions: Actions) -> str:
         """What is slack or ends in the air in a state that is no equilibrium, in words."""
@@ -200,72 +256,3 @@ class Analysis:
         self._problem.apply(actions)
         x = self._problem.discretization.distribute(state.displacement)
         return self._record(stage.name, x, actions, state.increments)
-
-
-def _warn_of_instability(name: str, before: Fraction, reached: Progress, moved: str) -> None:
-    """Warns of a state that is not stable, and where the structure snapped or a node moved very far to reach it."""
-    increment, factor = reached.increments[-1], float(reached.factor)
-    words = []
-    if increment.unstable:
-        words.append(
-            f"the equilibrium found at load factor {factor:.6g} is not stable, and none that is was found from there; "
-            "stability(state) shows how it gives way. Add supports, members or prestress against that."
-        )
-    if increment.snapped:
-        words.append(
-            f"between load factors {float(before):.6g} and {factor:.6g} the structure lost its stability: it has "
-            "snapped or buckled into another shape. Stay below that load, or add supports, members or prestress, if "
-            "that is not meant; `trace` shows the limit point."
-        )
-    elif moved:
-        words.append(
-            f"up to load factor {factor:.6g} {moved}, more than half the size of the structure in one increment: it "
-            "has fallen, snapped, hung down or been stretched into quite another shape. If that is not meant, check "
-            "units and stiffness, and whether something is slack or missing; `trace` shows the way there."
-        )
-    for sentence in words:
-        warnings.warn(f"Stage {name!r}: {sentence}", UnstableStateWarning, stacklevel=4)
-
-
-def _fallen(structure: Structure, motion: NDArray[np.float64], held: NDArray[np.bool_]) -> str:
-    """Which node moved very far, further than what is moved by prescription, in words; empty where none did."""
-    moved, given = (np.linalg.norm(np.where(where, motion, 0.0), axis=1) for where in (~held, held))
-    node = int(moved.argmax())
-    far = FALLEN * np.ptp(structure.points, axis=0).max() + given.max()
-    return f"node {node} moved by {moved[node]:.3g}" if moved[node] > far else ""
-
-
-class _ProgressBar:
-    """One line on a terminal: stage, load factor, iterations of the increment and its residual."""
-
-    def __init__(self, name: str, factor: Fraction, shown: bool):
-        self._bar = tqdm(
-            desc=name,
-            total=1.0,
-            initial=float(factor),
-            bar_format="{desc}: {bar:10} load factor {n:.4f}{postfix}",  # 80 columns hold a name of 16 letters
-            ncols=_columns(),
-            nrows=20,  # any: one bar is shown at a time
-            disable=None if shown else True,
-            file=sys.stderr,
-        )
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._bar.close()
-
-    def iteration(self, number: int, entry: Iteration) -> None:
-        self._bar.set_postfix_str(f"iteration {number}, residual {entry.residual:.1e}")
-
-    def increment(self, factor: Fraction) -> None:
-        self._bar.update(float(factor) - self._bar.n)
-
-
-def _columns() -> int | None:
-    """Width of the terminal; 80 where it does not tell, as some that are not on a screen."""
-    try:
-        return os.get_terminal_size(sys.stderr.fileno()).columns or 80
-    except (OSError, ValueError):  # no terminal, no bar
-        return None

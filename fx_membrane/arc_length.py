@@ -27,9 +27,11 @@ from .bordered_newton import BorderedNewton, Plane, Point, Step
 from .curvature import downhill
 from .diagnosis import linear_failure
 from .equilibrium_path import EquilibriumPath, PathPoint
+from .fingerprints import of_settings, of_stages
 from .large_strain import warn_of_large_prestress
 from .loads import Stage
 from .problem import Problem
+from .processes import refuse_differences, together
 from .results import StageResult, UnstableStateWarning
 from .rigid_motion import check_supports
 from .structure import Structure
@@ -95,13 +97,17 @@ def trace(
         UnstableStateWarning: The start is not stable.
         LargeStrainWarning: Strains that belong to the prestress of a structure are above 5 %.
     """
-    validation.instance("trace start", start, Structure | StageResult)
-    validation.plain("trace stage", stage, Stage)
-    max_points = validation.whole("trace max_points", max_points)
-    rtol = validation.tolerance("trace rtol", rtol)
     validation.communicator("trace comm", comm)
-    structure = start if isinstance(start, Structure) else start.structure
-    _check_stage(structure, start, stage)
+    with together(comm):
+        validation.instance("trace start", start, Structure | StageResult)
+        validation.plain("trace stage", stage, Stage)
+        max_points = validation.whole("trace max_points", max_points)
+        rtol = validation.tolerance("trace rtol", rtol)
+        structure = start if isinstance(start, Structure) else start.structure
+        _check_stage(structure, start, stage)
+    state = () if isinstance(start, Structure) else (start.displacement, start.actions)
+    given = {"load_factor": load_factor, "displacement": displacement, "max_points": max_points, "rtol": rtol}
+    refuse_differences(comm, lambda: of_settings({"start": state} | given) | of_stages([stage]))
     shape = np.zeros(structure.points.shape) if isinstance(start, Structure) else start.displacement
     before = load_case.unloaded(structure) if isinstance(start, Structure) else start.actions
     problem = Problem(structure, comm)
@@ -112,8 +118,9 @@ def trace(
     ends = path_ends.ends(problem, load_factor, displacement, fixed)
     path = EquilibriumPath(stage.name, structure, begin, after, (), False, reason="")
     x = problem.discretization.distribute(shape)
-    if isinstance(start, Structure) and comm.rank == 0:  # a state has been remarked on
-        warn_of_large_prestress(structure, stacklevel=3)
+    with together(comm):
+        if isinstance(start, Structure) and comm.rank == 0:  # a state has been remarked on
+            warn_of_large_prestress(structure, stacklevel=3)
     newton = BorderedNewton(problem, path.start, path.end, x, rtol)
     try:
         return _Tracer(newton, path, 1 / stage.steps).run(x, ends, max_points)

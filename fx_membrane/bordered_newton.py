@@ -14,12 +14,11 @@ K.-J. Bathe (eds.), Nonlinear finite element analysis in structural mechanics, S
 import math
 from typing import NamedTuple
 
-import numpy as np
 from petsc4py import PETSc
 
 from . import factorization, load_case
 from .problem import Actions, Problem
-from .solver import Iteration
+from .solver import Iteration, tolerance
 
 MOST = 12  # iterations
 SOLVED = 1e-3  # error of a linear solution: near a limit point as few digits are left, in a singular system none
@@ -80,7 +79,7 @@ class BorderedNewton:
         self.A = problem.discretization.create_matrix()
         create = problem.discretization.create_vector
         self.b, self.back, self.along, self.work, self.zero = create(), create(), create(), create(), create()
-        self.size = float(np.ptp(problem.discretization.structure.points, axis=0).max())
+        self.size = problem.discretization.structure.size
         self.symmetric = self.has_potential(x)
         self.ksp = PETSc.KSP().create(problem.discretization.comm)
         factorization.choose(self.ksp, self.A, self.symmetric)
@@ -124,9 +123,9 @@ class BorderedNewton:
         """Applies a load factor; whether the unbalanced forces are below the tolerance."""
         self.problem.apply(load_case.between(self.start, self.end, factor))
         self.problem.residual(x, self.b)
-        forces = self.b.norm() + self.problem.load_norm(x)
+        accepted = tolerance(self.problem, x, self.b, self.rtol)
         self.problem.hold(x, self.b)
-        return bool(self.b.norm() <= max(self.rtol * forces, self.problem.rounding))
+        return self.problem.beyond_rounding(x, self.b) < accepted
 
     def linearize(self, x: PETSc.Vec) -> bool:
         """Factors the tangent under the actions that `residual` applied; solves for `along`; whether it is regular."""

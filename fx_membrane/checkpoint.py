@@ -1,165 +1,116 @@
-"""Saving the state of an analysis after each increment, and taking it up again.
+"""Saving the state of an analysis after each increment, and taking it up again."""
 
-The file is a NumPy archive: displacements as arrays, all else as JSON. It is written to a temporary name and renamed,
-so that a process killed while it writes leaves the previous state.
-"""
-
-import dataclasses
-import hashlib
-import json
-import os
-from collections.abc import Mapping, Sequence
+import sqlite3
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
-from zipfile import BadZipFile
 
-import numpy as np
-from numpy.typing import NDArray
+from mpi4py import MPI
 
-from .geometry import from_smallest
+from .checkpoint_file import CheckpointFile, Digests, Progress
+from .fingerprints import fingerprints
 from .loads import Stage
-from .results import Increment
-from .solver import Iteration
+from .processes import together
 from .structure import Structure
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class Progress:
-    """How far a stage has come.
+class CheckpointWarning(UserWarning):
+    """A state that could not be saved: the run goes on, and has it in its results only."""
+
+
+class Checkpoint:
+    """The progress of a run, and the file in which the first process saves it.
 
     Attributes:
-        displacement: The last converged state, shape (n, 3) [m].
-        factor: Its load factor; 1 when the stage is complete.
-        size: Load factor of the increment to try next.
-        increments: The converged increments.
+        progress: Of the stages that had begun, by name.
     """
 
-    displacement: NDArray[np.float64]
-    factor: Fraction
-    size: Fraction
-    increments: tuple[Increment, ...]
+    def __init__(self, comm: MPI.Intracomm, stages: Sequence[Stage], file: CheckpointFile | None):
+        self._comm, self._file = comm, file
+        self._digests = {stage.name: fingerprints(stage) for stage in stages} if file else {}
+        self._unsaved: dict[str, Progress] = {}
+        self.progress: dict[str, Progress] = {}
 
+    def load(self, structure: Digests, stages: Sequence[Stage]) -> None:
+        """Reads the file.
 
-def save(path: Path, structure: Structure, stages: Sequence[Stage], progress: Mapping[str, Progress]) -> None:
-    """Writes the progress of the stages that have begun; those in the file that are not in the list stay in it."""
-    digests = {stage.name: fingerprints(stage) for stage in stages if stage.name in progress}
-    if progress.keys() > digests.keys():
-        digests = _read(path)[0]["stages"] | digests
-    entries = {
-        name: {
-            "factor": str(state.factor),
-            "size": str(state.size),
-            "increments": [list(increment) for increment in state.increments],
+        Raises:
+            ValueError: It is not a checkpoint, or that of another structure or of other stages.
+        """
+        if self._file is None:
+            return
+        content = self._file.read()
+        what = f"The checkpoint {self._file.path}"
+        if content.progress:
+            _refuse_if_changed(f"{what} is of another structure", content.structure, structure)
+        for name in content.stages.keys() & self._digests.keys():
+            _refuse_if_changed(f"{what} has another stage {name!r}", content.stages[name], self._digests[name])
+        longest = {stage.name: Fraction(1, stage.steps) for stage in stages}
+        self.progress = {
+            name: replace(state, size=min(state.size, longest.get(name, state.size)))
+            for name, state in content.progress.items()
         }
-        for name, state in progress.items()
-    }
-    document = {
-        "structure": fingerprints(structure),
-        "stages": digests,
-        "progress": entries,
-    }
-    arrays = {f"displacement of {name}": state.displacement for name, state in progress.items()}
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(path.name + ".part")
-    with temporary.open("wb") as file:
-        np.savez(file, document=np.array(json.dumps(document)), **arrays)
-        file.flush()
-        os.fsync(file.fileno())
-    temporary.replace(path)
+
+    def save(self, name: str, state: Progress) -> None:
+        """Saves the progress of a stage.
+
+        Warns:
+            CheckpointWarning: It could not be written; it is tried again with the next.
+        """
+        with together(self._comm):
+            if self._file is None:
+                return
+            first = not self._unsaved
+            self._unsaved[name] = state
+            try:
+                self._file.write(self._unsaved, self._digests)
+                self._unsaved = {}
+            except sqlite3.Error as error:
+                if first:
+                    warnings.warn(
+                        f"Stage {name!r}: its state could not be saved in {self._file.path} ({error}). The run goes "
+                        "on and keeps it in memory, and the file keeps what it had; make room, and the next increment "
+                        "saves both.",
+                        CheckpointWarning,
+                        stacklevel=4,
+                    )
 
 
-def load(path: Path, structure: Structure, stages: Sequence[Stage]) -> dict[str, Progress]:
-    """Progress of the stages that had begun; none where there is no file.
+@contextmanager
+def opened(
+    path: str | Path | None, structure: Structure, stages: Sequence[Stage], comm: MPI.Intracomm
+) -> Iterator[Checkpoint]:
+    """A checkpoint of a run, whose file no other run can use meanwhile; without a path, it saves nothing.
 
-    Stages that are not in the list come too. One whose `steps` have changed goes on in increments of the new length.
+    The file is made where there is none. The path is that of the first process, which alone reads and writes.
 
     Raises:
-        ValueError: The file is not a checkpoint, or that of another structure or of other stages.
+        ValueError: The file cannot be written, another run has it open, or it is not a checkpoint or that of another
+            structure or of other stages.
     """
-    if not path.exists():
-        return {}
-    document, displacements = _read(path)
-    _refuse_if_changed(f"The checkpoint {path} is of another structure", document["structure"], fingerprints(structure))
-    longest = {stage.name: Fraction(1, stage.steps) for stage in stages}
-    for stage in stages:
-        if stage.name in document["stages"]:
-            what = f"The checkpoint {path} has another stage {stage.name!r}"
-            _refuse_if_changed(what, document["stages"][stage.name], fingerprints(stage))
-    return {
-        name: Progress(
-            displacement=displacements[name],
-            factor=Fraction(entry["factor"]),
-            size=min(Fraction(entry["size"]), longest.get(name, Fraction(1))),
-            increments=tuple(
-                Increment(factor, tuple(Iteration(*values) for values in iterations), *remarks)
-                for factor, iterations, *remarks in entry["increments"]
-            ),
-        )
-        for name, entry in document["progress"].items()
-    }
+    file = None
+    try:
+        with together(comm):
+            if path is not None and comm.rank == 0:
+                mine = fingerprints(structure)
+                file = CheckpointFile(Path(path), mine)
+            kept = Checkpoint(comm, stages, file)
+            if file:
+                kept.load(mine, stages)
+        kept.progress = comm.bcast(kept.progress)
+        yield kept
+    finally:
+        if file:
+            file.close()
 
 
-def fingerprints(data: Structure | Stage) -> dict[str, str]:
-    """Digests of all that decides the state, by what it is: "points", "prestress of part 'fabric'", "loads" ..."""
-    if isinstance(data, Stage):
-        return {name: fingerprint(getattr(data, name)) for name in ("loads", "displacements", "after")}
-    digests = {"points": fingerprint(data.points), "supports": fingerprint(data.supports)}
-    for name, part in data.parts.items():
-        digests[f"kind of part {name!r}"] = type(part).__name__
-        for entry in dataclasses.fields(part):
-            digests[f"{entry.name} of part {name!r}"] = fingerprint(getattr(part, entry.name))
-        digests[f"cells of part {name!r}"] = fingerprint(from_smallest(part.cells))
-    return digests
-
-
-def _refuse_if_changed(what: str, stored: dict[str, str], mine: dict[str, str]) -> None:
-    changed = [name for name in stored | mine if stored.get(name) != mine.get(name)]
+def _refuse_if_changed(what: str, stored: Digests, mine: Digests) -> None:
+    changed = [name for name in {**stored, **mine} if stored.get(name) != mine.get(name)]
     if changed:
         more = f" and {len(changed) - 3} more" if len(changed) > 3 else ""
         raise ValueError(
             f"{what}, which differs in: {', '.join(changed[:3])}{more}; give another name or remove the file."
         )
-
-
-def _read(path: Path) -> tuple[dict[str, Any], dict[str, NDArray[np.float64]]]:
-    """What is in a checkpoint: the document, and the displacements by stage.
-
-    Raises:
-        ValueError: The file is not a checkpoint.
-    """
-    try:
-        with np.load(path, allow_pickle=False) as archive:
-            document = json.loads(str(archive["document"]))
-            displacements = {name: archive[f"displacement of {name}"] for name in document["progress"]}
-        if not isinstance(document["structure"], dict):
-            raise TypeError("it is of an earlier version")
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, EOFError, BadZipFile) as error:
-        raise ValueError(f"{path} is not a checkpoint ({error}); give another name or remove it.") from None
-    return document, displacements
-
-
-def fingerprint(data: Any) -> str:
-    """Digest of plain data: dataclasses, mappings, sequences, arrays and scalars."""
-    digest = hashlib.sha256()
-
-    def add(value: Any) -> None:
-        if dataclasses.is_dataclass(value):
-            digest.update(type(value).__name__.encode())
-            for entry in dataclasses.fields(value):
-                add(getattr(value, entry.name))
-        elif isinstance(value, Mapping):
-            for key in value:
-                add(key)
-                add(value[key])
-        elif isinstance(value, np.ndarray):
-            digest.update(f"{value.dtype.kind}{value.shape}".encode() + np.ascontiguousarray(value).tobytes())
-        elif isinstance(value, list | tuple):
-            digest.update(f"[{len(value)}]".encode())
-            for item in value:
-                add(item)
-        else:
-            digest.update(f"{value!r};".encode())
-
-    add(data)
-    return digest.hexdigest()

@@ -32,26 +32,32 @@ class Softest(NamedTuple):
     stiffness: float
 
 
-def softest(problem: Problem, x: PETSc.Vec, tension: float) -> Softest:
+def softest(problem: Problem, x: PETSc.Vec, tension: float, idle: bool = True) -> Softest:
     """Softest motion in a state.
 
     Args:
         problem: The problem.
         x: The state.
         tension: Artificial tension that is added to the tangent, as a strain: what is softer counts as free.
+        idle: Whether nodes without any stiffness, as where all cells are slack and keep none, move too.
     """
     A, v, w, b = problem.discretization.create_matrix(), x.duplicate(), x.duplicate(), x.duplicate()
     problem.tangent(x, A)
+    structure = problem.discretization.structure
+    at_rest = structure.used & ~problem.stiff_nodes(A) if not idle else np.zeros(len(structure.points), dtype=bool)
+    still = problem.discretization.dofs(np.repeat(at_rest[:, None], 3, axis=1))
     problem.hold_tangent(x, A, b)
     K = factorization.symmetric_part(A)
     problem.stiffen(x, A, b, tension)
+    if not idle:
+        A.zeroRowsColumns(still, diag=problem.stiffness)
     stiffened = factorization.symmetric_part(A)
     stiffened.setOption(PETSc.Mat.Option.SYMMETRIC, True)
     solver = PETSc.KSP().create(problem.discretization.comm)
     factorization.choose(solver, stiffened, symmetric=True)
     # The same numbers on any number of processes, and in every component: no motion is overlooked by symmetry.
-    shape = problem.discretization.structure.points.shape
-    problem.discretization.distribute(np.random.default_rng(0).normal(size=shape)).copy(v)
+    problem.discretization.distribute(np.random.default_rng(0).normal(size=structure.points.shape)).copy(v)
+    v.array[still - v.getOwnershipRange()[0]] = 0.0
     for _ in range(STEPS):
         problem.release(v)
         solver.solve(v, w)

@@ -66,14 +66,33 @@ def mechanism(problem: Problem, x: PETSc.Vec) -> Mechanism | None:
     # Written so that a number that is not one is no mechanism.
     if not abs(found.stiffness) < WEAK:
         return None
+    return _mechanism(problem.discretization.gather(found.motion))
+
+
+def slack_mechanism(problem: Problem, x: PETSc.Vec) -> Mechanism | None:
+    """The free motion of masts that only the kept stiffness of slack parts resists; None where there is none."""
+    structure = problem.discretization.structure
+    masts = [part.cells.ravel() for part in structure.parts.values() if isinstance(part, Mast)]
+    if not masts:
+        return None
+    with problem.without_kept_stiffness():
+        found = softest(problem, x, WEAK, idle=False)
     motion = problem.discretization.gather(found.motion)
+    # Fabric that is slack here and there is not the structure.
+    if not found.stiffness < WEAK or np.linalg.norm(motion, axis=1).argmax() not in np.concatenate(masts):
+        return None
+    return _mechanism(motion, " but for the small stiffness that slack parts keep")
+
+
+def _mechanism(motion: NDArray[np.float64], but: str = "") -> Mechanism:
+    """A motion, of any size, and words for it."""
     sizes = np.linalg.norm(motion, axis=1)
     most = int(sizes.argmax())
     motion /= sizes[most]
     direction = ", ".join(f"{component + 0.0:.3g}" for component in motion[most])
     also = int((sizes > 0.1 * sizes[most]).sum()) - 1
     words = (
-        f"the structure is a mechanism: node {most} moves freely in the direction ({direction})"
+        f"the structure is a mechanism{but}: node {most} moves freely in the direction ({direction})"
         + (f", and {also} more nodes with it" if also else "")
         + ". Add supports, members or prestress that hold it."
     )
@@ -82,7 +101,7 @@ def mechanism(problem: Problem, x: PETSc.Vec) -> Mechanism | None:
 
 def unlikely_units(problem: Problem, x: PETSc.Vec) -> str:
     """Words where the loads would strain the structure out of all proportion."""
-    share = problem.load_norm(x) / (problem.stiffness * np.ptp(problem.discretization.structure.points, axis=0).max())
+    share = problem.load_norm(x) / (problem.stiffness * problem.discretization.structure.size)
     if not share > 1:
         return ""
     return (
@@ -110,7 +129,7 @@ def stalled(
             f"more digits than rounding leaves; allow a larger one ({solver}(rtol=...)) or more iterations "
             f"({solver}(max_iterations=...))."
         )
-    size = np.ptp(problem.discretization.structure.points, axis=0).max()
+    size = problem.discretization.structure.size
     displacement = largest(x)
     if problem.unloaded():
         advice = (
@@ -143,7 +162,7 @@ def loose_nodes(problem: Problem, A: PETSc.Mat) -> list[tuple[int, list[float]]]
     if not discretization.comm.allreduce(bool(np.isfinite(blocks).all()), MPI.LAND):
         return []  # together: eigh would fail on some processes only
     stiffness, directions = np.linalg.eigh(blocks)
-    limit = 1e-13 * discretization.comm.allreduce(np.abs(blocks).max(initial=0.0), MPI.MAX)
+    limit = 1e-13 * np.minimum(np.abs(blocks).max(axis=(1, 2)), problem.stiffness)  # no other node, nor a support
     weakest = np.argmin(np.abs(stiffness), axis=1)
     loose = np.flatnonzero(np.abs(stiffness).min(axis=1) <= limit)
     found = [(int(discretization.owned[i]), directions[i, :, weakest[i]].tolist()) for i in loose]

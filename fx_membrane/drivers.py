@@ -1,5 +1,6 @@
 """What runs Newton's iteration: dolfinx's NewtonSolver, or PETSc's SNES with the same callbacks where there is none."""
 
+import math
 from collections.abc import Callable
 from typing import Any, Protocol
 
@@ -18,7 +19,7 @@ class Owner(Protocol):
         problem: The problem.
         A: The tangent.
         b: The right-hand side.
-        tolerance: For the 2-norm of the residual; it follows the forces at hand.
+        balanced: Whether the last residual is within the tolerance.
         most: Most iterations.
         newton: dolfinx's NewtonSolver, or None.
     """
@@ -26,7 +27,7 @@ class Owner(Protocol):
     problem: Problem
     A: PETSc.Mat
     b: PETSc.Vec
-    tolerance: float
+    balanced: bool
     most: int
     newton: Any
 
@@ -46,7 +47,7 @@ def by_dolfinx(owner: Owner) -> Driver:
 
     def residual(x: PETSc.Vec, b: PETSc.Vec) -> None:
         owner.residual(x, b)
-        owner.newton.atol = owner.tolerance
+        owner.newton.atol = math.inf if owner.balanced else 0.0
 
     def update(_: object, dx: PETSc.Vec, x: PETSc.Vec) -> None:
         owner.step(x, dx)
@@ -58,7 +59,7 @@ def by_dolfinx(owner: Owner) -> Driver:
     newton.set_update(update)
     newton.convergence_criterion = "residual"
     newton.error_on_nonconvergence = False
-    newton.rtol = 0.0  # `atol` follows the forces at hand
+    newton.rtol = 0.0  # `atol` tells what `residual` found
 
     def solve(x: PETSc.Vec) -> bool:
         owner.newton.max_it = owner.most
@@ -77,7 +78,7 @@ def by_snes(owner: Owner) -> Driver:
         return True
 
     def test(_: PETSc.SNES, iteration: int, norms: tuple[float, float, float]) -> int:
-        if norms[2] < owner.tolerance:
+        if owner.balanced:
             return reasons.CONVERGED_FNORM_ABS
         return reasons.DIVERGED_MAX_IT if iteration == owner.most else reasons.ITERATING
 

@@ -65,6 +65,16 @@ def lowest(K: PETSc.Mat, M: PETSc.Mat | None, count: int) -> tuple[list[Eigenpai
     return found, negative
 
 
+def zeros(K: PETSc.Mat) -> int:
+    """Number of eigenvalues of a symmetric K that are zero but for rounding."""
+    with _solver(K, None, symmetric=True) as eps:
+        eps.setUp()
+        negative, _ = _inertia(eps)
+        _move(eps, -eps.getTarget())
+        below, _ = _inertia(eps)
+        return below - negative
+
+
 def lowest_unsymmetric(K: PETSc.Mat, M: PETSc.Mat, count: int) -> list[Eigenpair]:
     """Eigenvalues of an unsymmetric K nearest to a shift below all, ascending in their real part.
 

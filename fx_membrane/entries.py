@@ -21,12 +21,20 @@ def entries(name: str, value: Any, wanted: str) -> NDArray[Any]:
         array = _array(value)
     except ValueError:
         raise ValueError(f"{name} must be {wanted}, not {shown(value)}.") from None
-    if isinstance(array, np.ma.MaskedArray) and np.any(array.mask):
+    if _masked(array):
         raise ValueError(f"{name} has masked entries; leave them out, or fill them with array.filled(value).")
     return array
 
 
+def _masked(array: NDArray[Any]) -> bool:
+    if isinstance(array, np.ma.MaskedArray):
+        return bool(np.any(array.mask))
+    return array.dtype.kind == "O" and type(np.ma.masked) in set(map(type, array.flat))
+
+
 def _array(value: Any) -> NDArray[Any]:
+    if isinstance(value, bytes | bytearray):  # numbers to NumPy
+        raise ValueError
     if not isinstance(value, list | tuple):
         return np.asanyarray(value)
     if any(issubclass(kind, np.ma.MaskedArray) for kind in set(map(type, value))):
@@ -64,8 +72,10 @@ def described(value: Any) -> str:
 
 def frozen_integers(name: str, array: NDArray[Any]) -> NDArray[np.int64]:
     """A read-only copy of whole numbers."""
-    if array.size and array.max() > np.iinfo(np.int64).max:
-        raise ValueError(f"{name} has the number {shown(array.max())}, which is too large; mend it.")
+    limits = np.iinfo(np.int64)
+    for extreme in (array.max(), array.min()) if array.size else ():
+        if not limits.min <= extreme <= limits.max:
+            raise ValueError(f"{name} has {shown(extreme)}, a number that no node and no cell has; mend it.")
     result = np.array(array, dtype=np.int64)
     result.setflags(write=False)
     return result

@@ -8,9 +8,13 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from . import load_case, validation, values
+from .balance import warn_of_unbalance
+from .fingerprints import of_settings
 from .large_strain import warn_of_large_strains
 from .problem import Actions, Problem
+from .processes import refuse_differences, together
 from .recorder import Recorder
+from .remarks import remarked, warn_of_remarks
 from .results import Increment, StageResult
 from .solver import Iteration
 from .structure import Structure
@@ -95,17 +99,25 @@ class EquilibriumPath:
 
         Warns:
             LargeStrainWarning: Strains are above 5 %.
+            UnstableStateWarning: Slack or wrinkled parts carry more than 1 % of the largest force of their kind.
+            LostPrestressWarning: A part that was given a prestress has no tension left.
+            UnbalancedStateWarning: Unbalanced forces are above 1e-6 of the loads.
         """
         count = len(self.points)
-        if not values.is_whole(type(point)) or not -count <= point < count:
-            raise ValueError(f"Point {validation.shown(point)} of the path is not there; it has {count} points.")
         validation.communicator("state comm", comm)
+        with together(comm):
+            if not values.is_whole(type(point)) or not -count <= point < count:
+                raise ValueError(f"Point {validation.shown(point)} of the path is not there; it has {count} points.")
+        refuse_differences(comm, lambda: of_settings({"point": self.points[point][:2], "end": (self.start, self.end)}))
         factor, displacement, _, iterations = self.points[point]
         problem = Problem(self.structure, comm)
         actions = load_case.between(self.start, self.end, factor)
         problem.apply(actions)
         x = problem.discretization.distribute(displacement)
-        result = Recorder(problem)(self.name, x, actions, (Increment(factor, iterations),))
-        if comm.rank == 0:
-            warn_of_large_strains(result, stacklevel=3)
+        result = remarked(Recorder(problem)(self.name, x, actions, (Increment(factor, iterations),)), None)
+        with together(comm):
+            if comm.rank == 0:
+                warn_of_remarks(result, stacklevel=3)
+                warn_of_large_strains(result, stacklevel=3)
+                warn_of_unbalance(result, stacklevel=3)
         return result

@@ -10,7 +10,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
-import numpy as np
 from petsc4py import PETSc
 
 from . import validation
@@ -145,7 +144,7 @@ class _Descent:
 
     def __init__(self, settings: SteepestDescent | ConjugateGradient, beta: Beta, problem: Problem):
         self.settings, self.beta, self.problem = settings, beta, problem
-        self.size = float(np.ptp(problem.discretization.structure.points, axis=0).max())
+        self.size = problem.discretization.structure.size
         self.preconditioner = preconditioner(problem, settings.preconditioner)
         self.g = problem.discretization.create_vector()
 
@@ -173,13 +172,13 @@ class _Descent:
         """Whether an iterate is the solution; notes it, and its gradient."""
         b = x.duplicate()
         self.problem.residual(x, b)
-        self.tolerance = tolerance(self.problem, x, b, self.settings.rtol if self.history else ROUNDING)
+        accepted = tolerance(self.problem, x, b, self.settings.rtol if self.history else ROUNDING)
         self.problem.release(b)
         self.g = b
         largest = b.norm(PETSc.NormType.NORM_INFINITY)
         self.history.append(Iteration(self.problem.energy(x), largest, length))
         monitor(len(self.history) - 1, self.history[-1])
-        return bool(b.norm() < self.tolerance)
+        return self.problem.beyond_rounding(x, b) < accepted
 
     def step(self, x: PETSc.Vec, s: PETSc.Vec) -> float | None:
         """Goes one step; its length, or None where no length lowers the energy."""

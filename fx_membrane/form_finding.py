@@ -12,6 +12,8 @@ from scipy.sparse.linalg import splu
 from . import validation
 from .structure import Support
 
+FAR = 1e3  # of the size of the fixed nodes, beyond which a shape is none
+
 
 @dataclass(frozen=True, eq=False)
 class Net:
@@ -58,7 +60,8 @@ def force_density(
         The shape, the branch forces and the reactions.
 
     Raises:
-        ValueError: Numbers are not finite or do not fit; in some component a part of the net is tied to no fixed
+        ValueError: Force densities of both signs throw a node a thousand times farther than the fixed nodes are apart;
+            numbers are not finite or do not fit; in some component a part of the net is tied to no fixed
             node; the system is singular, as force densities at or below zero can make it (where those at a free node
             add up to zero, it has no place of its own), or positive ones that differ by twelve powers of ten.
 
@@ -101,8 +104,31 @@ def force_density(
         shape[:, component] = _solve(laplacian, held[:, component], points[:, component], force[:, component])
         if not np.isfinite(shape[:, component]).all():
             raise ValueError(_not_unique(densities, branches))
+    _check_size(shape, densities, branches, held, force)
     lengths = np.linalg.norm(shape[a] - shape[b], axis=1)
     return Net(shape, densities * lengths, np.where(held & used[:, None], laplacian @ shape - force, 0.0))
+
+
+def _check_size(
+    shape: NDArray[np.float64],
+    densities: NDArray[np.float64],
+    branches: NDArray[np.int64],
+    held: NDArray[np.bool_],
+    force: NDArray[np.float64],
+) -> None:
+    """Refuses a shape that force densities of both signs, which nearly cancel, throw far from its fixed nodes."""
+    if densities.min() > 0 or densities.max() <= 0:
+        return
+    used = np.unique(branches)
+    fixed = shape[used][held[used].any(axis=1)]
+    size = np.ptp(fixed, axis=0).max() + np.abs(force).sum() / np.abs(densities).max()
+    distance = np.linalg.norm(shape[used] - fixed.mean(axis=0), axis=1)
+    far = int(distance.argmax())
+    if distance[far] > FAR * size:
+        raise ValueError(
+            f"These force densities put node {used[far]} {distance[far]:.3g} away, more than {FAR:g} times the size of "
+            f"the net's fixed nodes, {size:.3g}: those of both signs nearly cancel; give positive ones."
+        )
 
 
 def _not_unique(densities: NDArray[np.float64], branches: NDArray[np.int64]) -> str:

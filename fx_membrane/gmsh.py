@@ -21,6 +21,7 @@ def structure_from_gmsh(
     source: str | Path | None,
     parts: Mapping[str, Callable[[NDArray[np.int64]], Part]],
     supports: Mapping[str, str] | None = None,
+    separate: Sequence[tuple[str, str]] = (),
 ) -> Structure:
     """Structure of the physical groups of a gmsh mesh.
 
@@ -34,6 +35,7 @@ def structure_from_gmsh(
             `{"fabric": lambda cells: Membrane(cells, Fabric(Et=500e3, nu=0.3), prestress=1e3)}`.
         supports: For each physical name, the components that its nodes are held in: `{"corners": "xyz"}`. A group may
             be a part and a support: `{"fabric": "z"}` keeps a membrane flat.
+        separate: Pairs of names of parts that lie on each other without being joined, see `Structure`.
 
     Raises:
         ValueError: An argument is of another kind; the file is not a mesh, or gmsh does not end on it; no model is
@@ -44,7 +46,7 @@ def structure_from_gmsh(
     """
     _check_arguments(source, parts, supports)
     mesh = _open_mesh() if source is None else gmsh_file.read(source)
-    return _structure(mesh, parts, supports or {})
+    return _structure(mesh, parts, supports or {}, separate)
 
 
 def _open_mesh() -> GmshMesh:
@@ -88,7 +90,10 @@ def _check_arguments(source: Any, parts: Any, supports: Any) -> None:
 
 
 def _structure(
-    mesh: GmshMesh, parts: Mapping[str, Callable[[NDArray[np.int64]], Part]], supports: Mapping[str, str]
+    mesh: GmshMesh,
+    parts: Mapping[str, Callable[[NDArray[np.int64]], Part]],
+    supports: Mapping[str, str],
+    separate: Sequence[tuple[str, str]],
 ) -> Structure:
     groups = _groups(mesh, [*parts, *supports])
     cells = {name: _rows(mesh, _cells(groups[name])) for name in parts}
@@ -108,7 +113,7 @@ def _structure(
             )
         held.append(Support(np.unique(row[nodes]), components))
     made = {name: _part(name, make, row[cells[name]]) for name, make in parts.items()}
-    return Structure(mesh.points[used], made, held)
+    return Structure(mesh.points[used], made, held, separate)
 
 
 def _rows(mesh: GmshMesh, tags: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -42,8 +42,6 @@ def read(source: str | Path) -> GmshMesh:
 
 
 def _copy(source: str | Path, target: Path) -> None:
-    if not isinstance(source, str | Path):
-        raise ValueError(f"The source is {source!r}; give the name of a gmsh mesh, or None for the model that is open.")
     if Path(source).is_dir():
         raise ValueError(f"{source} is a folder; give the name of a gmsh mesh in it.")
     if not Path(source).is_file():

@@ -25,7 +25,7 @@ class LargeStrainWarning(UserWarning):
 
 def warn_of_large_prestress(structure: Structure, stacklevel: int) -> None:
     """Warns once, of the part whose prestress belongs to the largest strain, in tension, compression or excess."""
-    strains = {name: _largest(_strain(part, part.prestress_tensors())) for name, part in structure.parts.items()}
+    strains = {name: _largest(elastic_strain(part, part.prestress_tensors())) for name, part in structure.parts.items()}
     name = max(strains, key=lambda name: np.abs(strains[name]).max())
     cell = int(np.abs(strains[name]).argmax())
     strain = strains[name][cell]
@@ -72,7 +72,7 @@ def warn_of_large_strains(result: StageResult, stacklevel: int) -> None:
 
 def _sizes(part: Part, result: MembraneResult | BarResult) -> NDArray[np.float64]:
     """Largest strain that each cell resists, in tension or compression, shape (cells,) [-]."""
-    excess = _strain(part, _compression(part.prestress_tensors()))
+    excess = elastic_strain(part, _compression(part.prestress_tensors()))
     if isinstance(result, BarResult):
         stretched = result.strain + excess[:, 0, 0]
         return np.where(result.slack, 0.0, np.maximum(stretched, -result.strain))
@@ -82,8 +82,8 @@ def _sizes(part: Part, result: MembraneResult | BarResult) -> NDArray[np.float64
     return np.where(result.state == "slack", 0.0, sizes)
 
 
-def _strain(part: Part, stress: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Strains of cells that belong to stresses, both of shape (cells, d, d)."""
+def elastic_strain(part: Part, stress: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Strains of cells that belong to stresses by the stiffness, both of shape (cells, d, d)."""
     return part.material.strain(stress) if isinstance(part, Membrane) else stress / part.axial_stiffness
 
 

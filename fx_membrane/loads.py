@@ -155,7 +155,7 @@ class Stage:
 
     Raises:
         ValueError: steps is not a whole number above zero, or more than a million; an entry is not a load or a
-            prescribed displacement.
+            prescribed displacement, or is of a class derived from one.
     """
 
     name: str

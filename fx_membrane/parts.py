@@ -18,7 +18,7 @@ class Membrane:
 
     Args:
         cells: Triangles as rows of node numbers, shape (n, 3), in either order; see `Structure`.
-        material: The fabric.
+        material: The fabric, a `Fabric` or an `OrthotropicFabric` itself: the law of a derived class would not be used.
         prestress: Cauchy stress times thickness in the reference shape [N/m]: a number (isotropic), a pair
             (warp, weft), or a tensor (2, 2) in the warp/weft frame; or one of these per cell, shape (n, 1),
             (n, 2) or (n, 2, 2). Shape (2, 2) is always one tensor. A negative one is an excess of cloth: the cloth is
@@ -36,8 +36,9 @@ class Membrane:
             weight: that is a load, `DeadLoad((0, 0, -9.81 * mass), part)`.
 
     Raises:
-        ValueError: Cells, prestress or warp have a wrong shape or values that are not finite; the material or the
-            prestress has a direction and there is no warp; the mass is negative.
+        ValueError: Cells, prestress or warp have a wrong shape or values that are not finite; the material is of
+            another class, also of a derived one; the material or the prestress has a direction and there is no warp;
+            the mass is negative.
     """
 
     dimension: ClassVar[int] = 2

@@ -1,7 +1,8 @@
 """Pictures: curves and wire frames (matplotlib), contours on the deformed structure (pyvista inside matplotlib).
 
-Each function writes one picture, a PNG or what else its name ends in, and makes its folder. Under MPI call it on all
-processes; the first one draws.
+Each function writes one picture, a PNG or what else its name ends in, and makes its folder; a name that cannot be
+written is refused before anything is drawn. Under MPI call it on all processes; the first one draws what it was given,
+and the others wait until it has, and raise what it raises.
 """
 
 import warnings
@@ -10,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
 from . import paths, validation
@@ -19,6 +19,7 @@ from .colours import colour_bar, colours
 from .entries import entries
 from .fields import Field, checked, checked_limits
 from .parts import Part
+from .processes import by_the_first
 from .results import StageResult
 from .scene import INK, picture, screen_axes
 from .screen import obstacle
@@ -29,6 +30,7 @@ FAR = 1e4  # displacements drawn larger than so many times the structure are lin
 PAPER = {"dpi": 160, "bbox_inches": "tight"}
 
 
+@by_the_first
 def convergence(result: StageResult, path: str | Path, force_unit: str = "N", energy_unit: str = "J") -> None:
     """Total potential energy and largest unbalanced force against the iteration, as in Gil's Fig. 7.
 
@@ -45,8 +47,6 @@ def convergence(result: StageResult, path: str | Path, force_unit: str = "N", en
     file = _checked_path(path)
     validation.text("force_unit", force_unit)
     validation.text("energy_unit", energy_unit)
-    if MPI.COMM_WORLD.rank:
-        return
     paths.check_writable("path", file)
     iterations = [entry for _, entry in result.history]
     count = np.arange(len(iterations))
@@ -65,6 +65,7 @@ def convergence(result: StageResult, path: str | Path, force_unit: str = "N", en
     _save(figure, file)
 
 
+@by_the_first
 def compare_convergence(
     histories: Mapping[str, Sequence[Iteration]],
     seconds: Mapping[str, float],
@@ -94,8 +95,6 @@ def compare_convergence(
     file = _checked_path(path)
     validation.text("force_unit", force_unit)
     validation.text("energy_unit", energy_unit)
-    if MPI.COMM_WORLD.rank:
-        return
     paths.check_writable("path", file)
     lowest = min(history[-1].energy for history in histories.values())
     figure = _figure(10, 7.5)
@@ -125,6 +124,7 @@ def compare_convergence(
     _save(figure, file)
 
 
+@by_the_first
 def wireframe(
     points: ArrayLike,
     parts: Mapping[str, Part | NDArray[np.int64]],
@@ -158,8 +158,6 @@ def wireframe(
     first = validation.integer("first", first)
     seen = positions @ screen_axes((0, 0, 1) if view is None else validation.direction("view", view)).T
     file = _checked_path(path)
-    if MPI.COMM_WORLD.rank:
-        return
     paths.check_writable("path", file)
     import matplotlib.collections  # noqa: PLC0415
 
@@ -188,6 +186,7 @@ def wireframe(
     _save(figure, file)
 
 
+@by_the_first
 def contours(
     result: StageResult,
     fields: Mapping[str, Field],
@@ -219,7 +218,8 @@ def contours(
     Raises:
         ValueError: A field has a wrong number of values, values that are not finite, or names no part; mirror is none
             of the three; odd or limits name no field; limits are not two numbers, the lower first, or are given for
-            states; view is not a direction; scale is not a number; path ends in no format of pictures.
+            states; view is not a direction; scale is not a number, or draws displacements 1e4 times as large as the
+            structure; path ends in no format of pictures, or cannot be written.
     """
     validation.instance("The first argument of contours", result, StageResult)
     validation.instance("fields", fields, Mapping)
@@ -237,11 +237,9 @@ def contours(
     scale = _checked_scale(result, scale)
     eye = validation.direction("view", view)
     file = _checked_path(path)
-    if MPI.COMM_WORLD.rank:
-        return
     paths.check_writable("path", file)
     if reason := obstacle():
-        warnings.warn(f"{file} is not drawn: {reason}", stacklevel=2)
+        warnings.warn(f"{file} is not drawn: {reason}", stacklevel=3)
         return
     figure = _figure(6.4 * len(drawn), 5.6)
     panels = figure.subplots(1, len(drawn), squeeze=False)[0]
@@ -286,7 +284,7 @@ def _checked_scale(result: StageResult, scale: float) -> float:
     if times > FAR:
         raise ValueError(
             f"scale is {scale:g}, with which displacements are {times:.0e} times as large as the structure; give at "
-            f"most {scale * FAR / times:.1e}."
+            f"most {abs(scale) * FAR / times:.1e} in size."
         )
     return scale
 

@@ -6,6 +6,7 @@ with dead loads f and follower pressures f_p, which in general have no potential
 (loads, held components and their displacements) is data: nothing is compiled twice.
 """
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -19,8 +20,10 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from .discretization import Discretization
-from .geometry import measures
-from .part_forms import PartForms, mass_form, part_forms, stiffness, tension_form
+from .fingerprints import fingerprints
+from .part_forms import PartForms, mass_form, part_forms, tension_form
+from .processes import refuse_differences
+from .rounding import UNIT, Scales, prestress_force, scales, typical_stiffness
 from .structure import Structure
 
 
@@ -49,23 +52,27 @@ class Problem:
         comm: The processes that share the work; each must give the same structure.
         elastic: False leaves the prestress as the only stress, whatever the strain: for form finding.
 
+    Raises:
+        ValueError: The structure is not the same on all processes.
+
     Attributes:
         discretization: The meshes and their common numbering.
         parts: Forms of the parts of which this process has cells.
         symmetric: Whether the tangent is symmetric: without follower pressure.
         prestress_forces: 2-norm of the prestress forces of all cells, before they balance each other [N].
         stiffness: A typical stiffness [N/m], the diagonal entry of held components: it makes their error a force.
-        rounding: 2-norm of nodal forces that is left by rounding, in size [N].
         tension: Artificial tension in all parts, as a strain: times the stiffness of each. It is in the energy, the
             residual and the tangent, and draws everything smooth; zero but where a solver looks for a start.
     """
 
     def __init__(self, structure: Structure, comm: MPI.Intracomm = MPI.COMM_WORLD, elastic: bool = True):
+        refuse_differences(comm, lambda: fingerprints(structure))
         self.discretization = Discretization(structure, comm)
         self.parts = {name: part_forms(mesh, structure, elastic) for name, mesh in self.discretization.parts.items()}
-        self.prestress_forces = float(np.sqrt(sum(_prestress_forces(structure, name) for name in structure.parts)))
-        self.stiffness = max(_typical_stiffness(structure, name) for name in structure.parts)
-        self.rounding = 1e-15 * max(self.prestress_forces, self.stiffness * np.ptp(structure.points, axis=0).max())
+        self.prestress_forces = prestress_force(structure)
+        self.stiffness = typical_stiffness(structure)
+        owned = (np.repeat(sizes[self.discretization.owned], 3) for sizes in scales(structure, elastic))
+        self._scales = Scales(*owned)
         self.tension = 0.0
         self._tension_stiffness: PETSc.Mat | None = None
         self._points = self.discretization.distribute(structure.points)
@@ -182,6 +189,14 @@ class Problem:
             for share, value in zip(shares, values, strict=True):
                 share.value = value
 
+    def stiff_nodes(self, A: PETSc.Mat) -> NDArray[np.bool_]:
+        """Nodes with an entry in a tangent, shape (n,): all but those of which no cell has any stiffness."""
+        here = self.discretization.create_vector()
+        pointers, _, values = A.getValuesCSR()
+        entries = np.repeat(np.arange(len(pointers) - 1), np.diff(pointers))
+        np.maximum.at(here.array, entries, np.abs(values))
+        return self.discretization.gather(here).any(axis=1)
+
     def mass(self, A: PETSc.Mat) -> None:
         """Consistent mass matrix [kg]; it does not depend on the state."""
         self._assemble_matrix(lambda part: mass_form(part.mesh), A)
@@ -190,6 +205,14 @@ class Problem:
         """Replaces reactions in the residual by the error of the held components times `stiffness` [N]."""
         gap = x.array_r[self._held_here] - self._prescribed.array_r[self._held_here]
         b.array[self._held_here] = self.stiffness * gap
+
+    def beyond_rounding(self, x: PETSc.Vec, b: PETSc.Vec) -> float:
+        """2-norm of what a residual with held components has in the state x beyond the rounding of each entry [N]."""
+        displacement = float(x.norm(PETSc.NormType.NORM_INFINITY))
+        rounding = self._scales.rounding(displacement)
+        rounding[self._held_here] = UNIT * self.stiffness * displacement
+        beyond = np.maximum(np.abs(b.array_r) - rounding, 0.0)
+        return math.sqrt(self.discretization.comm.allreduce(float(beyond @ beyond)))
 
     def bring(self, x: PETSc.Vec) -> bool:
         """Sets the held components to their prescribed displacements; whether any of them was elsewhere."""
@@ -259,16 +282,3 @@ def _assemble_vector(part: PartForms, form: Any) -> NDArray[np.float64]:
     values = np.zeros(len(part.mesh.u.x.array))
     fem.assemble_vector(values, form)
     return values
-
-
-def _prestress_forces(structure: Structure, name: str) -> float:
-    """Sum over the cells of a part of the squared prestress force across it [N2]."""
-    part = structure.parts[name]
-    width = measures(structure.points, part.cells) ** (1 - 1 / part.dimension)
-    return float(np.sum((np.linalg.norm(part.prestress_tensors(), axis=(1, 2)) * width) ** 2))
-
-
-def _typical_stiffness(structure: Structure, name: str) -> float:
-    part = structure.parts[name]
-    length = measures(structure.points, part.cells).mean() if part.dimension == 1 else 1.0
-    return stiffness(part) / float(length)

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import validation
-from .parts import Cable
+from .large_strain import elastic_strain
+from .parts import Cable, Membrane
 from .results import MembraneResult, StageResult
 from .rigid_motion import loose_ends
 
@@ -16,10 +17,12 @@ def report(
 ) -> str:
     """Table of a stage, to print.
 
-    It gives of each part the least and the largest value: forces of cables and masts, principal stresses of membranes
-    and their largest principal strain; how many cells are slack or wrinkled; and which cables end in the air. The
-    largest force (in masts of either sign), stress I and strain are given with their cell, a row of the part's cells,
-    and where its centroid is in the reference shape.
+    It begins with the remarks on the state, if there are any. It gives of each part the least and the largest value:
+    forces of cables and masts, principal stresses of membranes and, where a warp is given, stresses along warp and
+    weft; the largest strain, from the reference shape and together with the strain that belongs to the prestress; how
+    many cells are slack or wrinkled; and which cables end in the air. Largest values (in masts of either sign) are
+    given with their cell, a row of the part's cells, and where its centroid is in the reference shape. The largest
+    displacement is the length of a vector.
 
     No number is converted: a structure in kN and m gives a report in kN and m, and the names of the units say so.
 
@@ -34,7 +37,8 @@ def report(
         The lines, without a line end after the last.
 
     Raises:
-        ValueError: The result is not that of a stage, or a node does not exist.
+        ValueError: The result is not that of a stage, a node does not exist, first is not a whole number, or the name
+            of a unit is not a text.
     """
     validation.instance("The first argument of report", result, StageResult)
     listed = validation.rows("nodes", nodes, empty=True)
@@ -46,7 +50,8 @@ def report(
     remarks = f", drawn smooth first ({more} iterates more)" * any(entry.drawn_smooth for entry in result.increments)
     remarks += ", not stable" * any(increment.unstable for increment in result.increments)
     units = f"units as given: {force_unit}, {length_unit}"
-    lines = [f"Stage {result.name!r}, iterations per increment: {iterations}{remarks}; {units}"]
+    lines = [f"WARNING: {remark}" for remark in result.remarks]
+    lines += [f"Stage {result.name!r}, iterations per increment: {iterations}{remarks}; {units}"]
     width = max(map(len, result.parts)) + 2
     for name in result.parts:
         said = _part(result, name, first, force_unit, length_unit)
@@ -59,23 +64,35 @@ def report(
 
 
 def _part(result: StageResult, name: str, first: int, force_unit: str, length_unit: str) -> list[str]:
-    part = result.parts[name]
+    part, given = result.parts[name], result.structure.parts[name]
+    before = elastic_strain(given, given.prestress_tensors())
     if not isinstance(part, MembraneResult):
-        cable = isinstance(result.structure.parts[name], Cable)
+        cable = isinstance(given, Cable)
         slack = f", {part.slack.sum()} of {len(part.slack)} cells slack" if cable else ""
         where = _where(result, name, part.force if cable else np.abs(part.force))
         ends = loose_ends(result.structure, name, result.actions.held)
         hanging = (
             [f"ends in the air: {len(ends)}, first cell {ends[0][0]} at node {ends[0][1] + first}"] if ends else []
         )
-        return [f"{_range(part.force)} {force_unit}, largest {where}{slack}", *hanging]
+        total = part.strain + before[:, 0, 0]
+        size = total if cable else np.abs(total)
+        strained = f"largest strain with that of the prestress {total[size.argmax()]:.5f} {_where(result, name, size)}"
+        return [f"{_range(part.force)} {force_unit}, largest {where}{slack}", strained, *hanging]
     states = ", ".join(f"{(part.state == state).sum()} {state}" for state in ("taut", "wrinkled", "slack"))
     strain = np.linalg.eigvalsh(part.strain)[:, 1]
-    stress = part.principal[:, 0]
+    total = np.linalg.eigvalsh(part.strain + before)[:, 1]
+    stress, unit = part.principal[:, 0], f"{force_unit}/{length_unit}"
+    directed = isinstance(given, Membrane) and given.warp is not None
+    threads = zip(("warp", "weft"), part.thread_forces.T, strict=True) if directed else ()
     return [
-        f"{_range(stress)} {force_unit}/{length_unit}, principal stress I, largest {_where(result, name, stress)}",
-        f"{_range(part.principal[:, 1])} {force_unit}/{length_unit}, principal stress II",
+        f"{_range(stress)} {unit}, principal stress I, largest {_where(result, name, stress)}",
+        f"{_range(part.principal[:, 1])} {unit}, principal stress II",
+        *(
+            f"{_range(force)} {unit}, along {thread}, largest {_where(result, name, force)}"
+            for thread, force in threads
+        ),
         f"largest principal strain {strain.max():.5f} {_where(result, name, strain)}; cells: {states}",
+        f"largest principal strain with that of the prestress {total.max():.5f} {_where(result, name, total)}",
     ]
 
 

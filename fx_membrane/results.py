@@ -18,7 +18,11 @@ Array = NDArray[np.float64]
 
 
 class UnstableStateWarning(UserWarning):
-    """An equilibrium that is not stable, or one that is very far from where the increment of load began."""
+    """An equilibrium that is not stable, is very far from where the stage began, or hangs on slack parts."""
+
+
+class LostPrestressWarning(UserWarning):
+    """A state in which a part that was given a prestress has no tension left in any cell."""
 
 
 class Increment(NamedTuple):
@@ -33,6 +37,7 @@ class Increment(NamedTuple):
         unlisted: Number of iterates that are not among `iterations`: of tries that came to nothing, and of those that
             drew the structure smooth.
         snapped: Whether the structure lost its stability in it, and has snapped or buckled into another shape.
+        fallen: What it was, in words, that nothing but slack parts held before it snapped; empty where it buckled.
     """
 
     load_factor: float
@@ -41,6 +46,7 @@ class Increment(NamedTuple):
     unstable: bool = False
     unlisted: int = 0
     snapped: bool = False
+    fallen: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,6 +124,8 @@ class StageResult:
         equilibrium: Balance of loads and reactions.
         increments: The load increments of this stage, in order.
         parts: State of each part by name.
+        remarks: Sentences on the state to be read before its numbers, those of the warnings: that it is not stable, has
+            snapped or fallen, hangs on slack parts, or has lost its prestress.
     """
 
     name: str
@@ -130,15 +138,23 @@ class StageResult:
     equilibrium: Equilibrium
     increments: tuple[Increment, ...]
     parts: dict[str, MembraneResult | BarResult]
+    remarks: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
-        largest = np.abs(self.displacement).max()
-        return f"StageResult({self.name!r}, {len(self.increments)} increments, largest displacement {largest:.4g})"
+        return (
+            f"StageResult({self.name!r}, {len(self.increments)} increments, "
+            f"largest displacement {self.largest_displacement:.4g})"
+        )
 
     @property
     def position(self) -> Array:
         """Current position of the nodes, shape (n, 3) [m]."""
         return self.structure.points + self.displacement
+
+    @property
+    def largest_displacement(self) -> float:
+        """Largest displacement of a node, the length of its vector [m]."""
+        return float(np.linalg.norm(self.displacement, axis=1).max())
 
     def membrane(self, name: str) -> MembraneResult:
         """State of the membrane of that name.

@@ -14,6 +14,8 @@ INK = "#30343b"
 MAST = "#8a5a2b"
 FABRIC = "#e8e4da"
 
+REMEDY = "run pip install '.[plot]' in the folder of fx_membrane, in a virtual environment"
+
 
 @dataclass(frozen=True)
 class Colours:
@@ -47,7 +49,7 @@ def picture(
     plotter.set_background("white")
     plotter.enable_anti_aliasing("ssaa")
     points = result.structure.points + scale * result.displacement
-    radius = 0.0025 * np.linalg.norm(np.ptp(points, axis=0))
+    radius = 0.0025 * np.linalg.norm(np.ptp(points[result.structure.used], axis=0))
     membranes = any(part.dimension == 2 for part in result.structure.parts.values())
     shapes = [(points, 1)]
     if mirror is not None:

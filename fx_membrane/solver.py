@@ -12,6 +12,7 @@ from petsc4py import PETSc
 from .problem import Problem
 
 ROUNDING = 1e-14
+MOST = 1e3  # forces, as a multiple of the loads, that a relative tolerance refers to
 FALLEN = 0.5  # displacement, in sizes of the structure, beyond which it is in quite another shape
 FAR = 1e3  # displacements beyond so many sizes of the structure are no solution
 
@@ -90,22 +91,25 @@ def silent(number: int, iterate: Iteration) -> None:
 
 
 def tolerance(problem: Problem, x: PETSc.Vec, b: PETSc.Vec, rtol: float) -> float:
-    """What the 2-norm of the unbalanced forces must be below [N], for the residual b in x, reactions included.
+    """What the 2-norm of the unbalanced forces, rounding set aside, must be below [N], for the residual b in x.
+
+    Where prestress is far above the loads it is a share of the loads: what they cause is to be found, too.
 
     Args:
         problem: The problem.
         x: The iterate.
         b: Its residual, with the reactions at held components.
-        rtol: Part of the norm of all nodal forces; at the start `ROUNDING`, so that loads far below the prestress
-            take their step too.
+        rtol: Part of the norm of all nodal forces, or of `MOST` times that of the loads where it is smaller; at the
+            start `ROUNDING`, so that loads far below the prestress take their step too.
     """
-    return max(rtol * (float(b.norm()) + problem.load_norm(x)), problem.rounding, 1e-300)
+    loads = problem.load_norm(x)
+    forces = float(b.norm()) + loads
+    return max(rtol * min(forces, MOST * loads or forces), 1e-300)
 
 
 def lost(problem: Problem, x: PETSc.Vec, residual: float) -> bool:
     """Whether an iterate is so far off, or no number at all, that there is no way back."""
-    size = np.ptp(problem.discretization.structure.points, axis=0).max()
-    return not (math.isfinite(residual) and largest(x) <= FAR * size)
+    return not (math.isfinite(residual) and largest(x) <= FAR * problem.discretization.structure.size)
 
 
 def largest(vector: PETSc.Vec) -> float:

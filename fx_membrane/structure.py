@@ -5,20 +5,15 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial import cKDTree
 
 from . import validation
+from .coincidence import CoincidentNodesWarning, coincident_nodes
 from .geometry import SLENDER, SLIVER, aspects, normals, projected, with_one_sense
 from .parts import Cable, Kind, Mast, Membrane, Part
-
-COINCIDENT = 1e-9
-
-
-class CoincidentNodesWarning(UserWarning):
-    """Nodes at one place that are not one node: parts are joined by the nodes they share, not by where these are."""
 
 
 class SliverWarning(UserWarning):
@@ -64,23 +59,27 @@ class Structure:
         parts: Membranes, cables and masts by name. Parts that share a node are hinged together there. Give each a
             name of its own: of two entries with one name a Python dictionary keeps the last without a word.
         supports: Nodes that do not move.
+        separate: Pairs of names of parts that lie on each other without being joined, as the two skins of a cushion:
+            `[("top", "bottom")]`. Their nodes may be at one place; of a part and itself too, as at a slit.
 
     Raises:
         ValueError: A cell names a node that does not exist, has no area or no length, is a sliver more than 1e7 times
             as long as it is high, or is normal to its warp vector; a part is of a class derived from `Membrane`,
             `Cable` or `Mast`; a support is on a node that does not exist or that no part uses; a value is not finite; a
-            membrane without two sides has one prestress tensor with shear.
+            membrane without two sides has one prestress tensor with shear; separate names a
+            part that is not there.
 
     Warns:
         CoincidentNodesWarning: Nodes of the parts are at one place, nearer than 1e-9 of the size of the structure, and
-            not all of them are held there by supports. If they are meant to be apart (a slit, two cables that cross),
-            switch it off: `warnings.simplefilter("ignore", CoincidentNodesWarning)`.
+            not all of them are held there by supports. If they are meant to be apart (two skins, a slit, two cables
+            that cross), name their parts in `separate`.
         SliverWarning: A triangle is more than 5e5 times as long as it is high.
     """
 
     points: NDArray[np.float64]
     parts: Mapping[str, Part]
     supports: Sequence[Support] = ()
+    separate: Sequence[tuple[str, str]] = ()
     _no_sides: dict[str, str] = field(init=False, repr=False, default_factory=dict)  # membrane: reason
 
     def __post_init__(self) -> None:
@@ -103,6 +102,7 @@ class Structure:
         object.__setattr__(self, "parts", {name: self._turned(name, part) for name, part in self.parts.items()})
         for number, support in enumerate(self.supports):
             self.check_nodes(f"Support {number}", np.asarray(support.nodes))
+        object.__setattr__(self, "separate", self._checked_separate())
         self._warn_of_coincident_nodes()
 
     def __repr__(self) -> str:
@@ -116,6 +116,11 @@ class Structure:
         for part in self.parts.values():
             used[part.cells] = True
         return used
+
+    @property
+    def size(self) -> float:
+        """Largest extent along an axis, of the nodes that belong to a part [m]."""
+        return float(np.ptp(self.points[self.used], axis=0).max())
 
     @property
     def supported(self) -> NDArray[np.bool_]:
@@ -200,31 +205,22 @@ class Structure:
                 f"{what} is on node {loose[0]}, which no part uses, at {where}; mend the number or add the part."
             )
 
-    def _warn_of_coincident_nodes(self) -> None:
-        used = np.flatnonzero(self.used)
-        size = np.ptp(self.points[used], axis=0).max()
-        pairs = used[cKDTree(self.points[used]).query_pairs(COINCIDENT * size, output_type="ndarray")]
-        fixed = self.supported.all(axis=1)
-        pairs = pairs[~fixed[pairs].all(axis=1)]
-        if len(pairs):
-            pairs = np.sort(pairs, axis=1)
-            a, b = pairs[np.lexsort(pairs.T[::-1])[0]]
-            count = f" ({len(pairs)} such pairs in all)" if len(pairs) > 1 else ""
-            warnings.warn(
-                f"Nodes {a} and {b} are at the same place, {validation.place(self.points[a])}, but nothing joins them"
-                f"{count}: {self._using(a)} and {self._using(b)} can part there. To join them, give all cells that "
-                "meet there the same node number.",
-                CoincidentNodesWarning,
-                stacklevel=4,
-            )
+    def _checked_separate(self) -> list[tuple[str, str]]:
+        pairs: Sequence[Any] = self.separate if isinstance(self.separate, list | tuple) else [self.separate]
+        for pair in pairs:
+            if not isinstance(pair, list | tuple) or len(pair) != 2:
+                raise ValueError(f'separate has {validation.shown(pair)}; give pairs of names, [("top", "bottom")].')
+            for name in pair:
+                if not isinstance(name, str) or name not in self.parts:
+                    raise ValueError(
+                        f"separate names part {name!r}, which does not exist; those are {list(self.parts)}."
+                    )
+        return [(first, second) for first, second in pairs]
 
-    def _using(self, node: int) -> str:
-        """The first cell at a node, in words."""
-        for name, part in self.parts.items():
-            cells = np.flatnonzero((part.cells == node).any(axis=1))
-            if len(cells):
-                return f"cell {cells[0]} of {name!r}"
-        raise AssertionError("no part uses the node")
+    def _warn_of_coincident_nodes(self) -> None:
+        found = coincident_nodes(self.points, self.parts, self.supported.all(axis=1), self.separate)
+        if found:
+            warnings.warn(found, CoincidentNodesWarning, stacklevel=4)
 
     def _turned(self, name: str, part: Part) -> Part:
         """The part with cells of one sense; why it has no two sides is kept until someone asks for them."""

@@ -267,9 +267,13 @@ def instance(what: str, value: Any, kind: Any) -> None:
 def plain(what: str, value: Any, kind: Any) -> None:
     """Refuses an object of another kind or of a class derived from it, whose own data and methods nothing would use."""
     instance(what, value, kind)
+    _refuse_derived(f"{what} is", value, kind)
+
+
+def _refuse_derived(what: str, value: Any, kind: Any) -> None:
     if type(value) not in getattr(kind, "__args__", (kind,)):
         raise ValueError(
-            f"{what} is {with_article(type(value).__name__)}, a class derived from {type(value).__mro__[1].__name__}, "
+            f"{what} {with_article(type(value).__name__)}, a class derived from {type(value).__mro__[1].__name__}, "
             f"whose own data and methods would not be used; give {with_article(expected(kind))} itself."
         )
 
@@ -282,7 +286,7 @@ def instances(name: str, values: Any, kind: Any) -> tuple[Any, ...]:
         if not isinstance(value, kind):
             raise ValueError(f"{name} has {shown(value)}; give a list of {expected(kind)}.")
         if kind is not str:
-            plain(f"An entry of {name}", value, kind)
+            _refuse_derived(f"{name} has", value, kind)
     return tuple(values)
 
 

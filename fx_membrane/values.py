@@ -1,5 +1,6 @@
 """Values as they are given: how a message shows them, and which of them are numbers."""
 
+import contextlib
 from collections.abc import Sized
 from typing import Any
 
@@ -13,9 +14,12 @@ def shown(value: Any) -> str:
         return f"the class {value.__name__}"
     if isinstance(value, int) and abs(value) >= 10**50:  # Python does not print numbers of more than 4300 digits
         return f"a whole number of about {round(value.bit_length() * 0.30103)} digits"
-    text = repr(value.tolist() if isinstance(value, np.ndarray | np.generic) and value is not np.ma.masked else value)
-    if len(text) <= 50:
-        return text
+    with contextlib.suppress(ValueError):  # a list of such numbers
+        text = repr(
+            value.tolist() if isinstance(value, np.ndarray | np.generic) and value is not np.ma.masked else value
+        )
+        if len(text) <= 50:
+            return text
     if isinstance(value, np.ndarray):
         return f"an array of {value.dtype}, shape {value.shape}"
     sized = isinstance(value, Sized) and not hasattr(value, "shape")  # sparse matrices have no length

@@ -15,8 +15,8 @@ from fx_membrane import (
     Newton,
     PointLoad,
     Stage,
-    checkpoint,
 )
+from fx_membrane.checkpoint_file import CheckpointFile
 from interrupted import Killed, assert_same, counted, cut_short, stages, structure
 
 
@@ -124,8 +124,8 @@ def test_failed_run_can_be_taken_up_by_a_better_solver(path, expected):
 
 def test_only_the_first_process_writes(tmp_path, monkeypatch, expected):
     written = []
-    save = checkpoint.save
-    monkeypatch.setattr(checkpoint, "save", lambda path, *rest: (written.append(path), save(path, *rest)))
+    write = CheckpointFile.write
+    monkeypatch.setattr(CheckpointFile, "write", lambda file, *rest: (written.append(file.path), write(file, *rest)))
     mine = tmp_path / f"state {MPI.COMM_WORLD.rank}"  # each process has a name of its own
     found = Analysis(structure()).run(stages(), mine)
     assert len(written) == (7 if MPI.COMM_WORLD.rank == 0 else 0)

@@ -221,6 +221,13 @@ def test_densities_that_cancel_deep_in_a_net():
         force_density(points, branches, q, [Support(rim)])
 
 
+@pytest.mark.parametrize("rest", [1e-7, -1e-7])
+def test_densities_that_nearly_cancel(rest):
+    points = [[-1.0, 0, 0], [1, 0, 0], [0, 1, 0.5], [0, 0, 0]]
+    with pytest.raises(ValueError, match=r"^These force densities put node 3 .* away, .* of both signs nearly cancel"):
+        force_density(points, [[3, 0], [3, 1], [3, 2]], [1.0, 1.0, -2.0 + rest], [Support([0, 1, 2])])
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -12,6 +12,7 @@ from fx_membrane import (
     Fabric,
     Mast,
     Membrane,
+    OrthotropicFabric,
     PrescribedDisplacement,
     Stage,
     Structure,
@@ -48,8 +49,8 @@ def test_table(result):
     fabric, ridge = result.membrane("fabric"), result.cable("ridge")
     counts = [len(increment.iterations) - 1 for increment in result.increments]
     assert lines[0] == f"Stage 'fold', iterations per increment: {counts}; units as given: kN, cm"
-    labels = ["fabric", "", "", "ridge", "mast"]
-    assert [line[2:10].strip() for line in lines[1:6]] == labels
+    labels = ["fabric", "", "", "", "ridge", "", "mast", ""]
+    assert [line[2:10].strip() for line in lines[1:9]] == labels
     for line, values in zip(lines[1:3], fabric.principal.T, strict=True):
         assert "kN/cm, principal stress" in line
         assert numbers(line)[:2] == pytest.approx([values.min(), values.max()], rel=1e-5)
@@ -59,20 +60,23 @@ def test_table(result):
     assert [numbers(lines[3])[i] for i in (0, -3, -2, -1)] == pytest.approx([strain, *states], abs=1e-5)
     slack = np.count_nonzero(ridge.slack)
     assert slack > 0
-    found = numbers(lines[4])
+    found = numbers(lines[5])
     assert found[:2] + found[-2:] == pytest.approx([ridge.force.min(), ridge.force.max(), slack, 4], rel=1e-5)
     force = result.mast("mast").force[0]
-    assert numbers(lines[5])[:2] == pytest.approx([force, force], rel=1e-5)
-    assert "slack" not in lines[5]
+    assert numbers(lines[7])[:2] == pytest.approx([force, force], rel=1e-5)
+    assert "slack" not in lines[7]
     size = np.linalg.norm(result.displacement, axis=1)
-    assert numbers(lines[6]) == pytest.approx([size.max(), size.argmax() + 1], rel=1e-5)
-    for line, node in zip(lines[7:9], (0, 25), strict=True):
+    assert numbers(lines[9]) == pytest.approx([size.max(), size.argmax() + 1], rel=1e-5)
+    assert size.max() > 1.01 * np.abs(result.displacement).max()
+    assert result.largest_displacement == size.max()
+    assert f"largest displacement {size.max():.4g})" in repr(result)
+    for line, node in zip(lines[10:12], (0, 25), strict=True):
         assert numbers(line)[0] == node + 1
         assert numbers(line)[1:] == pytest.approx(result.reactions[node], rel=1e-5, abs=1e-9)
-    assert numbers(lines[9]) == pytest.approx([0, 0, -400, 0, 0, 400], rel=1e-5)
-    assert "moments to" in lines[10]
-    assert max(numbers(lines[10])) < 1e-6
-    assert len(lines) == 11
+    assert numbers(lines[12]) == pytest.approx([0, 0, -400, 0, 0, 400], rel=1e-5)
+    assert "moments to" in lines[13]
+    assert max(numbers(lines[13])) < 1e-6
+    assert len(lines) == 14
 
 
 def test_largest_values_are_given_with_their_cell(result):
@@ -81,8 +85,10 @@ def test_largest_values_are_given_with_their_cell(result):
     largest = {
         1: ("fabric", fabric.principal[:, 0]),
         3: ("fabric", np.linalg.eigvalsh(fabric.strain)[:, 1]),
-        4: ("ridge", result.cable("ridge").force),
-        5: ("mast", np.abs(result.mast("mast").force)),
+        5: ("ridge", result.cable("ridge").force),
+        6: ("ridge", result.cable("ridge").strain),
+        7: ("mast", np.abs(result.mast("mast").force)),
+        8: ("mast", np.abs(result.mast("mast").strain)),
     }
     lines = report(result, first=1).splitlines()
     for row, (name, values) in largest.items():
@@ -92,13 +98,37 @@ def test_largest_values_are_given_with_their_cell(result):
         assert [float(x), float(y), float(z)] == pytest.approx(centroid, rel=1e-3)
 
 
+def test_strain_of_the_prestress_and_stress_along_the_threads():
+    points, triangles = rectangle(2.0, 2.0, 4, 4)
+    woven = OrthotropicFabric(Et_warp=1e5, Et_weft=5e4, nu=0.2, Gt=5e3)
+    stress = np.array([[3e3, 400], [400, 1e3]])
+    parts = {
+        "woven": Membrane(triangles, woven, stress, warp=(1, 0, 0)),
+        "plain": Membrane(triangles, Fabric(1e5, 0.3), 1e3),
+        "tie": Cable([[0, 1]], 1e5, 2e3),
+        "strut": Mast([[1, 2]], 1e5, -3e3),
+    }
+    result = Analysis(Structure(points, parts, [Support(range(25))])).run([Stage("rest")])["rest"]
+    lines = [line[9:].strip() for line in report(result).splitlines()]
+    found = result.membrane("woven").thread_forces
+    assert found == pytest.approx(np.tile([3e3, 1e3], (32, 1)), rel=1e-12)
+    for line, thread, force in zip(lines[3:5], ("warp", "weft"), (3e3, 1e3), strict=True):
+        assert f" N/m, along {thread}, largest in cell" in line
+        assert numbers(line)[:2] == pytest.approx([force, force], rel=1e-5)
+    before = np.linalg.eigvalsh(woven.strain(stress[None]))[0, 1]
+    assert lines[6].startswith(f"largest principal strain with that of the prestress {before:.5f} in cell")
+    assert sum("along w" in line for line in lines) == 2  # a plain fabric without a warp has none
+    assert "largest strain with that of the prestress 0.02000 in cell 0 at" in lines[12]
+    assert "largest strain with that of the prestress -0.03000 in cell 0 at" in lines[14]
+
+
 def test_cable_that_ends_in_the_air():
     points = [[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [1, 0, -1]]
     parts = {"line": Cable([[0, 1], [1, 2]], 1e6, 1e3), "rope": Cable([[1, 3]], 1e6)}
     structure = Structure(points, parts, [Support([0, 2])])
     weight = DeadLoad((0, 0, -10.0), "rope")
     lines = report(Analysis(structure).run([Stage("hang", [weight])])["hang"], first=1).splitlines()
-    assert lines[3].strip() == "ends in the air: 1, first cell 0 at node 4"
+    assert lines[5].strip() == "ends in the air: 1, first cell 0 at node 4"
     moves = PrescribedDisplacement(3, (0, 0, 0), "x")
     held = Analysis(structure).run([Stage("hang", [weight], [moves])])["hang"]
     assert "in the air" not in report(held)

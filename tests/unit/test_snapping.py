@@ -19,9 +19,9 @@ from fx_membrane import (
     Structure,
     Support,
     UnstableStateWarning,
-    checkpoint,
     trace,
 )
+from fx_membrane.checkpoint import Checkpoint
 from models import LIMIT, arch, same_state, sheet
 
 SQUARE = [[-5.0, -5, 0], [5, -5, 0], [5, 5, 0], [-5, 5, 0]]
@@ -162,14 +162,14 @@ def test_run_that_is_killed_goes_on_to_the_same_snap(saves, tmp_path, monkeypatc
     """Before it, while it is being located, and past it."""
     stages = [Stage("push", [PointLoad(1, (0, 0, -1.4 * LIMIT))], steps=3)]
     whole = Analysis(arch()).run(stages)["push"]
-    save, done = checkpoint.save, []
+    save, done = Checkpoint.save, []
 
     def killed(*arguments):
         if len(done) == saves:
             raise KeyboardInterrupt
         done.append(save(*arguments))
 
-    monkeypatch.setattr(checkpoint, "save", killed)
+    monkeypatch.setattr(Checkpoint, "save", killed)
     with pytest.raises(KeyboardInterrupt):
         Analysis(arch()).run(stages, tmp_path / "push.npz")
     monkeypatch.undo()

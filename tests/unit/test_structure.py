@@ -1,6 +1,8 @@
 """Supports and structures: what they hold, and which input they refuse."""
 
+import re
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -252,3 +254,47 @@ def test_objects_of_another_kind(arguments, message):
     good = {"points": [[0, 0, 0], [0, 0, 1.0]], "parts": {"cable": Cable([[0, 1]], 1.0)}, "supports": []}
     with pytest.raises(ValueError, match=message):
         Structure(**(good | arguments))
+
+
+@pytest.mark.parametrize("separate", [[("top", "bottom")], (["bottom", "top"],)])
+def test_coincident_nodes_of_separate_parts_are_meant(separate, recwarn):
+    skins = {"top": Membrane(TRIANGLES, FABRIC), "bottom": Membrane(np.asarray(TRIANGLES) + len(POINTS), FABRIC)}
+    points = np.vstack([POINTS, POINTS])
+    structure = Structure(points, skins, separate=separate)
+    assert not recwarn.list
+    assert replace(structure, points=2 * points).separate == [tuple(separate[0])]  # answered for good
+    assert not recwarn.list
+    cable = Cable(np.array([[0, 1]]), 1e6)  # of the top, so that what it crosses of the bottom is meant too
+    Structure(points, {**skins, "cable": cable}, separate=separate)
+    assert not recwarn.list
+    other = Structure(
+        np.vstack([points, POINTS[:2]]),
+        {**skins, "cable": Cable([[2 * len(POINTS), 2 * len(POINTS) + 1]], 1e6)},
+        separate=[*separate, ("cable", "top")],
+    )
+    (found,) = recwarn.list  # the cable and the bottom
+    assert re.search(
+        r"cell \d+ of 'bottom' and cell 0 of 'cable' can .*separate=\[\('bottom', 'cable'\)\]", str(found.message)
+    )
+    assert isinstance(other, Structure)
+
+
+def test_slit_is_a_part_separate_of_itself(recwarn):
+    points = [[0.0, 0, 0], [1, 0, 0], [1, 0, 0], [2, 0, 0]]
+    Structure(points, {"cable": Cable([[0, 1], [2, 3]], 1e6)}, separate=[("cable", "cable")])
+    assert not recwarn.list
+
+
+@pytest.mark.parametrize(
+    ("separate", "message"),
+    [
+        ([("fabric", "roof")], r"^separate names part 'roof', which does not exist; those are \['fabric'\]"),
+        ([("fabric", 3)], "^separate names part 3, which"),
+        (("fabric", "fabric"), r"^separate has 'fabric'; give pairs of names"),
+        ([("fabric",)], r"^separate has \('fabric',\); give pairs"),
+        (None, "^separate has None; give pairs"),
+    ],
+)
+def test_separate_parts_that_are_no_pairs_of_names(separate, message):
+    with pytest.raises(ValueError, match=message):
+        Structure(POINTS, {"fabric": Membrane(TRIANGLES, FABRIC)}, separate=separate)

@@ -1,0 +1,93 @@
+"""Processes that share the work: errors of one that are raised by all, and input that differs between them."""
+
+import pickle
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import wraps
+from typing import ParamSpec
+
+from mpi4py import MPI
+
+OUTCOME = 2003  # tag of messages that say how an act ended
+
+P = ParamSpec("P")
+
+
+@contextmanager
+def together(comm: MPI.Intracomm) -> Iterator[None]:
+    """Raises an exception of any process on all of them, so that none waits for one that has left.
+
+    The block must not communicate. Where several processes raise, all raise what the first of them does.
+    """
+    error: Exception | None = None
+    try:
+        yield
+    except Exception as raised:
+        if comm.size == 1:
+            raise
+        error = raised
+    if comm.size == 1 or not comm.allreduce(error is not None, MPI.LOR):
+        return
+    errors = comm.allgather(_portable(error))
+    rank, first = next((rank, other) for rank, other in enumerate(errors) if other is not None)
+    if rank == comm.rank and error is not None:
+        raise error
+    raise first from error
+
+
+def by_the_first(act: Callable[P, None]) -> Callable[P, None]:
+    """Leaves an act to the first process of all; what it raises is raised on every one.
+
+    The first process tells and does not wait: it may be the only one that is called.
+    """
+
+    @wraps(act)
+    def shared(*args: P.args, **kwargs: P.kwargs) -> None:
+        comm, error = MPI.COMM_WORLD, None
+        if comm.rank == 0:
+            try:
+                act(*args, **kwargs)
+            except Exception as raised:
+                error = raised
+            for other in range(1, comm.size):
+                comm.send(_portable(error), other, OUTCOME)
+        else:
+            error = comm.recv(source=0, tag=OUTCOME)
+        if error is not None:
+            raise error
+
+    return shared
+
+
+def refuse_differences(comm: MPI.Intracomm, digests: Callable[[], Mapping[str, str]]) -> None:
+    """Refuses input that is not the same on all processes, on all of them.
+
+    Args:
+        comm: The processes.
+        digests: Digests of the input by what it is; not asked for where there is one process.
+
+    Raises:
+        ValueError: The input differs.
+    """
+    if comm.size == 1:
+        return
+    with together(comm):
+        mine = dict(digests())
+    first, *others = comm.allgather(mine)
+    for number, other in enumerate(others, 1):
+        names = [name for name in first | other if first.get(name) != other.get(name)]
+        if names:
+            more = f" and {len(names) - 3} more" if len(names) > 3 else ""
+            raise ValueError(
+                f"The input of process {number} differs from that of process 0 in: {', '.join(names[:3])}{more}; give "
+                "all processes the same: draw random numbers and read files on one of them, and broadcast."
+            )
+
+
+def _portable(error: Exception | None) -> Exception | None:
+    """The exception, or one of the same words where it cannot be sent."""
+    try:
+        copy = pickle.loads(pickle.dumps(error))
+        return error if str(copy) == str(error) else RuntimeError(f"{type(error).__name__}: {error}")
+    except Exception:
+        return RuntimeError(f"{type(error).__name__}: {error}")

@@ -1,0 +1,93 @@
+"""Values that users give by mistake, by class, and the arguments that take some of them all the same."""
+
+import datetime
+from decimal import Decimal
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+
+VALUES = {
+    "none": [None],
+    "truth": [True, False, np.True_, np.array(True)],
+    "truths": [
+        np.array([True, False]), [True, False, True], [1.0, True, 0.0], [1, True],
+        np.array([1.0, True], dtype=object),
+    ],
+    "text": ["12", "text", np.str_("north")],
+    "texts": [["1", 2.0, 3.0], np.array(["1", 2.0], dtype=object), ("a", "b"), np.array(["1", "2"])],
+    "empty text": [""],
+    "bad name": ["x\0y", "n" * 5000, "/dev/null/x", "folder/"],
+    "bytes": [b"12", bytearray(b"123"), np.bytes_(b"1"), np.array([b"1"])],
+    "complex": [1j, 1 + 0j, np.complex128(1), np.array([1.0, 2j, 3.0]), [1.0, 2j, 0.0]],
+    "date": [np.datetime64("2020-01-01"), np.timedelta64(5, "s"), np.array([1, 2, 3], "m8[s]"), datetime.timedelta(1)],
+    "masked": [
+        np.ma.masked, np.ma.array([1.0, 2.0, 3.0], mask=[0, 1, 0]),
+        np.ma.array([1, 2], mask=[0, 1]), [1.0, np.ma.masked, 0.0],
+    ],
+    "not finite": [np.nan, np.inf, -np.inf, np.float32("nan"), Decimal("NaN"), Decimal("Infinity"), [1.0, np.nan, 0.0]],
+    "huge": [
+        10**400, -(10**5000), Decimal("1e400"), 1e300, -1e300, [10**400, 0, 0],
+        np.longdouble("1e4000"), [1e300, 0, 0],
+    ],
+    "number": [
+        Decimal("0.25"), Fraction(1, 4), np.float32(0.25), np.array(0.25),
+        np.array(0.25, dtype=object), 0.25, -0.25, 0.0,
+    ],
+    "whole": [2, 0, -1, np.int8(2), np.uint64(2), np.array(2)],
+    "large": [2**70, -(2**70), 2**31, np.uint64(2**64 - 1)],
+    "array": [
+        [0.25], np.array([0.25]), (0.25, 0.5), [0.25, 0.5, 0.75], np.ones((2, 2)),
+        np.ones((2, 3)), [Decimal(1), 0, 0],
+    ],
+    "rows": [[1], [0, 1], range(2), (0, 1, 2), np.array([1]), np.array([[0, 1], [1, 2]]), [2**70], [-1]],
+    "empty": [[], (), np.empty(0, int)],
+    "ragged": [[[0, 1], [2]], [[0.0, 1.0], 2.0], np.array([None, 1.0]), [None, 1.0, 2.0], [[1.0], "a"]],
+    "object": [object(), int, len, {"a": 1}, {1, 2}, iter([1, 2]), slice(3), np.ones, datetime.date(2020, 1, 1)],
+    "empty table": [{}],
+    "path": [Path("picture")],
+}  # fmt: skip
+
+TAKES = {
+    "number": {"number", "whole", "large"},
+    "whole": {"whole"},
+    "array": {"number", "whole", "large", "array", "rows"},
+    "rows": {"whole", "large", "rows"},
+    "list of rows": {"whole", "large", "rows", "empty"},
+    "list": {"empty"},
+    "table": {"empty table"},
+    "text": {"text", "empty text", "bad name"},
+    "truth": {"truth"},
+    "path": {"text", "path"},
+    "object": set(),
+}
+
+
+def values(kind):
+    """All values, and whether an argument of a kind may take each; one that ends in ? may be None."""
+    taken = TAKES[kind.rstrip("?")] | ({"none"} if kind.endswith("?") else set())
+    return [(value, name in taken) for name, group in VALUES.items() for value in group]
+
+
+def scalars():
+    """Values that may stand in the place of a number in an array, and whether they are right there."""
+    groups = (
+        "none",
+        "truth",
+        "text",
+        "empty text",
+        "bytes",
+        "complex",
+        "date",
+        "masked",
+        "not finite",
+        "huge",
+        "number",
+        "whole",
+    )
+    every = [(value, name in ("number", "whole")) for name in groups for value in VALUES[name]]
+    return [
+        (value, right)
+        for value, right in every
+        if not isinstance(value, list) and np.ndim(value) == 0 and value is not None
+    ]

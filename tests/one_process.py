@@ -1,0 +1,124 @@
+"""Errors of one process and input that differs between them: each case prints how it ended on every process.
+
+mpirun -n 2 python tests/one_process.py FOLDER
+"""
+
+import resource
+import sys
+import warnings
+from pathlib import Path
+
+from mpi4py import MPI
+
+import interrupted
+from fx_membrane import (
+    Analysis,
+    CheckpointWarning,
+    ConjugateGradient,
+    DeadLoad,
+    LargeStrainWarning,
+    Newton,
+    PointLoad,
+    Stage,
+    natural_frequencies,
+    plot,
+    stability,
+    trace,
+    updated_reference,
+)
+from interrupted import POINTS, stages, structure
+
+COMM = MPI.COMM_WORLD
+FIRST = COMM.rank == 0
+FOLDER = Path(sys.argv[1])
+
+analysis = Analysis(structure())
+results = analysis.run(stages())
+lift = results["lift"]
+pull = Stage("pull", [PointLoad(6, (0, 0, 10.0))], after="lift")
+
+
+def run(steps=None, path=None):
+    return lambda: analysis.run(steps or stages(), path)
+
+
+def mine(first, other):
+    return first if FIRST else other
+
+
+def strained():
+    with warnings.catch_warnings():
+        if FIRST:
+            warnings.simplefilter("error", LargeStrainWarning)
+        hard = structure(stiffness=1e3)
+        Analysis(hard).run([Stage("load", [PointLoad(6, (0, 0, 3e3))])])
+
+
+def full_disk():
+    path = FOLDER / "full"
+    analysis.run(stages()[:1], path)
+    COMM.Barrier()
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (path.stat().st_size, before[1]))
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", CheckpointWarning)
+            analysis.run(stages(), path)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def seen_by_the_first():
+    """The folder of each process is its own."""
+    path = FOLDER / str(COMM.rank) / "state"
+    Analysis(structure()).run(stages()[:2], path)
+    again = Analysis(structure())
+    calls = interrupted.counted(again)
+    assert list(again.run(stages(), path)) == [stage.name for stage in stages()]
+    assert len(calls) == 2
+    assert path.exists() == FIRST
+
+
+state = FOLDER / "state"
+other_points = POINTS.copy()
+other_points[6, 2] += 1e-9
+
+CASES = {
+    "checkpoint that cannot be written": run(path="/proc/fx/state"),
+    "checkpoint on a full disk, warnings as errors": full_disk,
+    "checkpoint of another structure": lambda: Analysis(structure(prestress=1.0)).run(stages(), state),
+    "checkpoint that one process sees": seen_by_the_first,
+    "picture that cannot be written": lambda: plot.convergence(lift, "/proc/fx/picture.png"),
+    "picture of nothing": lambda: plot.wireframe(POINTS, {}, FOLDER / "no" / "picture.xyz"),
+    "warning as error": strained,
+    "other loads": run(mine(stages(), stages(snow=-201.0))),
+    "other steps": run(mine(stages(), stages(steps=4))),
+    "fewer stages": run(mine(stages(), stages()[:2])),
+    "other order": run(mine(stages(), [stages()[i] for i in (0, 2, 1)])),
+    "other points": lambda: Analysis(mine(structure(), structure(points=other_points))),
+    "other number of points": lambda: Analysis(mine(structure(), structure(points=[*POINTS, [9, 9, 9]]))),
+    "other solver": lambda: Analysis(structure(), mine(Newton(), Newton(rtol=1e-9))),
+    "other method": lambda: Analysis(structure(), mine(Newton(), ConjugateGradient())),
+    "no solver on one": lambda: Analysis(structure(), mine(Newton(), "Newton")),
+    "no stages on one": run(mine(stages(), ["snow"])),
+    "stage that does not fit on one": run(mine(stages(), [Stage("snow", [DeadLoad((0, 0, 1), "roof")])])),
+    "no count on one": lambda: stability(lift, mine(1, 0)),
+    "other count": lambda: stability(lift, mine(1, 2)),
+    "other state": lambda: stability(mine(lift, results["snow"])),
+    "no state on one": lambda: natural_frequencies(mine(lift, None)),
+    "trace without end on one": lambda: trace(lift, pull, rtol=mine(1e-10, -1)),
+    "other trace": lambda: trace(lift, pull, load_factor=mine(1.0, 2.0)),
+    "other start of a trace": lambda: trace(mine(lift, structure()), mine(pull, Stage("pull", pull.loads))),
+    "other form": lambda: updated_reference(structure(prestress=mine(1e3, 2e3))),
+    "other tolerance of a form": lambda: updated_reference(structure(), tolerance=mine(1e-3, 1e-2)),
+}
+
+analysis.run(stages()[:1], state)
+for case, act in CASES.items():
+    try:
+        act()
+        ended = "done"
+    except Exception as error:
+        ended = f"{type(error).__name__}: {error}"
+    for line in filter(None, [COMM.gather(ended)]):
+        print("CASE", repr((case, line)), flush=True)

@@ -1,0 +1,274 @@
+"""Every argument of every public function and class, given values of wrong kinds, refuses or takes them."""
+
+import inspect
+import itertools
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+import fx_membrane
+from bad_values import scalars, values
+from fx_membrane import (
+    Analysis,
+    Cable,
+    ConjugateGradient,
+    DeadLoad,
+    Fabric,
+    Mast,
+    Membrane,
+    Newton,
+    OrthotropicFabric,
+    PlanLoad,
+    PointLoad,
+    PrescribedDisplacement,
+    Pressure,
+    Stage,
+    SteepestDescent,
+    Structure,
+    Support,
+    boundary,
+    edges_on,
+    force_density,
+    natural_frequencies,
+    plot,
+    polyline,
+    rectangle,
+    report,
+    stability,
+    structure_from_gmsh,
+    trace,
+    updated_reference,
+    validation,
+)
+
+pytestmark = pytest.mark.serial
+
+POINTS = np.array([[-1.0, 0, 0], [0, 0, 0.3], [1, 0, 0]])
+ARCH = Structure(POINTS, {"arch": Mast([[0, 1], [1, 2]], 1e6, mass=1.0)}, [Support([0, 2]), Support(1, "y")])
+LOAD = Stage("load", [PointLoad(1, (0, 0, -100.0))])
+STATE = Analysis(ARCH, comm=MPI.COMM_SELF).run([LOAD])["load"]
+HISTORY = STATE.increments[0].iterations
+SQUARE, TRIANGLES = rectangle(1.0, 1.0, 1, 1)
+SHEET = Structure(SQUARE, {"sheet": Membrane(TRIANGLES, Fabric(1e5, 0.3), 1e3)}, [Support(range(4))])
+BAR = {"cells": [[0, 1], [1, 2]], "axial_stiffness": 1e6, "prestress": [1.0, 2.0], "mass": 1.0}
+BARS = {"cells": "rows", "axial_stiffness": "number", "prestress": "array", "mass": "number"}
+MODULUS = {"cells": [[0, 1]], "E": 1e9, "area": 1e-4, "prestress": 0.0, "density": 1.0}
+MODULI = {"cells": "rows", "E": "number", "area": "number", "prestress": "array", "density": "number"}
+SPREAD = {"load": [0.0, 0.0, 1.0], "part": "sheet", "cells": [0]}, {"load": "array", "part": "text", "cells": "rows?"}
+FIRST_ORDER = {"preconditioner": None, "rtol": 1e-3, "max_iterations": 5}
+FIRST_ORDERS = {"preconditioner": "object?", "rtol": "number", "max_iterations": "whole"}
+UNITS = {"force_unit": "text", "energy_unit": "text"}
+COMM = {"comm": MPI.COMM_SELF}
+MODES = {"state": STATE, "count": 1, **COMM}, {"state": "object", "count": "whole", "comm": "object"}
+
+# Each with arguments that are right, and the kind of each argument.
+CASES = {
+    Fabric: ({"Et": 1e5, "nu": 0.3}, {"Et": "number", "nu": "number"}),
+    Fabric.from_modulus: ({"E": 1e9, "nu": 0.3, "thickness": 1e-3}, dict.fromkeys(("E", "nu", "thickness"), "number")),
+    OrthotropicFabric: (
+        {"Et_warp": 2e5, "Et_weft": 1e5, "nu": 0.2, "Gt": 1e4},
+        dict.fromkeys(("Et_warp", "Et_weft", "nu", "Gt"), "number"),
+    ),
+    Membrane: (
+        {"cells": [[0, 1, 2], [0, 2, 3]], "material": Fabric(1e5, 0.3), "prestress": [1.0, 2.0], "warp": [1.0, 0, 0],
+         "compression_stiffness": 1e-3, "mass": 1.0},
+        {"cells": "rows", "material": "object", "prestress": "array", "warp": "array?",
+         "compression_stiffness": "number", "mass": "number"},
+    ),
+    Cable: ({**BAR, "compression_stiffness": 1e-3}, {**BARS, "compression_stiffness": "number"}),
+    Mast: (BAR, BARS),
+    Cable.from_modulus: (MODULUS, MODULI),
+    Mast.from_modulus: (MODULUS, MODULI),
+    Support: ({"nodes": [0, 1], "components": "z"}, {"nodes": "rows", "components": "object"}),
+    PointLoad: ({"nodes": [0, 1], "force": [0.0, 0.0, 1.0]}, {"nodes": "rows", "force": "array"}),
+    DeadLoad: SPREAD,
+    PlanLoad: SPREAD,
+    Pressure: ({"pressure": 1.0, "part": "a", "cells": [0]}, {"pressure": "number", "part": "text", "cells": "rows?"}),
+    PrescribedDisplacement: (
+        {"nodes": [0, 1], "displacement": [0.0, 0.0, 1.0], "components": "z"},
+        {"nodes": "rows", "displacement": "array", "components": "object"},
+    ),
+    Stage: (
+        {"name": "snow", "loads": (), "displacements": (), "steps": 2, "after": "wind"},
+        {"name": "text", "loads": "list", "displacements": "list", "steps": "whole", "after": "text?"},
+    ),
+    Structure: (
+        {"points": POINTS.tolist(), "parts": ARCH.parts, "supports": ARCH.supports},
+        {"points": "array", "parts": "object", "supports": "list"},
+    ),
+    Structure.part: ({"self": ARCH, "name": "arch", "kind": Mast}, {"name": "object", "kind": "object"}),
+    type(STATE).mast: ({"self": STATE, "name": "arch"}, {"name": "object"}),
+    type(STATE).cable: ({"self": STATE, "name": "arch"}, {"name": "object"}),
+    type(STATE).membrane: ({"self": STATE, "name": "arch"}, {"name": "object"}),
+    Newton: (
+        {"rtol": 1e-3, "max_iterations": 5, "line_search": False},
+        {"rtol": "number", "max_iterations": "whole", "line_search": "truth"},
+    ),
+    SteepestDescent: (FIRST_ORDER, FIRST_ORDERS),
+    ConjugateGradient: ({"beta": "PR", **FIRST_ORDER}, {"beta": "object", **FIRST_ORDERS}),
+    rectangle: (
+        {"width": 1.0, "height": 1.0, "columns": 2, "rows": 2, "diagonals": "left"},
+        {"width": "number", "height": "number", "columns": "whole", "rows": "whole", "diagonals": "object"},
+    ),
+    polyline: ({"nodes": [0, 1]}, {"nodes": "rows"}),
+    boundary: ({"triangles": TRIANGLES}, {"triangles": "rows"}),
+    edges_on: (
+        {"points": SQUARE, "triangles": TRIANGLES, "on": lambda x: x[0] > 0},
+        {"points": "array", "triangles": "rows", "on": "object"},
+    ),
+    force_density: (
+        {"points": POINTS.tolist(), "branches": [[0, 1], [1, 2]], "q": [1.0, 2.0], "fixed": [Support([0, 2])],
+         "loads": None},
+        {"points": "array", "branches": "rows", "q": "array", "fixed": "object", "loads": "array?"},
+    ),
+    updated_reference: (
+        {"structure": SHEET, "loads_in_form": (), "tolerance": 0.1, "max_steps": 2, **COMM},
+        {"structure": "object", "loads_in_form": "list", "tolerance": "number", "max_steps": "whole",
+         "comm": "object"},
+    ),
+    natural_frequencies: MODES,
+    stability: MODES,
+    trace: (
+        {"start": ARCH, "stage": LOAD, "load_factor": 1.0, "displacement": None, "max_points": 2, "rtol": 1e-6, **COMM},
+        {"start": "object", "stage": "object", "load_factor": "number?", "displacement": "object?",
+         "max_points": "whole", "rtol": "number", "comm": "object"},
+    ),
+    Analysis: (
+        {"structure": ARCH, "solver": Newton(), **COMM},
+        {"structure": "object", "solver": "object", "comm": "object"},
+    ),
+    Analysis.run: (
+        {"self": Analysis(ARCH, comm=MPI.COMM_SELF), "stages": [LOAD], "checkpoint_file": None},
+        {"stages": "list", "checkpoint_file": "path?"},
+    ),
+    report: (
+        {"result": STATE, "nodes": [0], "first": 1, "force_unit": "N", "length_unit": "m"},
+        {"result": "object", "nodes": "list of rows", "first": "whole", "force_unit": "text", "length_unit": "text"},
+    ),
+    structure_from_gmsh: (
+        {"source": "no such.msh", "parts": {"a": len}, "supports": {}},
+        {"source": "object", "parts": "object", "supports": "table?"},
+    ),
+    plot.convergence: ({"result": STATE, "path": "a", "force_unit": "N", "energy_unit": "J"},
+                       {"result": "object", "path": "path", **UNITS}),
+    plot.compare_convergence: (
+        {"histories": {"one": HISTORY}, "seconds": {"one": 1.0}, "path": "a", "force_unit": "N", "energy_unit": "J"},
+        {"histories": "object", "seconds": "object", "path": "path", **UNITS},
+    ),
+    plot.wireframe: (
+        {"points": POINTS, "parts": ARCH.parts, "path": "a", "view": None, "labels": [], "first": 0},
+        {"points": "array", "parts": "object", "path": "path", "view": "array?", "labels": "list of rows",
+         "first": "whole"},
+    ),
+    plot.contours: (
+        {"result": STATE, "fields": {"height": POINTS[:, 2]}, "path": "a", "scale": 1.0, "view": [0.0, -1.0, 0.5],
+         "mirror": None, "odd": (), "limits": None},
+        {"result": "object", "fields": "object", "path": "path", "scale": "number", "view": "array",
+         "mirror": "object?", "odd": "list", "limits": "table?"},
+    ),
+}  # fmt: skip
+NO_INPUT = {  # made by us
+    "BarResult", "CoincidentNodesWarning", "ContinuationError", "ConvergenceError", "Equilibrium", "EquilibriumPath",
+    "Form", "Increment", "Iteration", "LargeStrainWarning", "MembraneResult", "Modes", "Net", "PathPoint",
+    "SliverWarning", "Stability", "StageResult", "StageResults", "UnsettledFormWarning", "UnstableStateWarning", "plot",
+}  # fmt: skip
+NOT_RIGHT = structure_from_gmsh, type(STATE).cable, type(STATE).membrane  # what they are given is refused too
+SLOW = plot.convergence, plot.compare_convergence, plot.wireframe, plot.contours, trace, updated_reference
+ALIASES = {
+    "name": ("No M", "No C"), "result": ("first argument",), "Et_warp": ("stiffnesses",), "Et_weft": ("stiffnesses",),
+    "points": ("are numbered",), "parts": ("part",), "supports": ("support", "no file"),
+    "source": ("file", "gmsh model"), "fields": ("field",), "histories": ("history",),
+}  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def _in_a_folder_of_its_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def attempt(function, given, argument, value):
+    """What a call gives, or its refusal in words; anything else is a fault."""
+    try:
+        return function(**{**given, argument: value}), None
+    except ValueError as refusal:
+        words = str(refusal)
+        named = any(alias.lower() in words.lower() for alias in (argument, *ALIASES.get(argument, ())))
+        assert named, f"the refusal does not name {argument}: {words}"
+        assert len(words) > 20, words
+        assert words.endswith((".", ")")), words
+        return None, words
+
+
+def faults(function, given, tries):
+    """What went wrong in some calls, in words."""
+    found = []
+    for argument, value, allowed in tries:
+        shown = f"{argument}={validation.shown(value)}"
+        try:
+            result, refusal = attempt(function, given, argument, value)
+        except Exception as error:
+            found.append(f"{shown}: {type(error).__name__}: {error!s:.150}")
+            continue
+        if refusal is None and not allowed:
+            found.append(f"{shown} is taken")
+        stored = getattr(result, argument, None) if isinstance(function, type) else None
+        if stored is not None and not kept(stored, value):
+            found.append(f"{shown} is kept as {stored!r}")
+    return found
+
+
+def kept(stored, value):
+    """Whether a value is stored as plain data, and as it was."""
+    if isinstance(stored, tuple):
+        return stored == tuple(value)
+    if isinstance(stored, np.ndarray):
+        plain = type(stored) is np.ndarray and stored.dtype in (np.float64, np.int64) and not stored.flags.writeable
+        return plain and bool(np.all(stored == np.asarray(value, dtype=stored.dtype)))
+    return type(stored) in (float, int, bool, str, type(None)) and bool(
+        stored == np.asarray(value, dtype=object).item()
+    )
+
+
+def names(function):
+    return [name for name in inspect.signature(function).parameters if name != "self"]
+
+
+@pytest.mark.parametrize("function", CASES, ids=lambda function: function.__qualname__)
+def test_values_of_a_wrong_kind_are_refused_in_words(function):
+    if function is plot.contours:
+        pytest.importorskip("pyvista")
+    given, kinds = CASES[function]
+    assert set(kinds) == set(names(function))
+    if function not in NOT_RIGHT:
+        function(**given)
+    tries = [
+        (name, value, allowed)
+        for name, kind in kinds.items()
+        for value, allowed in values(kind)
+        if not (allowed and function in SLOW) and not (name == "on" and callable(value))
+    ]
+    found = faults(function, given, tries)
+    assert not found, "\n".join([f"{len(found)} of {len(tries)}", *found])
+
+
+@pytest.mark.parametrize("function", CASES, ids=lambda function: function.__qualname__)
+def test_one_wrong_value_in_an_array_is_refused_in_words(function):
+    given, kinds = CASES[function]
+    tries = []
+    for (name, kind), (value, right) in itertools.product(kinds.items(), scalars()):
+        if kind.rstrip("?") not in ("array", "rows") or np.ndim(given[name]) == 0 or (right and function in SLOW):
+            continue
+        whole = kind.startswith("rows")
+        for dtype in (None, object):
+            entries = np.array(given[name], dtype=object)
+            entries.flat[-1] = value
+            allowed = right and (not whole or isinstance(value, int | np.integer))
+            tries.append((name, entries if dtype else entries.tolist(), allowed))
+    found = faults(function, given, tries)
+    assert not found, "\n".join([f"{len(found)} of {len(tries)}", *found])
+
+
+def test_no_public_function_is_left_out():
+    public = {name for name in fx_membrane.__all__ if getattr(fx_membrane, name) not in CASES}
+    assert public == NO_INPUT

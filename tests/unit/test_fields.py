@@ -1,0 +1,59 @@
+"""Fields to be drawn: numbers and states are taken, everything else is refused with its title."""
+
+from decimal import Decimal
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from fx_membrane import plot
+from fx_membrane.fields import checked
+from models import MIXED
+
+RESULT = SimpleNamespace(structure=MIXED)  # of a result a check needs its structure only
+N = len(MIXED.points)
+
+
+@pytest.mark.parametrize(
+    "values",
+    [range(N), [Decimal(1)] * N, np.arange(N) > 3, [True] * N, np.arange(N, dtype=np.float32), np.ma.arange(N)],
+    ids=["range", "decimals", "truths", "list of truths", "float32", "nothing masked"],
+)
+def test_numbers_at_nodes(values):
+    found = checked(RESULT, "title", values)
+    assert type(found) is np.ndarray
+    assert found.dtype == np.float64
+    assert found.tolist() == [float(value) for value in values]
+
+
+@pytest.mark.parametrize(
+    "states", [["taut", "slack"], np.array(["taut", "slack"]), np.array(["taut", "slack"], dtype=object)]
+)
+def test_states_of_cells(states):
+    assert checked(RESULT, "title", {"edge": states})["edge"].tolist() == ["taut", "slack"]
+
+
+@pytest.mark.parametrize(
+    ("field", "message"),
+    [
+        (np.full(N, 1 + 1j), "must be an array of numbers .*complex128"),
+        ([1j] * N, "must be an array of numbers"),
+        (np.ma.array(np.zeros(N), mask=np.arange(N) == 2), "has masked entries"),
+        (["1"] + [2.0] * (N - 1), "must be an array of numbers"),
+        (np.full(N, 3, "m8[s]"), "must be an array of numbers"),
+        ([True] + [2.0] * (N - 1), "must be an array of numbers .*with True at index|.*True"),
+        (np.full(N, 1e300), r"has the value 1e\+300 at index \(0,\)"),
+        ({"edge": [1.0, "taut"]}, "must be an array of numbers"),
+        ({"edge": ["taut", "slack"], "mast": [1.0]}, "has states on some parts and numbers on others"),
+        ({3: [1.0]}, r"is for the parts \[3\]"),
+    ],
+)
+def test_others_are_refused(field, message):
+    with pytest.raises(ValueError, match=f"^Field 'title' {message}"):
+        checked(RESULT, "title", field)
+
+
+@pytest.mark.parametrize(("given", "message"), [(None, "parts is None"), ({}, "parts is empty")])
+def test_lines_of_nothing(tmp_path, given, message):
+    with pytest.raises(ValueError, match=message):
+        plot.wireframe(MIXED.points, given, tmp_path / "never.png")

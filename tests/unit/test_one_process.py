@@ -1,0 +1,60 @@
+"""Errors of one process end all of them, with its words."""
+
+import ast
+import re
+
+import pytest
+
+import launch
+
+pytestmark = pytest.mark.serial
+
+DIFFERENT = "ValueError: The input of process 1 differs from that of process 0 in: {}; give all processes the same"
+
+EXPECTED = {
+    "checkpoint that cannot be written": r"ValueError: The checkpoint /proc/fx/state cannot be written \(No such file",
+    "checkpoint on a full disk, warnings as errors": "CheckpointWarning: Stage 'snow': its state could not be saved",
+    "checkpoint of another structure": "ValueError: The checkpoint .* is of another structure, which differs in: pres",
+    "checkpoint that one process sees": "done",
+    "picture that cannot be written": "FileNotFoundError: .*/proc/fx",
+    "picture of nothing": "ValueError: path is .* which ends in no format of pictures",
+    "warning as error": "LargeStrainWarning: Part 'ridge' is prestressed by 50 %",
+    "other loads": DIFFERENT.format("loads of stage 'snow'"),
+    "other steps": DIFFERENT.format("steps of stage 'snow'"),
+    "fewer stages": DIFFERENT.format("names of the stages, loads of stage 'wind: 45°', disp.*and 2 more"),
+    "other order": DIFFERENT.format("names of the stages"),
+    "other points": DIFFERENT.format("points"),
+    "other number of points": DIFFERENT.format("points"),
+    "other solver": DIFFERENT.format("solver"),
+    "other method": DIFFERENT.format("solver"),
+    "no solver on one": "ValueError: Analysis solver is 'Newton'",
+    "no stages on one": "ValueError: .*stages.*'snow'",
+    "stage that does not fit on one": "ValueError: Stage 'snow' has a load on part 'roof', which does not exist",
+    "no count on one": "ValueError: stability count is 0",
+    "other count": DIFFERENT.format("count"),
+    "other state": DIFFERENT.format("displacement of the state, actions of the state"),
+    "no state on one": "ValueError: No part has mass",
+    "trace without end on one": "ValueError: trace rtol is -1",
+    "other trace": DIFFERENT.format("load_factor"),
+    "other start of a trace": DIFFERENT.format("start, after of stage 'pull'"),
+    "other form": DIFFERENT.format("prestress of part 'fabric'"),
+    "other tolerance of a form": DIFFERENT.format("tolerance"),
+}
+
+
+@pytest.fixture(scope="module", params=[2, 3])
+def ended(request, tmp_path_factory):
+    output = launch.start([launch.SCRIPTS / "one_process.py", tmp_path_factory.mktemp("one")], request.param)
+    cases = [ast.literal_eval(text) for text in re.findall(r"^CASE (.*)$", output, re.MULTILINE)]
+    assert all(len(lines) == request.param for _, lines in cases)
+    return dict(cases)
+
+
+def test_every_case_comes_to_its_end(ended):
+    assert list(ended) == list(EXPECTED)
+
+
+@pytest.mark.parametrize("case", EXPECTED)
+def test_all_processes_say_the_same(ended, case):
+    assert re.match(EXPECTED[case], ended[case][0])
+    assert len(set(ended[case])) == 1
