@@ -2,8 +2,7 @@
 # # Shade pavilion
 #
 # The second example of Gil (2006): a roof between two masts and a low point, found by force densities, prestressed by
-# pulling its anchors, then loaded by snow. Half of it is computed; x = 0 is the plane of symmetry. Units: kN, m.
-# Where the paper is silent, the reading is said here.
+# pulling its anchors, then loaded by snow. Half is computed, x >= 0 [kN, m]; where the paper is silent we say so.
 
 # %%
 import sys
@@ -42,18 +41,15 @@ net += [(polyline(node(rows, c)), {1: 0.5, 13: 10.0}.get(c, 1.0)) for c in colum
 branches = np.concatenate([segments for segments, _ in net])
 q = np.concatenate([np.full(len(segments), density) for segments, density in net])
 
-symmetry = node(rows, 1)
-south, low, north = node(1, 13), node(10, 13), node(19, 13)
+symmetry, south, low, north = node(rows, 1), node(1, 13), node(10, 13), node(19, 13)
 corners = np.zeros((247, 3))
 corners[[south, low, north]] = [(6, -4.5, 12), (6, 0, 0), (6, 4.5, 12)]
 fixed = [Support([south, low, north]), Support(symmetry, "x")]
 found = force_density(corners, branches, q, fixed)
 
-# %% [markdown]
+# %%
 # Hand-over: the net, with the forces found as its prestress, is in equilibrium as it is. Pushed aside and let go, it
 # comes back to where it was found. (The roof below takes over the shape only; its prestress comes from its anchors.)
-
-# %%
 cable_net = Structure(found.points, {"net": Cable(branches, axial_stiffness=1.2e4, prestress=found.forces)}, fixed)
 push = Stage("pushed", [PointLoad(node(5, 5), (0, 0, -10.0))])
 let_go = Stage("let go", [PointLoad(node(5, 5), (0, 0, 10.0))], after="pushed")
@@ -97,19 +93,15 @@ structure = Structure(
 # %%
 pulls = [([249, 250], (5, 5, -5)), ([251, 252], (5, -5, -5)), (low, (5, 0, -5))]  # [cm]
 prestress = Stage("prestress", displacements=[PrescribedDisplacement(n, np.array(cm) / 100) for n, cm in pulls])
-corner = points[triangles][:, :, :2]
-plan_area = np.abs(np.linalg.det(corner[:, 1:] - corner[:, :1])) / 2
-nearest = np.argsort(np.linalg.norm(corner.mean(axis=1), axis=1), kind="stable")
-central = nearest[np.cumsum(plan_area[nearest]) <= 3.0]
+area = np.cross(*np.diff(points[triangles], axis=1).transpose(1, 0, 2)) / 2  # vectors
+nearest = np.argsort(np.linalg.norm(points[triangles].mean(axis=1)[:, :2], axis=1), kind="stable")
+central = nearest[np.cumsum(np.abs(area[nearest, 2])) <= 3.0]
 snow = Stage("snow", loads=[PlanLoad((0, 0, -1.0), "fabric", central)], after="prestress")
 results = Analysis(structure).run([prestress, snow])
 for result in results.values():
     say(report(result, [*feet, *anchors, low], first=1, force_unit="kN") + "\n")
 
-# %% [markdown]
-# ## Figures 12 to 19, mirrored about x = 0
-
-# %%
+# %% Figures 12 to 19, mirrored about x = 0
 if shown and "--no-pictures" not in sys.argv:
     plan, iso = {"net": branches, "cables": branches[q == 10.0]}, (1.5, -2.0, 1.3)
     plot.wireframe(found.points, plan, folder / "fig12_plan.png", labels=range(247), first=1)
@@ -117,8 +109,8 @@ if shown and "--no-pictures" not in sys.argv:
     ends = [*feet, *anchors, south, low, north]
     plot.wireframe(points, structure.parts, folder / "fig14_structure.png", view=iso, labels=ends, first=1)
     for letter, result in zip("ab", results.values(), strict=True):
-        fabric, u = result.membrane("fabric"), 100 * result.displacement
-        fields = {f"$u_{x}$ [cm]": u[:, i] for i, x in enumerate("xyz")}
+        fabric = result.membrane("fabric")
+        fields = {f"$u_{x}$ [cm]": 100 * result.displacement[:, i] for i, x in enumerate("xyz")}
         picture = folder / f"fig15-17{letter}_displacements.png"
         plot.contours(result, fields, picture, view=iso, mirror="x", odd=["$u_x$ [cm]"])
         fields = {rf"$\sigma_{{{k}}}$ [kN/m]": {"fabric": fabric.principal[:, i]} for i, k in enumerate(["I", "II"])}
@@ -127,24 +119,32 @@ if shown and "--no-pictures" not in sys.argv:
     say(f"Pictures are in {folder}/\n")
 
 # %% [markdown]
-# ## Check
+# ## Beside the paper, and check
 #
-# The paper gives contour plots, no tables. Checked are hand-over, equilibrium, symmetry, that there is no compression
-# beyond the share of stiffness that is kept in it, and that the strains are of the order that the paper reports.
+# The paper gives contour plots, and two sentences: strain of "a maximum value less than 1.0e-2", and after prestress
+# "the whole membrane is under pure tension". Averages at nodes, which contour plots show, are in tension here too,
+# though some cells wrinkle. They do not explain the strain, which is up to a quarter above the paper's, with other
+# diagonals or valley cables too; where the paper took it is not said. The assertions below are our own bounds.
 
 # %%
 assert max(moved, left, unbalanced) < 1e-9
+mean = np.zeros((247, len(triangles)))
+mean[triangles.T, np.arange(len(triangles))] = np.linalg.norm(area, axis=1)
+mean /= mean.sum(axis=1, keepdims=True)
 numbers, mirrored = {}, np.concatenate([node(20 - r, columns) for r in rows])
 for name, result in results.items():
     fabric, balance, u = result.membrane("fabric"), result.equilibrium, result.displacement
     forces = np.concatenate([result.parts[part].force for part in list(structure.parts)[1:]])
     numbers[f"displacements after {name} [m]"] = u[node(10, columns)].ravel().tolist()
     numbers[f"forces after {name} [kN]"] = forces.tolist()
-    assert balance.residual < 1e-9 * forces.max()
-    assert np.abs(balance.loads + balance.reactions).max() < 1e-9 * forces.max()
+    assert max(balance.residual, *np.abs(balance.loads + balance.reactions)) < 1e-9 * forces.max()
     assert np.abs(balance.load_moment + balance.reaction_moment).max() < 1e-9 * forces.max() * np.abs(points).max()
     assert np.abs(u[:247] - u[mirrored] * (1, -1, 1)).max() < 1e-9 * np.abs(u).max()
-    strain = np.linalg.eigvalsh(fabric.strain)
-    assert fabric.principal.min() > -1e-4 * 500.0 / (1 - 0.3**2) * np.abs(strain).max()
-    assert 2e-3 < strain.max() < 2e-2  # the paper: below about 1e-2
-say("Check passed: hand-over, equilibrium, symmetry, no compression, moderate strains.")
+    strain, least = np.linalg.eigvalsh(fabric.strain), fabric.principal[:, 1]
+    at_nodes, taut, tense = (mean @ strain)[:, 1].max(), (fabric.state == "taut").sum(), (mean @ least > 0).sum()
+    say(f"{name}: largest strain {strain.max():.3e} in cells, {at_nodes:.3e} at nodes (paper: less than 1.0e-2)")
+    say(f"  in tension: {taut} of {len(least)} cells, others wrinkle; {tense} of 247 nodes (paper, prestress: all)")
+    assert least.min() > -1e-4 * 500.0 / (1 - 0.3**2) * np.abs(strain).max()
+    assert tense == 247
+    assert 1.0e-2 < strain.max() < 1.25e-2  # above the paper's value
+say("Check passed: hand-over, equilibrium, symmetry, no compression but the kept share, strain up to 1.25e-2.")

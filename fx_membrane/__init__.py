@@ -7,6 +7,7 @@ import signal as _signal
 # One thread for each process: with more, MUMPS can be ten times slower where cores are busy. Before PETSc is loaded.
 _os.environ.setdefault("OMP_NUM_THREADS", "1")
 
+from . import standard_streams as _standard_streams  # noqa: F401, I001  (before any other file is opened)
 from mpi4py import MPI as _MPI  # noqa: F401  (before dolfinx: its wheel from PyPI needs the MPI library loaded)
 
 from . import plot
@@ -42,6 +43,7 @@ from .solver import Iteration
 from .structure import SliverWarning, Structure, Support
 from .updated_reference import Form, UnsettledFormWarning, updated_reference
 from .work import WorkLimit
+from .wave_speed import MassUnitWarning
 
 # PETSc takes a pipe that is closed at its other end, `script.py | head`, for a crash; to Python it is an exception.
 with _contextlib.suppress(ValueError):  # not in the main thread
@@ -65,6 +67,7 @@ __all__ = [
     "Iteration",
     "LargeStrainWarning",
     "LostPrestressWarning",
+    "MassUnitWarning",
     "Mast",
     "Membrane",
     "MembraneResult",

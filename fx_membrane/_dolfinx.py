@@ -7,18 +7,22 @@ import inspect
 import logging
 import os
 import sys
+import warnings
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from typing import Any
 
 import basix
+import ffcx.codegeneration.jit
 import numpy as np
 import ufl
 from dolfinx import cpp, fem, log, mesh
 from mpi4py import MPI
 from numpy.typing import NDArray
+from petsc4py import PETSc
 from ufl.corealg.map_dag import map_expr_dag
 
+from . import jit_cache
 from .decimal_point import decimal_point
 
 CELL = {1: "interval", 2: "triangle"}
@@ -47,8 +51,7 @@ def create_mesh(points: NDArray[np.float64], cells: NDArray[np.int64]) -> Any:
 def functionspace(msh: Any, family: str, degree: int, size: int) -> Any:
     """Space of vectors with `size` components."""
     create = getattr(fem, "functionspace", None) or fem.FunctionSpace  # 0.9, 0.11: function; 0.5: class
-    with _quiet_compiler():
-        return create(msh, _element(family, CELL[msh.topology.dim], degree, size))
+    return _compile(create, msh, _element(family, CELL[msh.topology.dim], degree, size))
 
 
 def _table(dofmap: Any) -> NDArray[np.int32]:
@@ -80,8 +83,12 @@ def geometry_order(V: Any) -> NDArray[np.int64]:
 
 @contextmanager
 def _quiet_compiler() -> Iterator[None]:
-    """Keeps the gcc commands that FFCx 0.5 logs at INFO to itself, and undoes its change of the root logger's level."""
-    with ExitStack() as restore:
+    """Keeps to itself what FFCx and setuptools warn of, and the gcc commands that FFCx 0.5 logs at INFO.
+
+    FFCx 0.5 also changes the root logger's level.
+    """
+    with warnings.catch_warnings(), ExitStack() as restore:
+        warnings.simplefilter("ignore")  # errors of theirs, where the user makes warnings errors
         restore.callback(logging.disable, logging.root.manager.disable)
         restore.callback(logging.root.setLevel, logging.root.level)
         logging.disable(logging.INFO)
@@ -89,10 +96,10 @@ def _quiet_compiler() -> Iterator[None]:
 
 
 def _compile(function: Any, *args: Any) -> Any:
-    # 0.9, 0.11: options; 0.5: params
-    keyword = "jit_options" if "jit_options" in inspect.signature(function).parameters else "jit_params"
-    with _quiet_compiler():
-        return function(*args, **{keyword: dict(JIT)})  # a fresh one: dolfinx writes into it
+    # 0.9, 0.11: options; 0.5: params; 0.11 compiles nothing for a space
+    keywords = inspect.signature(function).parameters.keys() & {"jit_options", "jit_params"}
+    with _quiet_compiler(), jit_cache.guard(ffcx.codegeneration.jit):
+        return function(*args, **{keyword: dict(JIT) for keyword in keywords})  # fresh: dolfinx writes into it
 
 
 def form(a: Any) -> Any:
@@ -133,8 +140,13 @@ def newton_solver(comm: MPI.Intracomm) -> Any:
 @contextmanager
 def _quiet_stderr() -> Iterator[None]:
     """Keeps to itself what C++ writes: 0.11 says in each NewtonSolver that it is deprecated, past log and warnings."""
-    sys.stderr.flush()
-    kept = os.dup(2)
+    with suppress(AttributeError, OSError, ValueError):  # no stderr, or a closed one
+        sys.stderr.flush()
+    try:
+        kept = os.dup(2)
+    except OSError:  # closed
+        yield
+        return
     with open(os.devnull, "w") as nowhere:
         os.dup2(nowhere.fileno(), 2)
     try:
@@ -151,3 +163,14 @@ def quiet_log() -> Iterator[None]:
         restore.callback(log.set_log_level, log.get_log_level())
         log.set_log_level(log.LogLevel.ERROR)
         yield
+
+
+def free_dropped(comm: MPI.Intracomm) -> None:
+    """Frees the PETSc objects that Python has dropped on all processes; call it on all of them together.
+
+    petsc4py 3.18 and later keep them until asked: to free one is a collective act, and Python's garbage collector drops
+    it at another moment on each process. Earlier ones free them at once.
+    """
+    if hasattr(PETSc, "garbage_cleanup"):
+        PETSc.garbage_cleanup(comm)
+        PETSc.garbage_cleanup(MPI.COMM_SELF)

@@ -10,9 +10,10 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from . import checkpoint, load_case, loads, validation
+from . import _dolfinx, checkpoint, load_case, loads, paths, validation
 from .balance import warn_of_unbalance
 from .checkpoint_file import Progress
+from .curvature import explained
 from .fingerprints import fingerprint, of_stages
 from .first_order import ConjugateGradient, SteepestDescent
 from .large_strain import warn_of_large_prestress, warn_of_large_strains
@@ -98,7 +99,7 @@ class Analysis:
             validation.instance("Analysis structure", structure, Structure)
             validation.instance("Analysis solver", solver, AnySolver)
             validation.instance("Analysis limit", limit, WorkLimit)
-            validation.instance("Analysis progress", progress, bool)
+            progress = validation.truth("Analysis progress", progress)
         refuse_differences(comm, lambda: {"solver": fingerprint(solver), "limit": fingerprint(limit)})
         self._limit, self._progress = limit, progress
         self.structure = structure
@@ -132,17 +133,20 @@ class Analysis:
             UnstableStateWarning: A state is not stable; the structure has snapped or buckled between two load factors
                 (`Newton` with a line search tells); a node moved by more than half the size of the structure in the
                 stage; or slack or wrinkled parts carry more than 1 % of the largest force of their kind.
-            LostPrestressWarning: A part that was given a prestress has no tension left.
+            LostPrestressWarning: No cell of a part has 1 % of its prestress left.
             UnbalancedStateWarning: Unbalanced forces of a stage are above 1e-6 of the loads.
             CheckpointWarning: A state could not be saved, as on a full disk; the run goes on without.
         """
         with together(self._comm):
+            file = None if checkpoint_file is None else paths.path("checkpoint_file", checkpoint_file)
+            if file and self._comm.rank == 0:
+                paths.check_writable("checkpoint_file", file)
             self._check(stages)
         refuse_differences(self._comm, lambda: of_stages(stages))
         with together(self._comm):
             if self._comm.rank == 0:
                 warn_of_large_prestress(self.structure, stacklevel=3)
-        with checkpoint.opened(checkpoint_file, self.structure, stages, self._comm) as saved:
+        with checkpoint.opened(file, self.structure, stages, self._comm) as saved:
             results = StageResults()
             ends: dict[str | None, Actions] = {None: load_case.unloaded(self.structure)}
             for stage in stages:
@@ -183,6 +187,7 @@ class Analysis:
             work = Work(self._limit, self._comm, report.iteration)
             while state.factor < 1:
                 factor = min(state.factor + state.size, Fraction(1))
+                _dolfinx.free_dropped(self._comm)
                 self._problem.apply(load_case.between(start, end, float(factor)))
                 solution = self._solved(x, work)
                 judged = (balanced or state.factor > 0) and not any(entry.snapped for entry in state.increments)
@@ -234,6 +239,8 @@ class Analysis:
 
         At the start of a stage forces may not show that yet: a small share of the increment brings them forth.
         """
+        if not explained(self._problem):
+            return reached  # nothing can be slack
         factor = float(state.factor) or PROBE * float(reached.factor)
         actions = load_case.between(start, end, factor)
         self._problem.apply(actions)

@@ -7,22 +7,21 @@ plane across the tangent of the path at the last point, at a given length from i
 
 psi, the weight of the load factor, is the norm of the first du/dfactor: at the start displacement and load count alike.
 The path goes on in the sense of the last step. Steps become shorter where Newton's method takes many iterations or the
-path turns, and longer elsewhere.
+path turns, and longer elsewhere. A step that may have passed limit points unseen, or jumped to another branch, is taken
+back and halved (`path_check`).
 
 Source: E. Riks, An incremental approach to the solution of snapping and buckling problems, Int. J. Solids Structures
 15 (1979) 529-551.
 """
 
-import math
 import warnings
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from . import load_case, loads, path_ends, validation
+from . import _dolfinx, load_case, loads, path_check, path_ends, validation
 from .bordered_newton import BorderedNewton, Plane, Point, Step
 from .curvature import downhill
 from .diagnosis import linear_failure
@@ -30,20 +29,14 @@ from .equilibrium_path import EquilibriumPath, PathPoint
 from .fingerprints import of_settings, of_stages
 from .large_strain import warn_of_large_prestress
 from .loads import Stage
+from .path_geometry import Arrival, Metric
+from .path_walk import Walk
 from .problem import Problem
 from .processes import refuse_differences, together
 from .results import StageResult, UnstableStateWarning
 from .rigid_motion import check_supports
+from .step_control import StepControl
 from .structure import Structure
-
-FEW = 4  # a point that takes more is followed by a shorter step
-TURN = 0.2  # angle between a step and the tangent at its end [rad]; a larger one is followed by a shorter step
-SHARP = 0.6  # a step with a larger angle is taken back and halved,
-COARSE = 1.5  # and so is one over which the load factor changes by more than so many times what it should,
-KINK = 4  # but not more often than that: where cables or cells slacken the path has a kink
-HALVINGS = 12
-FLAT = 1e-5  # largest cosine between the path and the axis of the load factor at a limit point
-SEARCH = 10  # most trials for one
 
 
 class ContinuationError(RuntimeError):
@@ -71,8 +64,10 @@ def trace(
 
     The load factor, which multiplies the stage's own loads and prescribed displacements, grows from 0, falls where the
     structure snaps through, and so on. From point to point it changes by 1 / `stage.steps`, seldom by up to half as
-    much more; where the path turns, points are closer, and where the load factor turns is a point: a limit point. At a
-    bifurcation the path goes straight on, and only `negative_pivots` tells.
+    much more; where the path turns, points are closer, and where the load factor turns is a point: a limit point. The
+    path between points is looked at, and steps that are too long to follow it are halved, so that the limit points
+    hardly depend on `stage.steps`. At a bifurcation the path goes straight on, and only `negative_pivots` tells; where
+    small loads or imperfections bend it aside there, long steps can go straight on too, and more `steps` tell.
 
     Args:
         start: The structure, if its reference shape is in equilibrium or nearly so; or the final state of the stage
@@ -115,7 +110,7 @@ def trace(
     check_supports(structure, after.held)
     begin = load_case.taking_hold(before, after, shape)
     fixed = after.held & (after.displacement == begin.displacement)
-    ends = path_ends.ends(problem, load_factor, displacement, fixed)
+    ends = path_ends.ends(problem, load_factor, displacement, fixed, shape)
     path = EquilibriumPath(stage.name, structure, begin, after, (), False, reason="")
     x = problem.discretization.distribute(shape)
     with together(comm):
@@ -139,50 +134,51 @@ def _check_stage(structure: Structure, start: Structure | StageResult, stage: St
     loads.check(structure, [replace(stage, after=None)])
 
 
-class _Arrival(NamedTuple):
-    """A point and what its tangent tells: the direction of the path there, its angle to the way from the last point."""
-
-    point: Point
-    direction: Step
-    turn: float
-    negative_pivots: int | None
-
-
 class _Tracer:
     """Follows a path.
 
     Attributes:
         path: What was found.
         share: Largest change of the load factor from point to point, as predicted.
-        psi: Weight of the load factor.
     """
 
     def __init__(self, newton: BorderedNewton, path: EquilibriumPath, share: float):
         self.newton, self.path, self.share = newton, path, share
-        self.psi = 1.0
+        self.control = StepControl()
 
     def run(self, x: PETSc.Vec, ends: list[Plane], max_points: int) -> EquilibriumPath:
         """The path from a shape on."""
         here = self.start(x)
         self.record(here)
         self.warn_of_unstable_start(here)
-        length = self.share / here.direction.factor
+        length = self.first = self.share / here.direction.factor
         while not self.path.complete and len(self.path.points) < max_points:
             last = here
+            _dolfinx.free_dropped(self.newton.problem.discretization.comm)
             here, length, complete = self.next(last, length, ends)
-            if last.direction.factor * here.direction.factor < 0 and len(self.path.points) < max_points - 1:
-                limit = self.limit_point(last, here)
-                end = limit and path_ends.passed(last.point, limit.point, ends)  # and passed again behind it
-                point = end and self.newton.find(*end)
-                if point:
-                    here, complete = self.arrive(last, point), True
-                else:
-                    self.record(limit)
-            self.record(here, complete)
-            pace = min(math.sqrt(FEW / len(here.point.iterations)), TURN / max(here.turn, 1e-300))
+            if last.turned(here):
+                end = self.pass_limit_point(last, here, ends)
+                here, complete = (end, True) if end else (here, complete)
+            if len(self.path.points) < max_points:
+                self.record(here, complete)
             longest = self.share / max(abs(here.direction.factor), 1e-300)
-            length = min(length * min(max(pace, 0.5), 2.0), longest)
+            length = min(length * self.control.stretch(len(here.point.iterations), here.turn), longest)
         return replace(self.path, reason="complete" if self.path.complete else self.too_few_points())
+
+    def pass_limit_point(self, last: Arrival, here: Arrival, ends: list[Plane]) -> Arrival | None:
+        """Records the limit point between two points, unless the path ends before it: then the end is returned."""
+        limit = self.walk.limit_point(last, here)
+        if limit is None:  # it is near the last point
+            points = self.path.points
+            self.path = replace(self.path, points=(*points[:-1], points[-1]._replace(limit=True)))
+            return None
+        end = path_ends.passed(last.point, limit.point, ends)  # and passed again behind it
+        point = end and self.newton.find(*end)
+        if point:
+            return self.walk.arrive(last, point)
+        relaxed = self.walk.without_compression(last, limit, here)
+        self.record(relaxed or limit, limit=True, kept=self.control.kept if relaxed else 1.0)
+        return None
 
     def too_few_points(self) -> str:
         """Why a path that is not complete ends without being lost."""
@@ -193,7 +189,7 @@ class _Tracer:
             "points, or fewer steps of the stage (steps=...)."
         )
 
-    def warn_of_unstable_start(self, here: _Arrival) -> None:
+    def warn_of_unstable_start(self, here: Arrival) -> None:
         """Warns where the start is not stable by more than the buckles of wrinkled and slack cells."""
         problem = self.newton.problem
         if not here.negative_pivots:
@@ -209,7 +205,7 @@ class _Tracer:
                 stacklevel=4,
             )
 
-    def start(self, x: PETSc.Vec) -> _Arrival:
+    def start(self, x: PETSc.Vec) -> Arrival:
         """Equilibrium at the load factor 0."""
         newton = self.newton
         point = newton.find(Point(x, 0.0), Plane(newton.zero, 1.0, 0.0))
@@ -220,24 +216,25 @@ class _Tracer:
                 "stage of an `Analysis`, and start from its result.",
                 self.path,
             )
-        self.psi = float(newton.along.norm())
-        if not self.psi > 1e-14 * newton.size:
+        psi = float(newton.along.norm())
+        if not psi > 1e-14 * newton.size:
             raise ValueError(f"Stage {self.path.name!r} moves nothing; give it loads or prescribed displacements.")
-        return _Arrival(point, self.direction(Step(newton.zero, 1.0)), 0.0, newton.negative_pivots())
+        self.walk = Walk(newton, Metric(psi), self.control)
+        return Arrival(point, self.walk.direction(Step(newton.zero, 1.0)), 0.0, newton.negative_pivots())
 
-    def next(self, last: _Arrival, length: float, ends: list[Plane]) -> tuple[_Arrival, float, bool]:
+    def next(self, last: Arrival, length: float, ends: list[Plane]) -> tuple[Arrival, float, bool]:
         """The next point, the length of the step to it, and whether it is an end."""
-        for halvings in range(HALVINGS + 1):
-            point = self.find(last, length)
+        metric = self.walk.metric
+        for halvings in range(self.control.halvings + 1):
+            point = self.walk.find(last, length)
             end = point and path_ends.passed(last.point, point, ends)
             if end:
                 point = self.newton.find(*end)
-                if point and not 0 <= self.product(last.direction, point.since(last.point)) <= length * (1 + 1e-6):
+                if point and not 0 <= metric.product(last.direction, point.since(last.point)) <= length * (1 + 1e-6):
                     point = None  # not between the two
             if point:
-                here = self.arrive(last, point)
-                fine = here.turn <= SHARP and abs(point.factor - last.point.factor) <= COARSE * self.share
-                if fine or halvings >= KINK:
+                here = self.walk.arrive(last, point)
+                if self.fits(last, here, halvings):
                     return here, length, end is not None
             length /= 2
         raise ContinuationError(
@@ -248,57 +245,19 @@ class _Tracer:
             self.path,
         )
 
-    def find(self, last: _Arrival, length: float) -> Point | None:
-        """The point at a length from another; None if there is none to be found."""
-        plane = Plane(last.direction.x, self.psi**2 * last.direction.factor, 0.0)
-        plane = plane._replace(distance=plane.beyond(last.point) + length)
-        return self.newton.find(last.point.moved(last.direction, length), plane)
+    def fits(self, last: Arrival, here: Arrival, halvings: int) -> bool:
+        """Whether a step is short enough."""
+        control, metric = self.control, self.walk.metric
+        if metric.length(here.point.since(last.point)) <= control.short * self.first:
+            return True
+        if not path_check.follows(self.newton, metric, last, here, control):
+            return False
+        change = abs(here.point.factor - last.point.factor)
+        return change <= control.coarse * self.share or halvings >= control.patience
 
-    def arrive(self, last: _Arrival, point: Point) -> _Arrival:
-        """Where the path goes on from a point that follows another."""
-        step = point.since(last.point)
-        onward = self.direction(step) if self.newton.linearize(point.x) else self.unit(step)
-        cosine = self.product(step, onward) / math.sqrt(self.product(step, step))
-        return _Arrival(point, onward, math.acos(min(max(cosine, -1.0), 1.0)), self.newton.negative_pivots())
-
-    def limit_point(self, last: _Arrival, here: _Arrival) -> _Arrival | None:
-        """The point between two at which the load factor turns, by false position (Pegasus); None at a kink."""
-        a, slope_a = 0.0, last.direction.factor
-        b, slope_b = self.product(last.direction, here.point.since(last.point)), here.direction.factor
-        for _ in range(SEARCH):
-            length = (a * slope_b - b * slope_a) / (slope_b - slope_a)
-            point = self.find(last, length)
-            if not point:
-                return None
-            found = self.arrive(last, point)
-            slope = found.direction.factor
-            if self.psi * abs(slope) <= FLAT:
-                return found
-            if slope * slope_b < 0:
-                a, slope_a = b, slope_b
-            else:
-                slope_a *= slope_b / (slope_b + slope)
-            b, slope_b = length, slope
-        return None
-
-    def direction(self, step: Step) -> Step:
-        """The tangent of the path, of unit length, on from a step."""
-        tangent = Step(self.newton.along, 1.0)
-        return self.unit(tangent, backwards=self.product(tangent, step) < 0)
-
-    def unit(self, step: Step, backwards: bool = False) -> Step:
-        scale = (-1 if backwards else 1) / math.sqrt(self.product(step, step))
-        x = step.x.copy()
-        x.scale(scale)
-        return Step(x, scale * step.factor)
-
-    def product(self, a: Step, b: Step) -> float:
-        return float(a.x.dot(b.x)) + self.psi**2 * a.factor * b.factor
-
-    def record(self, found: _Arrival | None, complete: bool = False) -> None:
-        """Adds a point to the path, if there is one."""
-        if found:
-            x, factor, iterations = found.point
-            shape = self.newton.problem.discretization.gather(x)
-            point = PathPoint(factor, shape, found.negative_pivots, iterations)
-            self.path = replace(self.path, points=(*self.path.points, point), complete=complete)
+    def record(self, found: Arrival, complete: bool = False, limit: bool = False, kept: float = 1.0) -> None:
+        """Adds a point to the path."""
+        x, factor, iterations = found.point
+        shape = self.newton.problem.discretization.gather(x)
+        point = PathPoint(factor, shape, found.negative_pivots, iterations, limit, kept)
+        self.path = replace(self.path, points=(*self.path.points, point), complete=complete)

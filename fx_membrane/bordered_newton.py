@@ -111,13 +111,24 @@ class BorderedNewton:
             if balanced:
                 return Point(x, factor, tuple(iterations))
             lost = not (math.isfinite(largest) and x.norm(PETSc.NormType.NORM_INFINITY) <= FAR * self.size)
-            if lost or len(iterations) > MOST or not (self.linearize(x) and self.solve(self.b, self.back)):
+            if lost or len(iterations) > MOST or not self.linearize(x):
                 return None
-            slope = float(plane.across.dot(self.along)) + plane.share
-            change = (float(plane.across.dot(self.back)) - plane.beyond(Point(x, factor))) / (slope or math.nan)
-            x.axpy(-1.0, self.back)
-            x.axpy(change, self.along)
-            factor += change
+            move = self.correction(Point(x, factor), plane)
+            if move is None:
+                return None
+            x.axpy(1.0, move.x)
+            factor += move.factor
+
+    def correction(self, guess: Point, plane: Plane) -> Step | None:
+        """One iteration into a plane, from the residual of a guess, with the tangent factored last; None: singular."""
+        if not self.solve(self.b, self.back):
+            return None
+        slope = float(plane.across.dot(self.along)) + plane.share
+        change = (float(plane.across.dot(self.back)) - plane.beyond(guess)) / (slope or math.nan)
+        move = self.along.copy()
+        move.scale(change)
+        move.axpy(-1.0, self.back)
+        return Step(move, change)
 
     def residual(self, x: PETSc.Vec, factor: float) -> bool:
         """Applies a load factor; whether the unbalanced forces are below the tolerance."""
@@ -132,11 +143,12 @@ class BorderedNewton:
         self.A.setOption(PETSc.Mat.Option.SYMMETRIC, self.symmetric)
         self.problem.tangent(x, self.A)
         self.problem.apply(self.rate)
-        gain = self.problem.loads(x)
-        gain.scale(-1.0)
-        self.problem.hold_tangent(self.zero, self.A, gain)  # held components move at their rate
-        gain.scale(-1.0)
-        return self.solve(gain, self.along)
+        with self.problem.discretization.work(1) as (gain,):
+            self.problem.loads(x, gain)
+            gain.scale(-1.0)
+            self.problem.hold_tangent(self.zero, self.A, gain)  # held components move at their rate
+            gain.scale(-1.0)
+            return self.solve(gain, self.along)
 
     def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> bool:
         """Solves A x = b; whether x is a solution."""

@@ -10,6 +10,7 @@ from . import validation
 from .entries import all_are, entries
 from .results import StageResult
 
+FAR = 1e4  # displacements drawn larger than so many times the structure are lines without a shape
 STATES = ("taut", "wrinkled", "slack")
 
 Field = Mapping[str, ArrayLike] | ArrayLike
@@ -54,6 +55,22 @@ def checked_limits(title: str, field: Checked, given: Sequence[float]) -> tuple[
     if pair.shape != (2,) or not pair[0] < pair[1]:
         raise ValueError(f"limits of {title!r} is {validation.shown(given)}; give (low, high), the lower one first.")
     return float(pair[0]), float(pair[1])
+
+
+def checked_scale(result: StageResult, scale: float) -> float:
+    """A factor of the displacements with which the structure can still be seen.
+
+    Raises:
+        ValueError: It is not a number, or larger than that.
+    """
+    scale = validation.number("scale", scale)
+    times = abs(scale) * np.abs(result.displacement).max() / np.ptp(result.structure.points, axis=0).max()
+    if times > FAR:
+        raise ValueError(
+            f"scale is {scale:g}, with which displacements are {times:.0e} times as large as the structure; give at "
+            f"most {abs(scale) * FAR / times:.1e} in size."
+        )
+    return scale
 
 
 def joined(field: Checked) -> NDArray[Any]:

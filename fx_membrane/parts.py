@@ -31,7 +31,8 @@ class Membrane:
         compression_stiffness: Share of the stiffness that is kept where the membrane wrinkles or is slack, in (0, 1]
             [-]. It keeps slack nodes in place; above 1e-3 it is seen in results. 1 switches wrinkling off: compression
             is carried like tension, and every cell is called taut.
-        mass: Mass per area of the reference shape, as data sheets give it [kg/m2], for `natural_frequencies`. It is
+        mass: Mass per area of the reference shape, as data sheets give it [kg/m2], for `natural_frequencies`; in the
+            unit that the other data demand, force unit times s2 over length unit, per area: t/m2 with kN and m. It is
             here and not in the material, so that membranes, cables and masts have it in one place. It brings no
             weight: that is a load, `DeadLoad((0, 0, -9.81 * mass), part)`.
 
@@ -111,7 +112,7 @@ class Bar:
     def from_modulus(
         cls, cells: NDArray[np.int64], E: float, area: float, prestress: ArrayLike = 0.0, density: float = 0.0
     ) -> Self:
-        """Bars of a Young's modulus E [Pa], a cross-section area [m2] and a density [kg/m3]."""
+        """Bars of a Young's modulus E [Pa], a cross-section area [m2] and a density [kg/m3], t/m3 with kN and m."""
         E, area = validation.positive(f"{cls.__name__} E", E), validation.positive(f"{cls.__name__} area", area)
         return cls(cells, E * area, prestress, mass=validation.not_negative(f"{cls.__name__} density", density) * area)
 
@@ -140,7 +141,8 @@ class Cable(Bar):
             slack nodes in place; what it carries is seen in results, as a small negative force of a slack cable: the
             kept share of the compression that a mast would have there. 1 switches that off: compression is
             carried like tension, and no cable is called slack.
-        mass: Mass per length of the reference shape [kg/m], for `natural_frequencies`; it brings no weight.
+        mass: Mass per length of the reference shape [kg/m], for `natural_frequencies`: in the unit that the other data
+            demand, force unit times s2 over length unit, per length, t/m with kN and m. It brings no weight.
 
     Raises:
         ValueError: Cells or prestress have a wrong shape or values that are not finite; a stiffness is not positive;

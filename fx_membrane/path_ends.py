@@ -4,14 +4,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import validation
-from .bordered_newton import Plane, Point
+from .bordered_newton import FAR, Plane, Point
 from .problem import Problem
 
 NEAR = 1e-9  # of the way from the last point: a point so near before an end is there
+ROUNDING = 1e-14  # of the size: displacements that are so near are the same
+LARGEST = 1e9  # load factor, or one over it
 
 
 def ends(
-    problem: Problem, load_factor: float | None, displacement: tuple[int, str, float] | None, fixed: NDArray[np.bool_]
+    problem: Problem,
+    load_factor: float | None,
+    displacement: tuple[int, str, float] | None,
+    fixed: NDArray[np.bool_],
+    shape: NDArray[np.float64],
 ) -> list[Plane]:
     """The planes in which a path ends.
 
@@ -20,6 +26,7 @@ def ends(
         load_factor: The largest; None: any.
         displacement: A node, a component and its displacement [m]; None: any.
         fixed: Components that are held and do not move, shape (n, 3): no end is found there.
+        shape: Displacement at the start, shape (n, 3) [m].
 
     Raises:
         ValueError: One of the two is no such thing, or the component is fixed.
@@ -27,6 +34,11 @@ def ends(
     found = []
     if load_factor is not None:
         value = validation.positive("trace load_factor", load_factor)
+        if not 1 / LARGEST <= value <= LARGEST:
+            raise ValueError(
+                f"trace load_factor is {value:g}; it must be between {1 / LARGEST:g} and {LARGEST:g}: change the loads "
+                "of the stage, or give None for a path without that end."
+            )
         found.append(Plane(problem.discretization.create_vector(), 1.0, value))
     if displacement is not None:
         if not isinstance(displacement, tuple) or len(displacement) != 3:
@@ -46,7 +58,15 @@ def ends(
         chosen = np.zeros(structure.points.shape)
         chosen[node, component] = 1.0
         value = validation.number("trace displacement value", displacement[2])
-        found.append(Plane(problem.discretization.distribute(chosen), 0.0, value))
+        size = np.ptp(structure.points, axis=0).max()
+        if abs(value) > FAR * size:
+            raise ValueError(
+                f"trace displacement value is {value:g}, more than {FAR:g} times the size of the structure, {size:g}; "
+                "give a displacement that it can reach."
+            )
+        begin = float(shape[node, component].item())
+        here = abs(value - begin) <= ROUNDING * size  # where the path starts: it ends where it comes back to that
+        found.append(Plane(problem.discretization.distribute(chosen), 0.0, begin if here else value))
     return found
 
 
@@ -55,7 +75,7 @@ def passed(last: Point, point: Point, ends: list[Plane]) -> tuple[Point, Plane] 
     found = []
     for end in ends:
         before, after = end.beyond(last), end.beyond(point)
-        if before and before * after <= NEAR * before**2:
+        if before and after * np.sign(before) <= NEAR * abs(before):
             found.append((before / (before - after), end))
     if not found:
         return None

@@ -5,30 +5,10 @@ import os
 from pathlib import Path
 from typing import Any
 
-from mpi4py import MPI
-
 from .validation import instance, shown
 
 LONGEST = 4096  # bytes of a path on Linux
 SPARE = 10  # bytes that a temporary name may add
-
-
-def agreed(name: str, value: Any, comm: MPI.Intracomm) -> Path:
-    """A path that the first of some processes can write; all refuse it if that one cannot.
-
-    Raises:
-        ValueError: As `path` and `check_writable`.
-    """
-    file, refusal = path(name, value), ""
-    if comm.rank == 0:
-        try:
-            check_writable(name, file)
-        except ValueError as error:
-            refusal = str(error)
-    refusal = comm.bcast(refusal)
-    if refusal:
-        raise ValueError(refusal)
-    return file
 
 
 def path(name: str, value: Any, spare: int = SPARE) -> Path:

@@ -17,7 +17,7 @@ from . import paths, validation
 from .colours import STATES as STATES  # noqa: PLC0414  (for those who draw them otherwise)
 from .colours import colour_bar, colours
 from .entries import entries
-from .fields import Field, checked, checked_limits
+from .fields import Field, checked, checked_limits, checked_scale
 from .parts import Part
 from .processes import by_the_first
 from .results import StageResult
@@ -26,7 +26,6 @@ from .screen import obstacle
 from .solver import Iteration
 
 LINES = "#1f6f8b"
-FAR = 1e4  # displacements drawn larger than so many times the structure are lines without a shape
 PAPER = {"dpi": 160, "bbox_inches": "tight"}
 
 
@@ -234,7 +233,7 @@ def contours(
         if unknown:
             raise ValueError(f"{what} names {unknown[0]!r}; the fields are {list(drawn)}.")
     ranges = {title: checked_limits(title, drawn[title], given) for title, given in (limits or {}).items()}
-    scale = _checked_scale(result, scale)
+    scale = checked_scale(result, scale)
     eye = validation.direction("view", view)
     file = _checked_path(path)
     paths.check_writable("path", file)
@@ -275,18 +274,6 @@ def _checked_times(histories: Mapping[str, Sequence[Iteration]], seconds: Mappin
     for name, history in histories.items():
         validation.instances(f"The history of {name!r}", history, Iteration)
     return {name: validation.not_negative(f"seconds of {name!r}", value) for name, value in seconds.items()}
-
-
-def _checked_scale(result: StageResult, scale: float) -> float:
-    """A factor of the displacements with which the structure can still be seen."""
-    scale = validation.number("scale", scale)
-    times = abs(scale) * np.abs(result.displacement).max() / np.ptp(result.structure.points, axis=0).max()
-    if times > FAR:
-        raise ValueError(
-            f"scale is {scale:g}, with which displacements are {times:.0e} times as large as the structure; give at "
-            f"most {abs(scale) * FAR / times:.1e} in size."
-        )
-    return scale
 
 
 def _figure(width: float, height: float) -> Any:

@@ -22,7 +22,7 @@ class UnstableStateWarning(UserWarning):
 
 
 class LostPrestressWarning(UserWarning):
-    """A state in which a part that was given a prestress has no tension left in any cell."""
+    """A state in which a part that was given a prestress has next to no tension left in any cell."""
 
 
 class Increment(NamedTuple):

@@ -14,8 +14,6 @@ INK = "#30343b"
 MAST = "#8a5a2b"
 FABRIC = "#e8e4da"
 
-REMEDY = "run pip install '.[plot]' in the folder of fx_membrane, in a virtual environment"
-
 
 @dataclass(frozen=True)
 class Colours:

@@ -213,9 +213,10 @@ class Structure:
             for name in pair:
                 if not isinstance(name, str) or name not in self.parts:
                     raise ValueError(
-                        f"separate names part {name!r}, which does not exist; those are {list(self.parts)}."
+                        f"separate names part {validation.shown(name)}, which does not exist; those are "
+                        f"{list(self.parts)}."
                     )
-        return [(first, second) for first, second in pairs]
+        return [(validation.text("separate", a), validation.text("separate", b)) for a, b in pairs]
 
     def _warn_of_coincident_nodes(self) -> None:
         found = coincident_nodes(self.points, self.parts, self.supported.all(axis=1), self.separate)

@@ -30,9 +30,9 @@ class WorkLimit:
 
     def __post_init__(self) -> None:
         if self.iterations is not None:
-            validation.whole("WorkLimit iterations", self.iterations)
+            validation.store(self, validation.whole, "iterations")
         if self.seconds is not None:
-            validation.positive("WorkLimit seconds", self.seconds)
+            validation.store(self, validation.positive, "seconds")
 
 
 class WorkDone(Exception):  # noqa: N818  (a message from the monitor to whoever runs the solver)

@@ -87,6 +87,19 @@ def test_steps_are_the_largest_change_of_the_load_factor():
     assert changes.max() <= 1.5 / 8
 
 
+@pytest.mark.parametrize("value", [0.0, -1e-300, 1e-300])
+def test_a_displacement_at_the_start_is_no_end_there(value):
+    path = trace(arch(), PUSH, None, (1, "z", value), max_points=4)
+    assert len(path.points) == 4
+    assert not path.complete
+
+
+def test_a_limit_point_is_the_last_point_allowed():
+    found = trace(arch(), PUSH).limit_points[0]
+    path = trace(arch(), PUSH, max_points=found + 1)
+    assert path.limit_points.tolist() == [found]
+
+
 def test_ends_with_the_last_point_allowed():
     path = trace(arch(), PUSH, max_points=6)
     assert len(path.points) == 6
@@ -133,6 +146,7 @@ def test_cables_that_slacken():
     assert path.complete
     assert last.cable("stays").slack.tolist() == [False, True]
     assert close(last.displacement, expected["pull"].displacement)
+    assert len(path.points) <= 6  # no step is taken back for the kink
 
 
 def test_start_that_is_not_stable_is_reported():
@@ -177,6 +191,9 @@ def test_prestress_beyond_the_material_law_is_reported():
         ((sheet(Support(12)), Stage("snow", [SNOW])), r"not supported enough"),
         ((arch(), Stage("nothing")), r"^Stage 'nothing' moves nothing; give it loads"),
         ((arch(), PUSH, "all"), r"^trace load_factor is the text 'all'"),
+        ((arch(), PUSH, 1e-300), r"^trace load_factor is 1e-300; it must be between 1e-09 and 1e\+09"),
+        ((arch(), PUSH, 1e30), r"^trace load_factor is 1e\+30; it must be between"),
+        ((arch(), PUSH, None, (1, "z", 1e30)), r"^trace displacement value is 1e\+30, more than 1000 times the size"),
         ((arch(), PUSH, 1.0, 3), r"^trace displacement is 3; give \(node, component, value\)"),
         ((arch(), PUSH, 1.0, (9, "z", 0.1)), r"^trace displacement names node 9, which does not exist"),
         ((arch(), PUSH, 1.0, (1, "w", 0.1)), r"^trace displacement component is 'w'"),
@@ -237,7 +254,7 @@ def test_path_that_is_lost_is_kept(monkeypatch):
     ) as error:
         trace(arch(), PUSH)
     path = error.value.path
-    assert len(calls) == 4 + module.HALVINGS + 1
+    assert len(calls) == 4 + module.StepControl().halvings + 1
     assert len(path.points) == 4
     assert path.state(-1).equilibrium.residual < 1e-8 * LIMIT
     assert not path.complete

@@ -6,7 +6,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, Support, boundary, rectangle
-from fx_membrane.diagnosis import linear_failure, loose_nodes, mechanism, stalled, unlikely_units
+from fx_membrane.diagnosis import linear_failure, loose_nodes, mechanism, slack_mechanism, stalled, unlikely_units
 from fx_membrane.problem import Actions, Problem
 from fx_membrane.solver import largest
 
@@ -150,6 +150,25 @@ def test_mechanism_names_the_node_that_moves_and_where():
     assert "node 1 moves freely" in words or "node 2 moves freely" in words
     assert "and 1 more nodes with it" in words
     np.testing.assert_allclose(np.abs(motion), [[0, 0, 0], [1, 0, 0], [1, 0, 0], [0, 0, 0]], rtol=0, atol=1e-9)
+
+
+def test_mast_that_slack_cables_hold_is_a_mechanism_but_for_them():
+    points = [[0.0, 0, 0], [0, 0, 4], [3, 0, 0], [-2, 2, 0], [-2, -2, 0]]
+    for prestress, free in ((-1e4, True), (1e3, False)):
+        parts = {"mast": Mast([[0, 1]], 2e8), "guys": Cable([[1, 2], [1, 3], [1, 4]], 12e6, prestress)}
+        problem = Problem(Structure(points, parts, [Support([0, 2, 3, 4])]))
+        x = problem.discretization.create_vector()
+        assert mechanism(problem, x) is None
+        found = slack_mechanism(problem, x)
+        assert (found is not None) == free
+        if found:
+            assert "a mechanism but for the small stiffness that slack parts keep: node 1 moves" in found.words
+            assert np.abs(found.motion[1, 2]) < 1e-6
+
+
+def test_slack_fabric_is_no_mechanism():
+    problem = Problem(sheet(0.0))
+    assert slack_mechanism(problem, problem.discretization.distribute(-0.01 * POINTS)) is None
 
 
 def test_taut_sheet_is_no_mechanism():

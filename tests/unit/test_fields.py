@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fx_membrane import plot
-from fx_membrane.fields import checked
+from fx_membrane.fields import checked, checked_scale
 from models import MIXED
 
 RESULT = SimpleNamespace(structure=MIXED)  # of a result a check needs its structure only
@@ -57,3 +57,12 @@ def test_others_are_refused(field, message):
 def test_lines_of_nothing(tmp_path, given, message):
     with pytest.raises(ValueError, match=message):
         plot.wireframe(MIXED.points, given, tmp_path / "never.png")
+
+
+@pytest.mark.parametrize("scale", [1e30, -1e30, 2.1e4])
+def test_scale_that_leaves_no_shape(scale):
+    result = SimpleNamespace(structure=MIXED, displacement=np.full(MIXED.points.shape, 1.0))
+    with pytest.raises(ValueError, match=r"^scale is .*, with which .* give at most 2\.0e\+04 in size"):
+        checked_scale(result, scale)
+    assert checked_scale(result, Decimal(20000)) == 20000
+    assert checked_scale(SimpleNamespace(structure=MIXED, displacement=np.zeros((N, 3))), scale) == scale

@@ -74,7 +74,9 @@ def test_no_stiffness_is_no_instability(stiffness, count):
     assert not modes.frequencies[:across].any()
     along = 0.5 / np.linalg.norm(line[-1] - line[0]) * stiffness**0.5
     assert modes.frequencies[across] == pytest.approx(along, rel=0.03)
-    assert not stability(state, across).stiffnesses.any()
+    found = stability(state, across)
+    assert not found.stiffnesses.any()
+    assert (found.negative, found.free, found.stable) == (0, across, False)
 
 
 @pytest.mark.parametrize("prestress", [1e-6, -1e-6])
@@ -84,6 +86,38 @@ def test_little_stiffness_is_not_taken_for_none(prestress):
     modes = natural_frequencies(rest(Structure(np.outer(nodes, [0.5, 0, 0]), {"bars": bars}, [Support([0, 4])])), 6)
     assert (modes.frequencies > 0).all() == (prestress > 0)
     assert (modes.growth > 0).all() == (prestress < 0)
+
+
+def wrinkled():
+    """A clamped sheet whose far end is let in by 5 %: wrinkled and slack, and held at its ends."""
+    points, triangles = rectangle(2.0, 1.0, 8, 4)
+    low, high = (np.flatnonzero(np.abs(points[:, 0] - x) < 1e-9) for x in (-1.0, 1.0))
+    structure = Structure(points, {"fabric": Membrane(triangles, Fabric(5e5, 0.3), 10.0)}, [Support(low)])
+    moved = PrescribedDisplacement(high, (-0.05, 0.3, 0))
+    return Analysis(structure).run([Stage("pull", displacements=[moved])])["pull"]
+
+
+def test_wrinkles_are_no_instability_and_slack_nodes_are_left_out():
+    state = wrinkled()
+    assert (state.membrane("fabric").state == "slack").any()
+    found = stability(state, 3)
+    assert found.negative == found.free == 0
+    assert found.stable
+    assert (found.stiffnesses > 0).all()
+
+
+@pytest.mark.filterwarnings("ignore:Stage 'rest'")
+@pytest.mark.parametrize("kept", [1e-6, 1e-3])
+def test_what_slack_cables_keep_holds_no_mast(kept):
+    """A mast within guys longer than the way: what they keep pushes it up a little, nothing holds it."""
+    feet = [[3.0, 0, 0], [-2, 2, 0], [-2, -2, 0]]
+    guys = Cable([[1, 2], [1, 3], [1, 4]], 12e6, prestress=-1e4, compression_stiffness=kept)
+    parts = {"mast": Mast([[0, 1]], 200e6), "guys": guys}
+    state = rest(Structure([[0.0, 0, 0], [0, 0, 4], *feet], parts, [Support([0, 2, 3, 4])]))
+    found = stability(state)
+    assert not found.stable
+    assert "mast 'mast' (cell 0, at node 1), held by slack parts alone ('guys')" in found.held_by_slack
+    assert found.held_by_slack in repr(found)
 
 
 def test_more_modes_than_there_are():

@@ -1,0 +1,162 @@
+"""The cache of compiled forms: who compiles says so, and nothing that a dead compiler left stops the next run.
+
+FFCx makes `name.c`, compiles it and then makes `name.c.cached`; a process that finds the first file waits for the
+second. One that was killed between them left the others waiting for ever. Here, processes compile in turn, under a lock
+that the kernel takes from the dead; the locked file holds the name of what is being compiled.
+"""
+
+import fcntl
+import importlib.machinery
+import os
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+import cffi
+
+from .messages import say
+
+LOCK = "fx_membrane.lock"
+DEAD = 10.0  # another program that shows nothing for so long is dead, as dolfinx takes it [s]
+PERIOD = 10.0  # between words to the user [s]
+_threads = threading.RLock()  # FFCx is changed for the time of a call
+_told: list[float] = []  # times at which the user was told
+
+
+@contextmanager
+def guard(jit: Any) -> Iterator[None]:
+    """In this block, FFCx's module of compilation (`ffcx.codegeneration.jit`) compiles in turn and finds no leftovers.
+
+    Raises:
+        RuntimeError: The cache cannot be written, or the compiler does not work.
+        TimeoutError: Another process compiles, and does not end.
+    """
+    with _threads, ExitStack() as held:
+        find = jit.get_cached_module
+
+        def get_cached_module(name: str, objects: list[str], cache_dir: str | Path, timeout: int) -> Any:
+            source = Path(cache_dir, f"{name}.c")
+            if not complete(source):
+                held.enter_context(_in_words(source.parent))
+                held.enter_context(_turn(source, timeout))
+            with _in_words(source.parent):
+                return find(name, objects, cache_dir, timeout)
+
+        held.callback(setattr, jit, "get_cached_module", find)
+        jit.get_cached_module = get_cached_module
+        yield
+
+
+def complete(source: Path) -> bool:
+    """A source of FFCx was compiled, for this Python."""
+    libraries = (source.with_suffix(suffix) for suffix in importlib.machinery.EXTENSION_SUFFIXES)
+    ready = source.exists() and source.with_suffix(".c.cached").exists()
+    return ready and any(library.exists() and library.stat().st_size for library in libraries)
+
+
+@contextmanager
+def _in_words(folder: Path) -> Iterator[None]:
+    try:
+        yield
+    except cffi.VerificationError as error:
+        raise RuntimeError(
+            f"The C compiler, which forms need, does not work ({error}); install it, as by `apt install gcc libc6-dev "
+            "python3-dev`, or name another in the environment variable CC."
+        ) from error
+    except ImportError as error:
+        raise RuntimeError(
+            f"A compiled form cannot be loaded ({error}); let all be compiled again, after `rm -r {folder}`."
+        ) from error
+    except TimeoutError:  # in words already
+        raise
+    except OSError as error:
+        raise RuntimeError(
+            f"Compiled forms cannot be kept in {folder} ({error.strerror}); give a folder that can be written and has "
+            "space, as by `export XDG_CACHE_HOME=/tmp/cache` before Python starts."
+        ) from error
+
+
+@contextmanager
+def _turn(source: Path, timeout: float) -> Iterator[None]:
+    """Compilation of a source, by one process at a time; what a dead one left of it is removed before."""
+    _tell_of_compilation()
+    source.parent.mkdir(parents=True, exist_ok=True)
+    with open(os.open(source.with_name(LOCK), os.O_RDWR | os.O_CREAT, 0o666), "r+") as lock:
+        locked = _acquire(lock.fileno(), source, timeout)
+        if locked and (unfinished := lock.read()):  # its process is dead, or was interrupted
+            _remove(source.with_name(Path(unfinished).name))
+        if not complete(source):
+            _wait_for_other_programs(source, DEAD if locked else timeout)
+        if not complete(source):
+            _remove(source)
+            _write(lock, source.name)
+        try:
+            yield
+        except Exception:  # FFCx has put the source away; not where the user interrupts
+            _write(lock, "")
+            raise
+        _write(lock, "")
+
+
+def _write(lock: Any, text: str) -> None:
+    lock.seek(0)
+    lock.truncate()
+    lock.write(text)
+    lock.flush()
+
+
+def _acquire(lock: int, source: Path, timeout: float) -> bool:
+    """Whether this process has the lock; it has not where another compiled the source, or the disk has no locks."""
+    for _ in _moments(timeout, "forms are compiled by another process"):
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            if complete(source):
+                return False
+        except OSError:  # some network disks
+            return False
+        else:
+            return True
+    raise TimeoutError(
+        f"Another process has compiled forms into {source.parent} for {timeout} s; end it, or give this one another "
+        "folder, as by `export XDG_CACHE_HOME=/tmp/cache` before Python starts."
+    )
+
+
+def _wait_for_other_programs(source: Path, patience: float) -> None:
+    """Waits while a source may be compiled by a program that knows no lock, as plain dolfinx."""
+    times = [0.0]
+    for file in source.parent.glob(f"{source.stem}.*"):
+        with suppress(FileNotFoundError):
+            times.append(file.stat().st_mtime)
+    left = min(patience, patience - (time.time() - max(times)))
+    for _ in _moments(left, f"{source} was begun by another program, which is given {patience:g} s"):
+        if complete(source):
+            break
+
+
+def _moments(seconds: float, words: str) -> Iterator[None]:
+    """Moments of a wait, of which the user is told."""
+    begin = told = time.monotonic()
+    while (now := time.monotonic()) < begin + seconds:
+        if now > told + PERIOD:
+            say(f"{words}: {now - begin:.0f} s")
+            told = now
+        yield
+        time.sleep(0.1)
+
+
+def _remove(source: Path) -> None:
+    for file in source.parent.glob(f"{source.stem}.*"):
+        file.unlink(missing_ok=True)
+
+
+def _tell_of_compilation() -> None:
+    """The first time, and where the last word was long ago."""
+    now = time.monotonic()
+    if not _told or now > _told[-1] + PERIOD:
+        say("still compiling forms" if _told else "compiling forms (once)")
+        _told.append(now)

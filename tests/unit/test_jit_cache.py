@@ -1,0 +1,156 @@
+"""First runs that are killed, or have no compiler or no cache: the next one works, or is told how to."""
+
+import fcntl
+import importlib.machinery
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from fx_membrane import jit_cache
+
+pytestmark = pytest.mark.serial
+WORD = "compiling forms (once)"
+SCRIPT = """
+import numpy as np
+from fx_membrane import *
+masts = {"mast": Mast([[0, 1]], 1e6, prestress=-10.0)}
+Analysis(Structure(np.eye(3)[:2], masts, [Support([0, 1])])).run([Stage("prestress")])
+"""
+
+
+@pytest.fixture
+def environment(tmp_path):
+    """A cold cache, and a compiler that does not end as long as the file `slow` is there."""
+    compiler = tmp_path / "cc"
+    compiler.write_text(
+        f'#!/bin/sh\ntouch "{tmp_path}/begun"\nwhile [ -e "{tmp_path}/slow" ]; do sleep 0.1; done\nexec gcc "$@"\n'
+    )
+    compiler.chmod(0o755)
+    return {**os.environ, "XDG_CACHE_HOME": str(tmp_path / "cache"), "CC": str(compiler)}
+
+
+def run(environment):
+    return subprocess.run([sys.executable, "-c", SCRIPT], env=environment, capture_output=True, text=True, check=False)
+
+
+def stop_while_compiling(environment, folder, number):
+    begun, slow = folder / "begun", folder / "slow"
+    begun.unlink(missing_ok=True)
+    slow.touch()
+    process = subprocess.Popen([sys.executable, "-c", SCRIPT], env=environment, stderr=subprocess.PIPE, text=True)
+    while not begun.exists():
+        assert process.poll() is None, process.stderr.read()
+        time.sleep(0.05)
+    process.send_signal(number)
+    if number == signal.SIGKILL:
+        process.wait()  # before its compiler ends
+    slow.unlink()
+    words = process.communicate()[1]
+    assert process.returncode == -number, words
+    assert WORD in words
+
+
+def unfinished(cache):
+    """What FFCx would wait for."""
+    return {file.name for file in cache.glob("*.c") if not file.with_suffix(".c.cached").exists()}
+
+
+def test_next_run_after_a_stop_while_compiling(environment, tmp_path):
+    cache = tmp_path / "cache/fenics"
+    for number in (signal.SIGKILL, signal.SIGINT):
+        stop_while_compiling(environment, tmp_path, number)
+        assert len(unfinished(cache)) == 1
+    again = run(environment)
+    assert again.returncode == 0, again.stderr
+    assert WORD in again.stderr
+    assert not unfinished(cache)
+    warm = run(environment)
+    assert warm.returncode == 0, warm.stderr
+    assert "compiling" not in warm.stderr
+
+
+@pytest.mark.parametrize(
+    ("variables", "words"),
+    [
+        (
+            {"XDG_CACHE_HOME": "/dev/null"},
+            "kept in /dev/null/fenics (Not a directory); give a folder that can be",
+        ),
+        ({"CC": "nocc"}, "does not work (CompileError: command 'nocc' failed: No such file or directory); install it"),
+    ],
+)
+def test_no_cache_and_no_compiler(variables, words, environment):
+    done = run(environment | variables)
+    assert done.returncode == 1
+    assert done.stderr.splitlines()[-1].startswith("RuntimeError: ")
+    assert words in done.stderr.splitlines()[-1]
+    assert "XDG_CACHE_HOME" in done.stderr or "apt install gcc libc6-dev python3-dev" in done.stderr
+
+
+def test_warnings_as_errors_and_closed_streams_with_a_cold_cache(environment):
+    closed = 'exec "$@" <&- >&- 2>&-'
+    command = ["sh", "-c", closed, "sh", sys.executable, "-W", "error", "-c", SCRIPT]
+    assert subprocess.run(command, env=environment, check=False).returncode == 0
+
+
+class FFCx:
+    """Finds sources as FFCx does: None for one to be compiled."""
+
+    def __init__(self, compiled):
+        self.compiled = compiled
+
+    def get_cached_module(self, name, objects, cache_dir, timeout):
+        try:
+            open(f"{cache_dir}/{name}.c", "x").close()
+        except FileExistsError:
+            return self.compiled
+        return None
+
+    def compile(self, cache, fails=None):
+        with jit_cache.guard(self):
+            found = self.get_cached_module("form", [], cache, 1)
+            if found is None:
+                if fails is not None:
+                    raise fails
+                for suffix in (importlib.machinery.EXTENSION_SUFFIXES[0], ".c.cached"):
+                    (cache / f"form{suffix}").write_text("compiled")
+        return found
+
+
+def test_source_of_another_program_is_waited_for(tmp_path, monkeypatch):
+    """A program that knows no lock may still compile it."""
+    monkeypatch.setattr(jit_cache, "DEAD", 1.0)
+    (tmp_path / "form.c").touch()
+    begin = time.monotonic()
+    assert FFCx(None).compile(tmp_path) is None
+    assert time.monotonic() - begin > 0.9
+    assert FFCx("found").compile(tmp_path) == "found"
+
+
+@pytest.mark.parametrize("damage", ["form.c", "form.c.cached", "form" + importlib.machinery.EXTENSION_SUFFIXES[0]])
+def test_what_is_incomplete_is_compiled_again(damage, tmp_path, monkeypatch):
+    monkeypatch.setattr(jit_cache, "DEAD", 0.0)
+    assert FFCx(None).compile(tmp_path) is None
+    (tmp_path / damage).unlink()
+    assert FFCx("found").compile(tmp_path) is None
+    assert FFCx("found").compile(tmp_path) == "found"
+
+
+def test_interrupted_in_the_same_process(tmp_path):
+    """As in a notebook: at once, not after the time that other programs are given."""
+    with pytest.raises(KeyboardInterrupt):
+        FFCx(None).compile(tmp_path, KeyboardInterrupt)
+    assert (tmp_path / jit_cache.LOCK).read_text() == "form.c"
+    assert FFCx("found").compile(tmp_path) is None
+    assert (tmp_path / jit_cache.LOCK).read_text() == ""
+
+
+def test_another_process_that_never_ends_to_compile(tmp_path):
+    with open(tmp_path / jit_cache.LOCK, "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        with pytest.raises(TimeoutError, match=r"^Another process has compiled forms into .* for 1 s; end it, or give"):
+            FFCx(None).compile(tmp_path)
