@@ -17,6 +17,7 @@ import ufl
 from dolfinx import cpp, fem, log, mesh
 from mpi4py import MPI
 from numpy.typing import NDArray
+from petsc4py import PETSc
 from ufl.corealg.map_dag import map_expr_dag
 
 CELL = {1: "interval", 2: "triangle"}
@@ -147,3 +148,14 @@ def quiet_log() -> Iterator[None]:
         restore.callback(log.set_log_level, log.get_log_level())
         log.set_log_level(log.LogLevel.ERROR)
         yield
+
+
+def free_dropped(comm: MPI.Intracomm) -> None:
+    """Frees the PETSc objects that Python has dropped on all processes; call it on all of them together.
+
+    petsc4py 3.18 and later keep them until asked: to free one is a collective act, and Python's garbage collector drops
+    it at another moment on each process. Earlier ones free them at once.
+    """
+    if hasattr(PETSc, "garbage_cleanup"):
+        PETSc.garbage_cleanup(comm)
+        PETSc.garbage_cleanup(MPI.COMM_SELF)

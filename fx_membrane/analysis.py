@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 from tqdm import tqdm
 
-from . import checkpoint, load_case, loads, validation
+from . import _dolfinx, checkpoint, load_case, loads, validation
 from .checkpoint_file import Progress
 from .fingerprints import fingerprint, of_stages
 from .first_order import ConjugateGradient, SteepestDescent
@@ -163,6 +163,7 @@ class Analysis:
         with _ProgressBar(stage.name, state.factor, shown=self._comm.rank == 0) as bar:
             while state.factor < 1:
                 factor = min(state.factor + state.size, Fraction(1))
+                _dolfinx.free_dropped(self._comm)
                 self._problem.apply(load_case.between(start, end, float(factor)))
                 solution = self._solve(x, bar.iteration)
                 judged = (balanced or state.factor > 0) and not any(entry.snapped for entry in state.increments)

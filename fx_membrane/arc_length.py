@@ -22,7 +22,7 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from . import load_case, loads, path_ends, validation
+from . import _dolfinx, load_case, loads, path_ends, validation
 from .bordered_newton import BorderedNewton, Plane, Point, Step
 from .curvature import downhill
 from .diagnosis import linear_failure
@@ -168,6 +168,7 @@ class _Tracer:
         length = self.share / here.direction.factor
         while not self.path.complete and len(self.path.points) < max_points:
             last = here
+            _dolfinx.free_dropped(self.newton.problem.discretization.comm)
             here, length, complete = self.next(last, length, ends)
             if last.direction.factor * here.direction.factor < 0 and len(self.path.points) < max_points - 1:
                 limit = self.limit_point(last, here)

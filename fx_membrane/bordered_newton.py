@@ -133,11 +133,12 @@ class BorderedNewton:
         self.A.setOption(PETSc.Mat.Option.SYMMETRIC, self.symmetric)
         self.problem.tangent(x, self.A)
         self.problem.apply(self.rate)
-        gain = self.problem.loads(x)
-        gain.scale(-1.0)
-        self.problem.hold_tangent(self.zero, self.A, gain)  # held components move at their rate
-        gain.scale(-1.0)
-        return self.solve(gain, self.along)
+        with self.problem.discretization.work(1) as (gain,):
+            self.problem.loads(x, gain)
+            gain.scale(-1.0)
+            self.problem.hold_tangent(self.zero, self.A, gain)  # held components move at their rate
+            gain.scale(-1.0)
+            return self.solve(gain, self.along)
 
     def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> bool:
         """Solves A x = b; whether x is a solution."""

@@ -40,24 +40,27 @@ def softest(problem: Problem, x: PETSc.Vec, tension: float) -> Softest:
         x: The state.
         tension: Artificial tension that is added to the tangent, as a strain: what is softer counts as free.
     """
-    A, v, w, b = problem.discretization.create_matrix(), x.duplicate(), x.duplicate(), x.duplicate()
+    A, v = problem.discretization.create_matrix(), x.duplicate()
     problem.tangent(x, A)
-    problem.hold_tangent(x, A, b)
-    K = factorization.symmetric_part(A)
-    problem.stiffen(x, A, b, tension)
+    with problem.discretization.work(1) as (b,):
+        problem.hold_tangent(x, A, b)
+        K = factorization.symmetric_part(A)
+        problem.stiffen(x, A, b, tension)
     stiffened = factorization.symmetric_part(A)
     stiffened.setOption(PETSc.Mat.Option.SYMMETRIC, True)
     solver = PETSc.KSP().create(problem.discretization.comm)
     factorization.choose(solver, stiffened, symmetric=True)
     # The same numbers on any number of processes, and in every component: no motion is overlooked by symmetry.
     shape = problem.discretization.structure.points.shape
-    problem.discretization.distribute(np.random.default_rng(0).normal(size=shape)).copy(v)
-    for _ in range(STEPS):
-        problem.release(v)
-        solver.solve(v, w)
-        w.scale(1 / (w.norm() or 1.0))
-        w.copy(v)
-    work = float(v.dot(K * v))
+    problem.discretization.distribute(np.random.default_rng(0).normal(size=shape), v)
+    with problem.discretization.work(1) as (w,):
+        for _ in range(STEPS):
+            problem.release(v)
+            solver.solve(v, w)
+            w.scale(1 / (w.norm() or 1.0))
+            w.copy(v)
+        K.mult(v, w)
+        work = float(v.dot(w))
     artificial = problem.tension_work(v)
     found = Softest(factorization.pivots(solver).negative, v, work / artificial if artificial else np.inf)
     for matrix in (A, K, stiffened):
@@ -73,12 +76,14 @@ def downhill(problem: Problem, x: PETSc.Vec) -> Softest:
     of the structure, and is left out.
     """
     with problem.without_kept_stiffness():
-        first = found = softest(problem, x, tension := WEAK)
+        found = softest(problem, x, tension := WEAK)
+        negative = found.negative
         # Inverse iteration finds what is nearest to -tension: below the lowest of all it is the lowest.
         while found.negative and tension < LARGEST:
             tension *= 4
+            found.motion.destroy()
             found = softest(problem, x, tension)
-    return found._replace(negative=first.negative)
+    return found._replace(negative=negative)
 
 
 def explained(problem: Problem) -> float:
@@ -95,15 +100,16 @@ def negative_between(problem: Problem, start: PETSc.Vec, end: PETSc.Vec) -> bool
     parts = problem.discretization.structure.parts.values()
     if problem.symmetric and not any(isinstance(part, Mast) or part.compression_stiffness >= 1 for part in parts):
         return False
-    at, way, b = start.copy(), end.copy(), end.duplicate()
-    problem.bring(at)
-    way.axpy(-1.0, at)
     forces = []
-    for _ in range(SECANTS + 1):
-        problem.residual(at, b)
-        forces.append(float(b.dot(way)))
-        at.axpy(1 / SECANTS, way)
-    least = max(LEAST, explained(problem)) * problem.tension_work(way)
+    with problem.discretization.work(3) as (at, way, b):
+        start.copy(at)
+        problem.bring(at)
+        way.waxpy(-1.0, at, end)
+        for _ in range(SECANTS + 1):
+            problem.residual(at, b)
+            forces.append(float(b.dot(way)))
+            at.axpy(1 / SECANTS, way)
+        least = max(LEAST, explained(problem)) * problem.tension_work(way)
     return bool((SECANTS * np.diff(forces) < -least).any())
 
 

@@ -7,6 +7,7 @@ in one system, and a process may have no cell of a part.
 """
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -93,6 +94,7 @@ class Discretization:
         self.local = np.unique(np.concatenate(touched))
         self.parts = {name: self._part_mesh(name, share) for name, share in shares.items() if len(share)}
 
+        self._spare: list[PETSc.Vec] = []
         blocks = self.number[self.local].astype(PETSc.IntType)
         where = PETSc.IS().createBlock(3, blocks, comm=MPI.COMM_SELF)
         self._local_values = PETSc.Vec().createSeq(3 * len(self.local), comm=MPI.COMM_SELF)
@@ -120,6 +122,18 @@ class Discretization:
         """Vector of nodal values, three for each used node, zero."""
         return PETSc.Vec().createMPI(self._size, bsize=3, comm=self.comm)
 
+    @contextmanager
+    def work(self, count: int) -> Iterator[list[PETSc.Vec]]:
+        """Vectors for what is needed in a block only, of any values, which the next block gets again.
+
+        PETSc keeps what Python drops until all processes have been asked: a new vector for each use fills the memory.
+        """
+        taken = [self._spare.pop() if self._spare else self.create_vector() for _ in range(count)]
+        try:
+            yield taken
+        finally:
+            self._spare += taken
+
     def create_matrix(self) -> PETSc.Mat:
         """Matrix with the pattern of all parts together, exactly preallocated."""
         first = int(self.comm.exscan(len(self.owned)) or 0)
@@ -140,9 +154,9 @@ class Discretization:
 
     # Transfer of nodal values
 
-    def distribute(self, values: NDArray[np.float64]) -> PETSc.Vec:
-        """PETSc vector of the user's nodal values, shape (n, 3)."""
-        vector = self.create_vector()
+    def distribute(self, values: NDArray[np.float64], vector: PETSc.Vec | None = None) -> PETSc.Vec:
+        """PETSc vector of the user's nodal values, shape (n, 3): a new one, or the one given."""
+        vector = self.create_vector() if vector is None else vector
         vector.array[:] = values[self.owned].ravel()
         return vector
 

@@ -117,7 +117,7 @@ def fletcher_reeves(now: Gradient, before: Gradient) -> float:
 
 def polak_ribiere(now: Gradient, before: Gradient) -> float:
     """Share of the direction before, the second of Gil (77); it may be negative."""
-    return float((now.g - before.g).dot(now.s) / before.g.dot(before.s))
+    return float((now.g.dot(now.s) - before.g.dot(now.s)) / before.g.dot(before.s))
 
 
 def _no_memory(now: Gradient, before: Gradient) -> float:
@@ -139,9 +139,10 @@ class _Descent:
     """The iteration.
 
     Attributes:
-        g: Gradient at the last iterate.
+        now: Gradient at the last iterate.
         before: Gradient at the iterate before.
-        direction: The last one; None where the next starts anew.
+        direction: The last one.
+        anew: Whether the next does without it.
         age: Number of directions since the last that did.
         restart: That number at which the next does: as many directions as there are free components are conjugate.
         noise: Difference of energies that means nothing along the last one [J].
@@ -151,12 +152,14 @@ class _Descent:
         self.settings, self.beta, self.problem = settings, beta, problem
         self.size = float(np.ptp(problem.discretization.structure.points, axis=0).max())
         self.preconditioner = preconditioner(problem, settings.preconditioner)
-        self.g = problem.discretization.create_vector()
+        create = problem.discretization.create_vector
+        self.now, self.before = Gradient(create(), create()), Gradient(create(), create())
+        self.direction = create()
 
     def __call__(self, x: PETSc.Vec, monitor: Monitor = silent) -> Solution:
         self.history: list[Iteration] = []
-        self.direction, self.age = None, 0
-        self.restart = self.free_components(x)
+        self.anew, self.age = True, 0
+        self.restart = self.free_components()
         self.problem.bring(x)
         if self.arrived(x, 0.0, monitor):
             return Solution(True, "converged", tuple(self.history))
@@ -164,7 +167,8 @@ class _Descent:
         if divide is None:
             return Solution(False, INDEFINITE, tuple(self.history))
         for _ in range(self.settings.max_iterations):
-            length = self.step(x, divide(self.g))
+            divide(*self.now)
+            length = self.step(x)
             if length is None:
                 return self.failure(x, slow=False)
             if self.arrived(x, length, monitor):
@@ -175,37 +179,39 @@ class _Descent:
 
     def arrived(self, x: PETSc.Vec, length: float, monitor: Monitor) -> bool:
         """Whether an iterate is the solution; notes it, and its gradient."""
-        b = x.duplicate()
+        b = self.now.g
         self.problem.residual(x, b)
         self.tolerance = tolerance(self.problem, x, b, self.settings.rtol if self.history else ROUNDING)
         self.problem.release(b)
-        self.g = b
         largest = b.norm(PETSc.NormType.NORM_INFINITY)
         self.history.append(Iteration(self.problem.energy(x), largest, length))
         monitor(len(self.history) - 1, self.history[-1])
         return bool(b.norm() < self.tolerance)
 
-    def step(self, x: PETSc.Vec, s: PETSc.Vec) -> float | None:
+    def step(self, x: PETSc.Vec) -> float | None:
         """Goes one step; its length, or None where no length lowers the energy."""
-        now = Gradient(self.g, s)
-        d = self.next_direction(now)
-        length = self.go(x, d)
+        self.turn()
+        length = self.go(x, self.direction)
         if length is None and self.age:
-            self.direction = None
-            d = self.next_direction(now)
-            length = self.go(x, d)
-        self.before, self.direction = now, d
+            self.anew = True
+            self.turn()
+            length = self.go(x, self.direction)
+        self.anew = False
+        self.now, self.before = self.before, self.now  # the next gradient takes the place of the last but one
         return length
 
-    def next_direction(self, now: Gradient) -> PETSc.Vec:
-        """Direction from the last iterate."""
-        if self.direction is not None and self.age + 1 < self.restart:
-            d = self.beta(now, self.before) * self.direction - now.s  # Gil (76)
-            if d.dot(now.g) < 0:
+    def turn(self) -> None:
+        """Makes the direction the one from the last iterate."""
+        d, (g, s) = self.direction, self.now
+        if not self.anew and self.age + 1 < self.restart:
+            d.scale(self.beta(self.now, self.before))
+            d.axpy(-1.0, s)  # Gil (76)
+            if d.dot(g) < 0:
                 self.age += 1
-                return d
+                return
         self.age = 0
-        return -now.s  # Gil (73), (75)
+        s.copy(d)
+        d.scale(-1.0)  # Gil (73), (75)
 
     def go(self, x: PETSc.Vec, d: PETSc.Vec) -> float | None:
         """Length of a step along a direction that is scaled so that one is where its quadratic model is least.
@@ -213,31 +219,34 @@ class _Descent:
         On a quadratic energy the full step is the exact one. The curvature is the difference of two gradients: a
         product with the tangent would need that, which takes five times as long to assemble.
         """
-        step = d * self.full(x, d)
-        first = Point(0.0, self.history[-1].energy, float(self.g.dot(step)))
-        self.noise = rounding(self.problem, first, x, step)
-        alpha = search(line(self.problem, x, step, first), self.noise, FLATNESS)
-        if alpha is not None:
-            x.axpy(alpha, step)  # Gil (72)
+        with self.problem.discretization.work(1) as (step,):
+            d.copy(step)
+            step.scale(self.full(x, d))
+            first = Point(0.0, self.history[-1].energy, float(self.now.g.dot(step)))
+            self.noise = rounding(self.problem, first, x, step)
+            alpha = search(line(self.problem, x, step, first), self.noise, FLATNESS)
+            if alpha is not None:
+                x.axpy(alpha, step)  # Gil (72)
         return alpha
 
     def full(self, x: PETSc.Vec, d: PETSc.Vec) -> float:
         """Factor that makes a direction the full step; at most, displacements become as large as the structure."""
         largest = d.norm(PETSc.NormType.NORM_INFINITY)
         difference = DIFFERENCE * self.size / largest
-        b = x.duplicate()
-        self.problem.residual(x + difference * d, b)
-        slope = float(self.g.dot(d))
-        curvature = (float(b.dot(d)) - slope) / difference
+        slope = float(self.now.g.dot(d))
+        with self.problem.discretization.work(2) as (near, b):
+            near.waxpy(difference, d, x)
+            self.problem.residual(near, b)
+            curvature = (float(b.dot(d)) - slope) / difference
         most = self.size / largest
         return min(-slope / curvature, most) if curvature > 0 else most
 
-    def free_components(self, v: PETSc.Vec) -> int:
+    def free_components(self) -> int:
         """Number of components that are not held."""
-        free = v.duplicate()
-        free.set(1.0)
-        self.problem.release(free)
-        return int(free.sum())
+        with self.problem.discretization.work(1) as (free,):
+            free.set(1.0)
+            self.problem.release(free)
+            return int(free.sum())
 
     def stands_still(self) -> bool:
         """Whether in the last half of the iterates steps changed the energy by rounding, and the residual no more."""

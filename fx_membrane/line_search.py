@@ -73,16 +73,16 @@ def line(problem: Problem, start: PETSc.Vec, step: PETSc.Vec, first: Point | Non
     pressure since the start, is its integral.
     """
     energy = problem.energy_along(start, step)
-    x, b = start.duplicate(), start.duplicate()
 
     @cache
     def along(length: float) -> Point:
         if first is not None and length == first.length:
             return first
-        start.copy(x)
-        x.axpy(length, step)
-        problem.residual(x, b)
-        return Point(length, energy(length), float(b.dot(step)))
+        with problem.discretization.work(2) as (x, b):
+            x.waxpy(length, step, start)
+            problem.residual(x, b)
+            slope = float(b.dot(step))
+        return Point(length, energy(length), slope)
 
     return along
 

@@ -93,7 +93,8 @@ class _NewtonRaphson:
         self.settings, self.problem = settings, problem
         self.A = problem.discretization.create_matrix()
         self.b = problem.discretization.create_vector()
-        self.work = self.b.duplicate()
+        create = problem.discretization.create_vector
+        self.work, self.begin, self.first, self.before, self.here, self.downhill = (create() for _ in range(6))
         self.history: list[Iteration] = []
         self.monitor: Monitor = silent
         self.rtol = self.tolerance = self.length = self.added = 0.0
@@ -110,7 +111,7 @@ class _NewtonRaphson:
     def __call__(self, x: PETSc.Vec, monitor: Monitor = silent) -> Solution:
         self.monitor, self.iterates = monitor, 0
         self.from_stable = self.lost_stability = False
-        start = x.copy()
+        start = x.copy(self.begin)
         solution = self.solve(x)
         # Steps may pass over what snaps.
         if solution.converged and self.from_stable and not self.lost_stability:
@@ -120,7 +121,7 @@ class _NewtonRaphson:
 
     def solve(self, x: PETSc.Vec) -> Solution:
         """All that is tried, one after the other."""
-        start = x.copy()
+        start = x.copy(self.first)
         solution = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
         if not self.settings.line_search:
             return solution
@@ -128,7 +129,8 @@ class _NewtonRaphson:
             return self.made_stable(x, solution)
         free = mechanism(self.problem, start)
         # What falls finds no way back, and is as free at the start of any shorter increment.
-        if not (free and largest(x - start) > FALLEN * self.size):
+        self.work.waxpy(-1.0, start, x)
+        if not (free and largest(self.work) > FALLEN * self.size):
             start.copy(x)
             self.draw_smooth(x)
             second = self.attempt(x, self.settings.rtol, PATIENCE * self.settings.max_iterations)
@@ -161,7 +163,7 @@ class _NewtonRaphson:
             if found.negative == 0:
                 return solution
             self.lost_stability |= self.from_stable
-            before = x.copy()
+            before = x.copy(self.before)
             step = found.motion
             step.scale(NUDGE * self.size / step.norm(PETSc.NormType.NORM_INFINITY))
             energy = self.problem.energy_along(x, step)
@@ -178,7 +180,7 @@ class _NewtonRaphson:
         try:
             for tension in FADING:
                 self.problem.tension = tension
-                before = x.copy()
+                before = x.copy(self.before)
                 self.attempt(x, ROUGH, FEW)
                 if not largest(x) <= FAR * self.size:
                     before.copy(x)
@@ -257,7 +259,7 @@ class _NewtonRaphson:
             if not self.solved(dx):
                 raise _Stop(linear_failure(self.problem, self.A))
             return
-        start = x.copy()
+        start = x.copy(self.here)
         moved = self.problem.bring(start)
         length = None
         while length is None:
@@ -312,7 +314,7 @@ class _NewtonRaphson:
 
         Where they were moved to it, the linear step was not meant for this start, and no step is better than a bad one.
         """
-        downhill = dx.copy()
+        downhill = dx.copy(self.downhill)
         downhill.scale(-1.0)
         here = None if moved else Point(0.0, self.history[-1].energy, float(self.b.dot(downhill)))
         along = line(self.problem, start, downhill, here)

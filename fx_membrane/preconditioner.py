@@ -10,7 +10,7 @@ from . import factorization
 from .problem import Problem
 
 Kind = Literal["jacobi", "tangent"] | None
-Divide = Callable[[PETSc.Vec], PETSc.Vec]  # M^-1 g for g
+Divide = Callable[[PETSc.Vec, PETSc.Vec], object]  # puts M^-1 g for the first, g, into the second
 
 # Artificial tension, as a strain, that is added until the tangent is positive definite.
 TENSIONS = (0.0, *(1e-4 * 8.0**i for i in range(10)))
@@ -48,7 +48,7 @@ def _diagonal(A: PETSc.Mat) -> Divide | None:
     diagonal = A.getDiagonal()
     if not diagonal.min()[1] > ZERO * diagonal.max()[1]:
         return None
-    return lambda g: g / diagonal
+    return lambda g, s: s.pointwiseDivide(g, diagonal)
 
 
 class _Factors:
@@ -62,10 +62,4 @@ class _Factors:
         factorization.choose(self.ksp, A, symmetric=True)
         self.ksp.setOperators(A)  # or `setUp` would keep the last factorization
         self.ksp.setUp()
-        return self.solve if factorization.pivots(self.ksp) == (0, 0) else None
-
-    def solve(self, g: PETSc.Vec) -> PETSc.Vec:
-        """M^-1 g."""
-        s = g.duplicate()
-        self.ksp.solve(g, s)
-        return s
+        return self.ksp.solve if factorization.pivots(self.ksp) == (0, 0) else None

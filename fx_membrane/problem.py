@@ -18,6 +18,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from . import _dolfinx
 from .discretization import Discretization
 from .fingerprints import fingerprints
 from .geometry import measures
@@ -67,6 +68,7 @@ class Problem:
 
     def __init__(self, structure: Structure, comm: MPI.Intracomm = MPI.COMM_WORLD, elastic: bool = True):
         refuse_differences(comm, lambda: fingerprints(structure))
+        _dolfinx.free_dropped(comm)
         self.discretization = Discretization(structure, comm)
         self.parts = {name: part_forms(mesh, structure, elastic) for name, mesh in self.discretization.parts.items()}
         self.prestress_forces = float(np.sqrt(sum(_prestress_forces(structure, name) for name in structure.parts)))
@@ -75,6 +77,7 @@ class Problem:
         self.tension = 0.0
         self._tension_stiffness: PETSc.Mat | None = None
         self._points = self.discretization.distribute(structure.points)
+        self._loads, self._prescribed = self._points.duplicate(), self._points.duplicate()
         self.apply(Actions(np.zeros(structure.points.shape), structure.supported, np.zeros(structure.points.shape)))
 
     def apply(self, actions: Actions) -> None:
@@ -82,8 +85,8 @@ class Problem:
         self.symmetric = not any(p.any() for p in actions.pressures.values())
         for name, part in self.parts.items():
             part.p.x.array[:] = actions.pressures[name][part.mesh.cells] if name in actions.pressures else 0.0
-        self._loads = self.discretization.distribute(actions.loads)
-        self._prescribed = self.discretization.distribute(actions.displacement)
+        self.discretization.distribute(actions.loads, self._loads)
+        self.discretization.distribute(actions.displacement, self._prescribed)
         self._held = self.discretization.dofs(actions.held)
         self._held_here = self._held - self._loads.getOwnershipRange()[0]
 
@@ -95,20 +98,19 @@ class Problem:
         """
         for name, part in self.parts.items():
             part.q.x.array[:] = dead_loads[name][part.mesh.cells].ravel() if name in dead_loads else 0.0
-        total = self._assemble(lambda part: part.load, self.discretization.create_vector())
-        return self.discretization.gather(total)
+        with self.discretization.work(1) as (total,):
+            return self.discretization.gather(self._assemble(lambda part: part.load, total))
 
     def pressure_loads(self, x: PETSc.Vec) -> NDArray[np.float64]:
         """Nodal forces of the applied pressures in the shape x, shape (n, 3) [N]."""
         self._set(x)
-        return self.discretization.gather(self._assemble(lambda part: part.pressure, x.duplicate()))
+        with self.discretization.work(1) as (total,):
+            return self.discretization.gather(self._assemble(lambda part: part.pressure, total))
 
-    def loads(self, x: PETSc.Vec) -> PETSc.Vec:
+    def loads(self, x: PETSc.Vec, total: PETSc.Vec) -> None:
         """Nodal loads in the shape x, dead loads and pressures [N]."""
         self._set(x)
-        total = self._assemble(lambda part: part.pressure, x.duplicate())
-        total.axpy(1.0, self._loads)
-        return total
+        self._assemble(lambda part: part.pressure, total).axpy(1.0, self._loads)
 
     def unloaded(self) -> bool:
         """Whether there are neither loads nor prescribed displacements, but supports and prestress alone."""
@@ -121,7 +123,8 @@ class Problem:
         if self.symmetric:
             return dead
         self._set(x)
-        return dead + float(self._assemble(lambda part: part.pressure, x.duplicate()).norm())
+        with self.discretization.work(1) as (total,):
+            return dead + float(self._assemble(lambda part: part.pressure, total).norm())
 
     def energy(self, x: PETSc.Vec) -> float:
         """Strain energy less the work of the dead loads [J], Gil (70); pressures are not in it."""
@@ -129,8 +132,9 @@ class Problem:
         stored = sum(float(fem.assemble_scalar(part.energy)) for part in self.parts.values())
         energy = float(self.discretization.comm.allreduce(stored)) - float(self._loads.dot(x))
         if self.tension:
-            position = self._position(x)
-            energy += 0.5 * self.tension * float(position.dot(self._tension() * position))
+            with self.discretization.work(1) as (position,):
+                position.waxpy(1.0, self._points, x)
+                energy += 0.5 * self.tension * self.tension_work(position)
         return energy
 
     def energy_along(self, x: PETSc.Vec, step: PETSc.Vec) -> Callable[[float], float]:
@@ -139,19 +143,20 @@ class Problem:
         The force of a pressure is quadratic in the displacement, so that its power along a straight line is known from
         three points, and its work is exact, whether it has a potential or not.
         """
-        trial = x.duplicate()
 
-        def at(length: float) -> PETSc.Vec:
-            x.copy(trial)
-            trial.axpy(length, step)
-            return trial
+        def energy(length: float) -> float:
+            with self.discretization.work(1) as (trial,):
+                trial.waxpy(length, step, x)
+                return self.energy(trial)
 
         if self.symmetric:
-            return lambda length: self.energy(at(length))
+            return energy
 
         def power(length: float) -> float:
-            self._set(at(length))
-            return float(self._assemble(lambda part: part.pressure, x.duplicate()).dot(step))
+            with self.discretization.work(2) as (trial, forces):
+                trial.waxpy(length, step, x)
+                self._set(trial)
+                return float(self._assemble(lambda part: part.pressure, forces).dot(step))
 
         p0, p1, p2 = power(0.0), power(0.5), power(1.0)
         linear, square = 4 * p1 - 3 * p0 - p2, 2 * (p0 + p2) - 4 * p1
@@ -159,14 +164,17 @@ class Problem:
         def work(length: float) -> float:
             return length * (p0 + length * (linear / 2 + length * square / 3))
 
-        return lambda length: self.energy(at(length)) - work(length)
+        return lambda length: energy(length) - work(length)
 
     def residual(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
         """Internal minus external nodal forces [N], Gil (50); at held components, the reaction."""
         self._set(x)
         self._assemble(lambda part: part.residual, b).axpy(-1.0, self._loads)
         if self.tension:
-            b.axpy(self.tension, self._tension() * self._position(x))
+            with self.discretization.work(2) as (position, forces):
+                position.waxpy(1.0, self._points, x)
+                self._tension().mult(position, forces)
+                b.axpy(self.tension, forces)
 
     def tangent(self, x: PETSc.Vec, A: PETSc.Mat) -> None:
         """Derivative of the residual [N/m], Gil (51)-(53), (57)."""
@@ -210,9 +218,9 @@ class Problem:
 
     def hold_tangent(self, x: PETSc.Vec, A: PETSc.Mat, b: PETSc.Vec) -> None:
         """Makes A dx = b close the error of the held components exactly, and b hold its effect on the others."""
-        gap = x.copy()
-        gap.axpy(-1.0, self._prescribed)
-        A.zeroRowsColumns(self._held, diag=self.stiffness, x=gap, b=b)
+        with self.discretization.work(1) as (gap,):
+            gap.waxpy(-1.0, self._prescribed, x)
+            A.zeroRowsColumns(self._held, diag=self.stiffness, x=gap, b=b)
 
     def stiffen(self, x: PETSc.Vec, A: PETSc.Mat, b: PETSc.Vec, tension: float) -> None:
         """Adds the stiffness of an artificial tension, given as a strain, to a tangent that is held."""
@@ -221,7 +229,9 @@ class Problem:
 
     def tension_work(self, v: PETSc.Vec) -> float:
         """Twice the work of a displacement against an artificial tension of strain one [J]."""
-        return float(v.dot(self._tension() * v))
+        with self.discretization.work(1) as (forces,):
+            self._tension().mult(v, forces)
+            return float(v.dot(forces))
 
     def _tension(self) -> PETSc.Mat:
         """Stiffness of an artificial tension of strain one; made when it is first asked for."""
@@ -229,11 +239,6 @@ class Problem:
             self._tension_stiffness = self.discretization.create_matrix()
             self._assemble_matrix(tension_form, self._tension_stiffness)
         return self._tension_stiffness
-
-    def _position(self, x: PETSc.Vec) -> PETSc.Vec:
-        position = x.copy()
-        position.axpy(1.0, self._points)
-        return position
 
     def _set(self, x: PETSc.Vec) -> None:
         self.discretization.to_meshes(x)

@@ -41,9 +41,10 @@ class Recorder:
     def __call__(self, name: str, x: PETSc.Vec, actions: Actions, increments: tuple[Increment, ...]) -> StageResult:
         """Result of a state x under actions that the problem holds."""
         problem, discretization = self.problem, self.problem.discretization
-        b = discretization.create_vector()
-        problem.residual(x, b)
-        residual, displacement = discretization.gather(b), discretization.gather(x)
+        _dolfinx.free_dropped(discretization.comm)
+        with discretization.work(1) as (b,):
+            problem.residual(x, b)
+            residual, displacement = discretization.gather(b), discretization.gather(x)
         loads = actions.loads + problem.pressure_loads(x)
         reactions = np.where(actions.held, residual, 0.0)
         position = discretization.structure.points + displacement

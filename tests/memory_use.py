@@ -1,0 +1,75 @@
+"""Resident memory that repeated work leaves behind [MB], one line for each kind of work.
+
+mpirun -n 2 python tests/memory_use.py
+"""
+
+import os
+from pathlib import Path
+
+import numpy as np
+from mpi4py import MPI
+
+from fx_membrane import (
+    Analysis,
+    ConjugateGradient,
+    ConvergenceError,
+    DeadLoad,
+    Fabric,
+    Membrane,
+    Pressure,
+    Stage,
+    Structure,
+    Support,
+    boundary,
+    rectangle,
+    stability,
+    trace,
+    updated_reference,
+)
+
+points, triangles = rectangle(10.0, 10.0, 24, 24)
+rim = np.unique(boundary(triangles))
+
+
+def sheet(prestress):
+    return Structure(points, {"fabric": Membrane(triangles, Fabric(5e5, 0.3), prestress=prestress)}, [Support(rim)])
+
+
+SNOW = [Stage(f"snow {i}", [DeadLoad((0, 0, -50.0 * (1 + i % 3)), "fabric")]) for i in range(10)]
+AIR = Stage("air", [Pressure(100.0, "fabric")], steps=4)
+taut, flat = Analysis(sheet(1e3)), Analysis(sheet(0.0))
+state = taut.run(SNOW[:1])["snow 0"]
+
+
+def conjugate_gradients():
+    try:
+        Analysis(sheet(1e3), ConjugateGradient(max_iterations=150)).run(SNOW[:1])
+    except ConvergenceError:
+        return
+    raise AssertionError("so few iterations are not to suffice")
+
+
+WORK = {
+    "iterations of conjugate gradients": conjugate_gradients,
+    "preconditioned ones": lambda: Analysis(sheet(1e3), ConjugateGradient(preconditioner="tangent")).run(SNOW[:1]),
+    "stages": lambda: taut.run(SNOW),
+    "stages with pressure": lambda: [taut.run([AIR]) for _ in range(2)],
+    "stages that are drawn smooth or damped": lambda: flat.run(SNOW[:4]),
+    "analyses": lambda: [Analysis(sheet(1e3)).run(SNOW[:1]) for _ in range(6)],
+    "stability": lambda: [stability(state, count=2) for _ in range(5)],
+    "paths": lambda: trace(sheet(1e3), Stage("path", SNOW[2].loads, steps=8)),
+    "forms": lambda: [updated_reference(sheet(1e3)) for _ in range(6)],
+}
+
+
+def resident():
+    return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+for name, act in WORK.items():
+    act()  # what is made once
+    before = resident()
+    act()
+    grown = MPI.COMM_WORLD.allreduce(resident() - before, MPI.MAX)
+    if MPI.COMM_WORLD.rank == 0:
+        print(f"{name}: {grown:.2f} MB", flush=True)
