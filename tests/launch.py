@@ -29,7 +29,7 @@ def launcher():
     return str(own) if own.exists() else shutil.which("mpirun")
 
 
-def start(arguments, processes, timeout=300):
+def start(arguments, processes, timeout=1500):
     """Runs a script with this interpreter; ends all processes where they do not end themselves."""
     tests = str(Path(__file__).parent)
     # Not the C environment: MPI has written into that.
