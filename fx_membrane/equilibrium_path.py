@@ -32,7 +32,7 @@ class PathPoint(NamedTuple):
         iterations: The iterates of the corrector, what was predicted first.
         limit: Whether the load factor turns here.
         kept: Share of each `compression_stiffness` that was left: 1, but 0.01 at a limit point with wrinkled or slack
-            cells, so that they carry no compression there.
+            cells, so that they carry no compression there; 1 at one of these where no point was found with less.
     """
 
     load_factor: float
@@ -92,8 +92,8 @@ class EquilibriumPath:
 
         Wrinkled and slack cells keep a share of their stiffness, `compression_stiffness`, and with it raise the load
         factors of the points, by 0.05 to 0.2 % at the default of 1e-4 and about in proportion to it. Limit points are
-        those of the structure that keeps a hundredth of that, within 0.01 %: points beside one can be above it by the
-        difference.
+        those of the structure that keeps a hundredth of that, within 0.01 %, unless their `kept` is 1: then
+        they are off like the others. Points beside one can be above it by the difference.
         """
         return np.flatnonzero([point.limit for point in self.points])
 
