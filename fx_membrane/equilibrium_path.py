@@ -19,6 +19,8 @@ from .results import Increment, StageResult
 from .solver import Iteration
 from .structure import Structure
 
+NO_LOAD = 1e-9  # load factor, as a share of the largest on a path, at which loads are rounding
+
 
 class PathPoint(NamedTuple):
     """One equilibrium state.
@@ -131,5 +133,6 @@ class EquilibriumPath:
             if comm.rank == 0:
                 warn_of_remarks(result, stacklevel=3)
                 warn_of_large_strains(result, stacklevel=3)
-                warn_of_unbalance(result, stacklevel=3)
+                if abs(chosen.load_factor) > NO_LOAD * np.abs(self.load_factors).max():
+                    warn_of_unbalance(result, stacklevel=3)
         return result
