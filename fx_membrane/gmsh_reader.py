@@ -72,7 +72,7 @@ def _group(model: Any, dimension: int, tag: int) -> Group:
 
 def save(mesh: GmshMesh, path: str | Path) -> None:
     """Writes a mesh for `load`; arrays only, nothing that Python would run."""
-    arrays: dict[str, NDArray[Any]] = {
+    arrays: dict[str, Any] = {
         "tags": mesh.tags,
         "points": mesh.points,
         "groups": np.array([(group.dimension, group.tag) for group in mesh.groups], dtype=np.int64).reshape(-1, 2),

@@ -76,15 +76,15 @@ def _sizes(part: Part, result: MembraneResult | BarResult) -> NDArray[np.float64
     if isinstance(result, BarResult):
         stretched = result.strain + excess[:, 0, 0]
         return np.where(result.slack, 0.0, np.maximum(stretched, -result.strain))
-    stretched = np.linalg.eigvalsh(result.strain + excess)[:, 1]
+    largest = np.linalg.eigvalsh(result.strain + excess)[:, 1]
     least = np.linalg.eigvalsh(result.strain)[:, 0]
-    sizes = np.maximum(stretched, np.where(result.state == "taut", -least, 0.0))
+    sizes = np.maximum(largest, np.where(result.state == "taut", -least, 0.0))
     return np.where(result.state == "slack", 0.0, sizes)
 
 
 def elastic_strain(part: Part, stress: NDArray[np.float64]) -> NDArray[np.float64]:
     """Strains of cells that belong to stresses by the stiffness, both of shape (cells, d, d)."""
-    return part.material.strain(stress) if isinstance(part, Membrane) else stress / part.axial_stiffness
+    return part.material.strain(stress) if isinstance(part, Membrane) else np.divide(stress, part.axial_stiffness)
 
 
 def _compression(stress: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -78,7 +78,7 @@ class OrthotropicFabric:
 
 
 def _strain(stress: NDArray[np.float64], Et_warp: float, Et_weft: float, nu: float, Gt: float) -> NDArray[np.float64]:
-    strain = stress / (2 * Gt)
+    strain = np.divide(stress, 2 * Gt)
     strain[:, 0, 0] = stress[:, 0, 0] / Et_warp - nu * stress[:, 1, 1] / Et_warp
     strain[:, 1, 1] = stress[:, 1, 1] / Et_weft - nu * stress[:, 0, 0] / Et_warp
     return strain

@@ -207,7 +207,7 @@ class Problem:
         pointers, _, values = A.getValuesCSR()
         entries = np.repeat(np.arange(len(pointers) - 1), np.diff(pointers))
         np.maximum.at(here.array, entries, np.abs(values))
-        return self.discretization.gather(here).any(axis=1)
+        return np.any(self.discretization.gather(here), axis=1)
 
     def mass(self, A: PETSc.Mat) -> None:
         """Consistent mass matrix [kg]; it does not depend on the state."""

@@ -7,6 +7,7 @@ and wherever they are shown: as warnings, in `report`, on the result itself.
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -153,7 +154,7 @@ def _has_lost_its_prestress(result: StageResult, name: str) -> bool:
     return bool(given > 0 and (slack_cells(result, name) | (left <= LEFT * given)).all())
 
 
-def _tensions(structure: Structure, name: str) -> NDArray[np.float64]:
+def _tensions(structure: Structure, name: str) -> NDArray[np.floating[Any]]:
     """Largest prestress of each cell of a part, shape (cells,); negative where it is no tension."""
     return np.linalg.eigvalsh(structure.parts[name].prestress_tensors())[:, -1]
 

@@ -1,6 +1,7 @@
 """A stage in words and numbers: iterations, forces, stresses, strains, states, reactions and their balance."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,7 +81,7 @@ def _part(result: StageResult, name: str, first: int, force_unit: str, length_un
         return [f"{_range(part.force)} {force_unit}, largest {where}{slack}", strained, *hanging]
     states = ", ".join(f"{(part.state == state).sum()} {state}" for state in ("taut", "wrinkled", "slack"))
     strain = np.linalg.eigvalsh(part.strain)[:, 1]
-    total = np.linalg.eigvalsh(part.strain + before)[:, 1]
+    largest = np.linalg.eigvalsh(part.strain + before)[:, 1]
     stress, unit = part.principal[:, 0], f"{force_unit}/{length_unit}"
     directed = isinstance(given, Membrane) and given.warp is not None
     threads = zip(("warp", "weft"), part.thread_forces.T, strict=True) if directed else ()
@@ -92,11 +93,11 @@ def _part(result: StageResult, name: str, first: int, force_unit: str, length_un
             for thread, force in threads
         ),
         f"largest principal strain {strain.max():.5f} {_where(result, name, strain)}; cells: {states}",
-        f"largest principal strain with that of the prestress {total.max():.5f} {_where(result, name, total)}",
+        f"largest principal strain with that of the prestress {largest.max():.5f} {_where(result, name, largest)}",
     ]
 
 
-def _where(result: StageResult, name: str, values: NDArray[np.float64]) -> str:
+def _where(result: StageResult, name: str, values: NDArray[np.floating[Any]]) -> str:
     """The cell of a part with the largest value, and where it is."""
     cell = int(values.argmax())
     centroid = result.structure.points[result.structure.parts[name].cells[cell]].mean(axis=0)

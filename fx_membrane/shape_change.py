@@ -40,7 +40,7 @@ def change_of_shape(structure: Structure, points: NDArray[np.float64], displacem
     normal = _unit(_nodal_normals(structure, points))
     across = np.where(on_line[:, None], displacement - along(tangent), along(normal))
     largest = float(np.linalg.norm(across, axis=1).max() / np.concatenate(edges).mean())
-    slides = tangent.any(axis=1)
+    slides = np.any(tangent, axis=1)
     for part in structure.parts.values():
         if isinstance(part, Bar):
             bars = part.cells[~slides[part.cells].any(axis=1)]
@@ -79,7 +79,8 @@ def collapse(structure: Structure, step: int) -> str:
     """The sentences about a shape that has no equilibrium; free masts, which may be the reason, come first."""
     for name, part in structure.parts.items():
         if isinstance(part, Mast):
-            force, free = part.prestress_tensors()[:, 0, 0], ~structure.supported.all(axis=1)[part.cells].all(axis=1)
+            force = part.prestress_tensors()[:, 0, 0]
+            free = ~np.all(structure.supported, axis=1)[part.cells].all(axis=1)
             for cell in np.flatnonzero(free & (force < 0))[:1]:
                 length = measures(structure.points, part.cells[[cell]])[0]
                 return (

@@ -128,7 +128,7 @@ class Structure:
         held = np.zeros(self.points.shape, dtype=bool)
         for support in self.supports:
             for component in validation.components("Support components", support.components):
-                held[support.nodes, component] = True
+                held[np.asarray(support.nodes), component] = True
         return held
 
     def warp(self, name: str) -> NDArray[np.float64]:
@@ -219,7 +219,7 @@ class Structure:
         return [(validation.text("separate", a), validation.text("separate", b)) for a, b in pairs]
 
     def _warn_of_coincident_nodes(self) -> None:
-        found = coincident_nodes(self.points, self.parts, self.supported.all(axis=1), self.separate)
+        found = coincident_nodes(self.points, self.parts, np.all(self.supported, axis=1), self.separate)
         if found:
             warnings.warn(found, CoincidentNodesWarning, stacklevel=4)
 

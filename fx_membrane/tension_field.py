@@ -25,6 +25,7 @@ def direction(e: NDArray[np.float64], fabric: OrthotropicFabric) -> NDArray[np.f
     energies = np.stack([_energy(angle, e, fabric) for angle in angles[:, None]])
     higher = np.maximum(np.roll(energies, 1, axis=0), np.roll(energies, -1, axis=0))
     peaks = np.where(energies >= higher, energies, -np.inf)
+    best: NDArray[np.float64]
     best, largest = np.zeros(len(e)), np.full(len(e), -np.inf)
     for _ in range(MAXIMA):
         peak = np.argmax(peaks, axis=0)
