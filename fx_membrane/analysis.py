@@ -215,8 +215,9 @@ class Analysis:
                     slack = self._slack(stage, x, load_case.between(start, end, float(factor)))
                     shape = results[stage.after].displacement if stage.after else np.zeros(self.structure.points.shape)
                     last = remarked(self._result(stage, start, end, state), shape)
-                    if self._comm.rank == 0:
-                        warn_of_remarks(last, stacklevel=4)
+                    with together(self._comm):
+                        if self._comm.rank == 0:
+                            warn_of_remarks(last, stacklevel=4)
                     message = (
                         f"Stage {stage.name!r} found no equilibrium at load factor {float(factor):.6g} "
                         f"(the last found is at {float(state.factor):.6g}): {solution.reason}{slack}"
