@@ -152,7 +152,7 @@ class _Descent:
         self.preconditioner = preconditioner(problem, settings.preconditioner)
         self.g = problem.discretization.create_vector()
 
-    def __call__(self, x: PETSc.Vec, monitor: Monitor = silent) -> Solution:
+    def __call__(self, x: PETSc.Vec, monitor: Monitor = silent, thorough: bool = True) -> Solution:
         self.history: list[Iteration] = []
         self.direction, self.age = None, 0
         self.restart = self.free_components(x)
