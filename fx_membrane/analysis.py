@@ -15,6 +15,7 @@ from . import checkpoint, load_case, loads, validation
 from .balance import warn_of_unbalance
 from .checkpoint import Progress
 from .first_order import ConjugateGradient, SteepestDescent
+from .increments import HALVINGS, Ceiling
 from .large_strain import warn_of_large_prestress, warn_of_large_strains
 from .loads import Stage
 from .newton import Newton
@@ -28,7 +29,6 @@ from .solver import FALLEN, Solution
 from .structure import Structure
 from .work import Work, WorkDone, WorkLimit
 
-HALVINGS = 8
 MORE = "allow more (WorkLimit), or see in its iterations, `failed`, whether it comes nearer at all"
 
 AnySolver = Newton | ConjugateGradient | SteepestDescent
@@ -167,11 +167,12 @@ class Analysis:
         x = self._problem.discretization.distribute(state.displacement)
         far = False  # whether a node has been found to have moved very far
         with Report(stage.name, float(state.factor), shown=self._progress and self._comm.rank == 0) as report:
+            ceiling = Ceiling()
             work = Work(self._limit, self._comm, report.iteration)
             while state.factor < 1:
-                factor = min(state.factor + state.size, Fraction(1))
+                factor = ceiling.next(state.factor, state.size)
                 self._problem.apply(load_case.between(start, end, float(factor)))
-                solution = self._solved(x, work)
+                solution = self._solved(x, work, ceiling.smooth and beyond is None)
                 judged = (balanced or state.factor > 0) and not any(entry.snapped for entry in state.increments)
                 snapped = solution.converged and solution.lost_stability and judged
                 remarks = (solution.drawn_smooth, solution.unstable, solution.unlisted, snapped)
@@ -181,8 +182,11 @@ class Analysis:
                     size = full if snapped else min(2 * state.size, full)
                     shape = self._problem.discretization.gather(x)
                     found = Progress(shape, factor, size, (*state.increments, increment))
+                else:
+                    ceiling.failed(factor, len(work.iterates))
                 beyond = found if snapped else beyond
                 divisible = bool(stage.loads or stage.displacements) and state.size > full / 2**HALVINGS
+                divisible = divisible and (snapped or not ceiling.reached(state.factor))
                 if divisible and (snapped or (not solution.converged and solution.retry)):
                     state = replace(state, size=(factor - state.factor) / 2)
                     self._problem.discretization.distribute(state.displacement).copy(x)
@@ -191,24 +195,26 @@ class Analysis:
                     _warn_of_instability(stage.name, state.factor, reached, moved)
                     far = far or bool(moved)
                     state, beyond = reached, None
+                    ceiling.found(state.factor)
                     self._problem.discretization.distribute(state.displacement).copy(x)
                     save(stage.name, state)
-                    report.increment(float(state.factor))
+                    report.increment(float(state.factor), state.increments[-1].iterations[-1].residual)
                 else:
                     slack = self._slack(stage, x, load_case.between(start, end, float(factor)))
                     last = self._result(stage, start, end, state)
+                    words = ceiling.words(state.factor) if solution.retry else ""
                     message = (
                         f"Stage {stage.name!r} found no equilibrium at load factor {float(factor):.6g} "
-                        f"(the last found is at {float(state.factor):.6g}): {solution.reason}{slack}"
+                        f"(the last found is at {float(state.factor):.6g}): {words}{solution.reason}{slack}"
                     )
                     raise ConvergenceError(message, results, last, increment, solution.motion)
         return self._result(stage, start, end, state)
 
-    def _solved(self, x: PETSc.Vec, work: Work) -> Solution:
+    def _solved(self, x: PETSc.Vec, work: Work, thorough: bool) -> Solution:
         """How an increment ended; where the limit of work is used up it is not tried again."""
         work.iterates.clear()
         try:
-            return self._solve(x, work)
+            return self._solve(x, work, thorough)
         except WorkDone as done:
             return Solution(False, f"{done}; {MORE}", tuple(work.iterates), retry=False)
 
