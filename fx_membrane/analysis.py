@@ -16,6 +16,7 @@ from .checkpoint_file import Progress
 from .curvature import explained
 from .fingerprints import fingerprint, of_stages
 from .first_order import ConjugateGradient, SteepestDescent
+from .increments import HALVINGS, Ceiling
 from .large_strain import warn_of_large_prestress, warn_of_large_strains
 from .loads import Stage
 from .newton import Newton
@@ -31,7 +32,6 @@ from .solver import Solution
 from .structure import Structure
 from .work import Work, WorkDone, WorkLimit
 
-HALVINGS = 8
 MORE = "allow more (WorkLimit), or see in its iterations, `failed`, whether it comes nearer at all"
 PROBE = 1 / 256  # of an increment that snapped: a load under which the start of a stage shows what holds it
 
@@ -184,12 +184,13 @@ class Analysis:
         beyond: Progress | None = None  # a state past a loss of stability, while smaller increments locate that
         x = self._problem.discretization.distribute(state.displacement)
         with Report(stage.name, float(state.factor), shown=self._progress and self._comm.rank == 0) as report:
+            ceiling = Ceiling()
             work = Work(self._limit, self._comm, report.iteration)
             while state.factor < 1:
-                factor = min(state.factor + state.size, Fraction(1))
+                factor = ceiling.next(state.factor, state.size)
                 _dolfinx.free_dropped(self._comm)
                 self._problem.apply(load_case.between(start, end, float(factor)))
-                solution = self._solved(x, work)
+                solution = self._solved(x, work, ceiling.smooth and beyond is None)
                 judged = (balanced or state.factor > 0) and not any(entry.snapped for entry in state.increments)
                 snapped = solution.converged and solution.lost_stability and judged
                 remarks = (solution.drawn_smooth, solution.unstable, solution.unlisted, snapped)
@@ -199,8 +200,11 @@ class Analysis:
                     size = full if snapped else min(2 * state.size, full)
                     shape = self._problem.discretization.gather(x)
                     found = Progress(shape, factor, size, (*state.increments, increment))
+                else:
+                    ceiling.failed(factor, len(work.iterates))
                 beyond = found if snapped else beyond
                 divisible = bool(stage.loads or stage.displacements) and state.size > full / 2**HALVINGS
+                divisible = divisible and (snapped or not ceiling.reached(state.factor))
                 if divisible and (snapped or (not solution.converged and solution.retry)):
                     state = replace(state, size=(factor - state.factor) / 2)
                     self._problem.discretization.distribute(state.displacement).copy(x)
@@ -208,9 +212,10 @@ class Analysis:
                     if reached.increments[-1].snapped:
                         reached = self._fallen(stage, start, end, state, reached, work)
                     state, beyond = reached, None
+                    ceiling.found(state.factor)
                     self._problem.discretization.distribute(state.displacement).copy(x)
                     save(stage.name, state)
-                    report.increment(float(state.factor))
+                    report.increment(float(state.factor), state.increments[-1].iterations[-1].residual)
                 else:
                     slack = self._slack(stage, x, load_case.between(start, end, float(factor)))
                     shape = results[stage.after].displacement if stage.after else np.zeros(self.structure.points.shape)
@@ -218,18 +223,19 @@ class Analysis:
                     with together(self._comm):
                         if self._comm.rank == 0:
                             warn_of_remarks(last, stacklevel=4)
+                    words = ceiling.words(state.factor) if solution.retry else ""
                     message = (
                         f"Stage {stage.name!r} found no equilibrium at load factor {float(factor):.6g} "
-                        f"(the last found is at {float(state.factor):.6g}): {solution.reason}{slack}"
+                        f"(the last found is at {float(state.factor):.6g}): {words}{solution.reason}{slack}"
                     )
                     raise ConvergenceError(message, results, last, increment, solution.motion)
         return self._result(stage, start, end, state)
 
-    def _solved(self, x: PETSc.Vec, work: Work) -> Solution:
+    def _solved(self, x: PETSc.Vec, work: Work, thorough: bool) -> Solution:
         """How an increment ended; where the limit of work is used up it is not tried again."""
         work.iterates.clear()
         try:
-            return self._solve(x, work)
+            return self._solve(x, work, thorough)
         except WorkDone as done:
             return Solution(False, f"{done}; {MORE}", tuple(work.iterates), retry=False)
 
@@ -246,7 +252,7 @@ class Analysis:
         actions = load_case.between(start, end, factor)
         self._problem.apply(actions)
         x = self._problem.discretization.distribute(state.displacement)
-        if state.factor == 0 and not self._solved(x, work).converged:
+        if state.factor == 0 and not self._solved(x, work, thorough=False).converged:
             return reached
         *others, snap = reached.increments
         words = held_by_slack_parts(self._record(stage.name, x, actions, ()))

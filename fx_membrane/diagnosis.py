@@ -8,10 +8,13 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from .curvature import WEAK, softest
+from .geometry import measures
 from .parts import Cable, Mast, Membrane
 from .problem import Problem
 from .solver import largest
 from .structure import Structure
+
+NOTHING = 1e-6  # of its size, left of a cell
 
 
 def linear_failure(problem: Problem, A: PETSc.Mat) -> str:
@@ -97,6 +100,14 @@ def _mechanism(motion: NDArray[np.float64], but: str = "") -> Mechanism:
         + ". Add supports, members or prestress that hold it."
     )
     return Mechanism(motion, words)
+
+
+def collapsed(problem: Problem, x: PETSc.Vec) -> bool:
+    """Whether a cell has shrunk to nothing: where nothing else holds a structure, artificial tension does that."""
+    structure = problem.discretization.structure
+    shape = structure.points + problem.discretization.gather(x)
+    cells = [part.cells for part in structure.parts.values()]
+    return any((measures(shape, c) < NOTHING * measures(structure.points, c)).any() for c in cells)
 
 
 def unlikely_units(problem: Problem, x: PETSc.Vec) -> str:

@@ -151,7 +151,7 @@ class _Descent:
         self.now, self.before = Gradient(create(), create()), Gradient(create(), create())
         self.direction = create()
 
-    def __call__(self, x: PETSc.Vec, monitor: Monitor = silent) -> Solution:
+    def __call__(self, x: PETSc.Vec, monitor: Monitor = silent, thorough: bool = True) -> Solution:
         self.history: list[Iteration] = []
         self.anew, self.age = True, 0
         self.restart = self.free_components()

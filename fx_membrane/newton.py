@@ -16,31 +16,26 @@ from typing import cast
 
 from petsc4py import PETSc
 
-from . import _dolfinx, factorization, validation
+from . import _dolfinx, artificial_tension, factorization, validation
+from .convergence import at_rest, nearer
 from .curvature import downhill, explained, negative_between
-from .diagnosis import linear_failure, mechanism, slack_mechanism, stalled, unlikely_units
+from .diagnosis import collapsed, linear_failure, mechanism, slack_mechanism, stalled, unlikely_units
 from .drivers import by_dolfinx, by_snes
-from .geometry import measures
 from .line_search import Point, line, rounding, search
 from .problem import Problem
 from .solver import FALLEN, FAR, ROUNDING, Iteration, Monitor, Solution, Solve, largest, lost, silent, tolerance
 
-# The numbers from here to NUDGES have no source: they were chosen by trial on tests/benchmarks/hard_cases.py.
-
-# Artificial tension added to the tangent, as a strain.
-FIRST, LEAST, LARGEST = 1e-4, 1e-8, 1e4
-GROWTH, DECAY = 4.0, 0.3
-SHORT = 0.3  # a step that asks for more of it
+# The numbers from here on have no source: they were chosen by trial on tests/benchmarks/hard_cases.py.
 
 # Artificial tension in the structure, as a strain, from one solve to the next.
 FADING = tuple(10.0**-i for i in range(2, 9))
 ROUGH, FEW = 1e-3, 40  # tolerance and iterations of these solves
-PATIENCE = 5  # times as many iterations after them: where fabric is slack all over, it crumples cell by cell
+PATIENCE, MORE = 5, 50  # times as many iterations, so many at a time while residuals fall: slack fabric crumples
 
 # Equilibrium at a saddle of the energy.
 NUDGE, NUDGES = 1e-3, 3  # step off it, in sizes of the structure, and how often it is tried
 
-NOTHING = 1e-6  # of its size, left of a cell
+REST = 1e-8  # share of all forces, below which a residual that falls no more is at rounding
 
 
 @dataclass(frozen=True)
@@ -52,8 +47,9 @@ class Newton:
 
     Args:
         rtol: Converged when the 2-norm of the unbalanced forces is below rtol times that of all nodal forces,
-            reactions and loads included, or at rounding. A start passes only at rounding.
-        max_iterations: Most iterations for one load increment; five times as many once the structure was drawn smooth.
+            reactions and loads included, or at rounding: of the forces in
+            each node, or where they come to rest below 1e-8 of all forces. A start passes only at rounding.
+        max_iterations: Most iterations for one load increment; up to five times as many while residuals still fall.
         line_search: False is the method of the textbook: each step in full, with the tangent as it is. For loads
             without a potential (follower pressure in general) the energy is that of the work along the step, which is
             known exactly.
@@ -84,6 +80,7 @@ class _NewtonRaphson:
         length: Length of the last step.
         added: Tension added to the tangent for it, as a strain.
         iterates: Their number since the solve began, whatever came of them.
+        first: Whether it is the first attempt since then.
         from_stable: Whether the first tangent since then had no more negative curvature than slack cells have.
         lost_stability: Whether a later one had more.
     """
@@ -98,7 +95,8 @@ class _NewtonRaphson:
         self.monitor: Monitor = silent
         self.rtol = self.tolerance = self.length = self.added = 0.0
         self.balanced = False
-        self.most, self.iterates = settings.max_iterations, 0
+        self.most = settings.max_iterations
+        self.iterates, self.first = 0, True
         self.symmetric, self.from_stable, self.lost_stability = True, False, False
         self.size = problem.discretization.structure.size
         self.newton = _dolfinx.newton_solver(problem.discretization.comm)
@@ -108,18 +106,18 @@ class _NewtonRaphson:
         self.iterate, self.ksp = by_snes(owner) if self.newton is None else by_dolfinx(owner)
         factorization.keep_until_all_are_done(self, problem.discretization.comm, self.ksp)
 
-    def __call__(self, x: PETSc.Vec, monitor: Monitor = silent) -> Solution:
+    def __call__(self, x: PETSc.Vec, monitor: Monitor = silent, thorough: bool = True) -> Solution:
         self.monitor, self.iterates = monitor, 0
         self.from_stable = self.lost_stability = False
         start = x.copy(self.begin)
-        solution = self.solve(x)
+        solution = self.solve(x, thorough)
         # Steps may pass over what snaps.
         if solution.converged and self.from_stable and not self.lost_stability:
             self.lost_stability = negative_between(self.problem, start, x)
         unlisted = self.iterates - len(solution.iterations)
         return replace(solution, unlisted=unlisted, lost_stability=self.lost_stability)
 
-    def solve(self, x: PETSc.Vec) -> Solution:
+    def solve(self, x: PETSc.Vec, thorough: bool) -> Solution:
         """All that is tried, one after the other."""
         start = x.copy(self.first)
         solution = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
@@ -130,11 +128,15 @@ class _NewtonRaphson:
         free = mechanism(self.problem, start)
         # What falls finds no way back, and is as free at the start of any shorter increment.
         self.work.waxpy(-1.0, start, x)
-        if not (free and largest(self.work) > FALLEN * self.size):
+        if thorough and not (free and largest(self.work) > FALLEN * self.size):
+            solution = self.onward(x, solution, unknown=False)
+            if solution.converged:
+                return self.made_stable(x, solution)
             start.copy(x)
             self.draw_smooth(x)
-            second = self.attempt(x, self.settings.rtol, PATIENCE * self.settings.max_iterations)
-            if second.converged and not self.collapsed(x):
+            second = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
+            second = self.onward(x, second, unknown=True)
+            if second.converged and not collapsed(self.problem, x):
                 return replace(self.made_stable(x, second), drawn_smooth=True)
         motion = free or slack_mechanism(self.problem, start)
         reason = motion.words if motion else solution.reason
@@ -145,12 +147,16 @@ class _NewtonRaphson:
             motion=motion.motion if motion else None,
         )
 
-    def collapsed(self, x: PETSc.Vec) -> bool:
-        """Whether a cell has shrunk to nothing: where nothing else holds a structure, artificial tension does that."""
-        structure = self.problem.discretization.structure
-        shape = structure.points + self.problem.discretization.gather(x)
-        cells = [part.cells for part in structure.parts.values()]
-        return any((measures(shape, c) < NOTHING * measures(structure.points, c)).any() for c in cells)
+    def onward(self, x: PETSc.Vec, solution: Solution, unknown: bool) -> Solution:
+        """Goes on from where an attempt ran out of iterations, while residuals fall, or where that is unknown yet."""
+        usual = self.settings.max_iterations
+        while usual < len(self.history) <= PATIENCE * usual and not solution.converged:
+            if not nearer(self.history, usual, unknown):
+                break
+            self.history.pop()  # is evaluated anew
+            self.most = min(MORE, PATIENCE * usual - len(self.history))
+            solution = self.run(x)
+        return solution
 
     def made_stable(self, x: PETSc.Vec, solution: Solution) -> Solution:
         """Goes on from an equilibrium that is not stable, downhill along its softest motion, to one that is.
@@ -192,9 +198,14 @@ class _NewtonRaphson:
     def attempt(self, x: PETSc.Vec, rtol: float, most: int) -> Solution:
         """Runs the iteration once."""
         self.history, self.rtol, self.most = [], rtol, most
+        self.first = self.iterates == 0
         self.length = self.added = 0.0
         self.symmetric = self.problem.symmetric or self.conservative(x)
         factorization.choose(self.ksp, self.A, self.symmetric)
+        return self.run(x)
+
+    def run(self, x: PETSc.Vec) -> Solution:
+        """Runs the iteration on from an iterate, by as much as `most` says."""
         try:
             with _dolfinx.quiet_log():
                 converged = self.iterate(x)
@@ -223,9 +234,10 @@ class _NewtonRaphson:
         self.problem.residual(x, b)
         self.tolerance = tolerance(self.problem, x, b, self.rtol if self.history else ROUNDING)
         self.problem.hold(x, b)
-        self.balanced = self.problem.beyond_rounding(x, b) < self.tolerance
-        unbalanced = largest(b)
+        beyond, unbalanced = self.problem.beyond_rounding(x, b), largest(b)
         self.history.append(Iteration(self.problem.energy(x), unbalanced, self.length, self.added))
+        small = beyond < REST * self.tolerance / self.rtol
+        self.balanced = beyond < self.tolerance or (small and at_rest(self.history))
         self.iterates += 1
         self.monitor(len(self.history) - 1, self.history[-1])
         if lost(self.problem, x, unbalanced):
@@ -236,23 +248,10 @@ class _NewtonRaphson:
         A.setOption(PETSc.Mat.Option.SYMMETRIC, self.symmetric)
         self.problem.tangent(x, A)
         self.problem.hold_tangent(x, A, self.b)
-        damping = self.damping()
+        damping = artificial_tension.to_begin_with(self.length, self.added, self.history)
         self.added = 0.0
         if damping:
             self.add_tension(x, damping)
-
-    def damping(self) -> float:
-        """Tension to begin a step with: more after a short step, less after a full one, in pace with the residual.
-
-        So the last steps converge quadratically, with tension or without.
-        """
-        if len(self.history) > 1 and self.length < SHORT:
-            return max(FIRST, GROWTH * self.added)
-        if self.length < 1 or not self.added:
-            return self.added
-        before, now = (max(entry.residual, 1e-300) for entry in self.history[-2:])
-        damping = min(DECAY, now / before) * self.added
-        return damping if damping > LEAST else 0.0
 
     def step(self, x: PETSc.Vec, dx: PETSc.Vec) -> None:
         """Makes the solution dx of the linear system the step itself: the next iterate is x - dx."""
@@ -273,7 +272,7 @@ class _NewtonRaphson:
                 self.solve_with_more_tension(x, dx)
         if self.iterates == 1:
             # The least tension there is makes up for slack cells; without such cells it would hide an unstable start.
-            self.from_stable = self.added <= (FIRST if explained(self.problem) else 0.0)
+            self.from_stable = self.added <= (artificial_tension.FIRST if explained(self.problem) else 0.0)
         self.length = length
         dx.scale(length)
         dx.axpy(1.0, x)
@@ -288,7 +287,7 @@ class _NewtonRaphson:
         else:
             negative, zero = int(float(self.b.dot(dx)) <= 0), 0
         # Later attempts begin out of balance.
-        if negative and self.from_stable and self.iterates == len(self.history):
+        if negative and self.from_stable and self.first:
             self.lost_stability |= self.added > explained(self.problem)
         return (negative, zero) == (0, 0)
 
@@ -301,9 +300,9 @@ class _NewtonRaphson:
 
     def solve_with_more_tension(self, x: PETSc.Vec, dx: PETSc.Vec) -> None:
         """Adds more tension to the tangent than there is, and solves again."""
-        if self.added > LARGEST:
+        if self.added > artificial_tension.LARGEST:
             raise _Stop(linear_failure(self.problem, self.A))
-        self.add_tension(x, max(FIRST, GROWTH * self.added))
+        self.add_tension(x, artificial_tension.more(self.added))
         self.ksp.solve(self.b, dx)
 
     def add_tension(self, x: PETSc.Vec, tension: float) -> None:

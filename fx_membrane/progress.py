@@ -64,12 +64,11 @@ class Report:
         if next_time >= self._told + SILENCE:
             self._tell(f"after {self._label} {self._position:.6g}, iteration {number}, residual {entry.residual:.1e}")
 
-    def increment(self, position: float) -> None:
-        """Hears of an increment that was found."""
+    def increment(self, position: float, residual: float) -> None:
+        """Hears of an increment that was found, and its largest unbalanced force [N]."""
         self._bar.update(position - self._position)
         self._position = position
-        residual = f", residual {self._last.residual:.1e}" if self._last else ""
-        self._tell(f"{self._label} {position:.6g} after {self._iterations} iterations{residual}")
+        self._tell(f"{self._label} {position:.6g} after {self._iterations} iterations, residual {residual:.1e}")
 
     def _tell(self, words: str) -> None:
         self._told = monotonic()

@@ -73,8 +73,8 @@ Monitor = Callable[[int, Iteration], None]
 class Solve(Protocol):
     """Brings a vector to equilibrium; tells the monitor the number of each iterate and the iterate."""
 
-    def __call__(self, x: PETSc.Vec, monitor: Monitor = ...) -> Solution:
-        """How it ended; the state is in x."""
+    def __call__(self, x: PETSc.Vec, monitor: Monitor = ..., thorough: bool = ...) -> Solution:
+        """How it ended; the state is in x. What takes long and finds states far away is left out if not thorough."""
         ...
 
 

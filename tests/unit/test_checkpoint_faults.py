@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import warnings
+from contextlib import ExitStack, contextmanager
 from fractions import Fraction
 from pathlib import Path
 
@@ -36,48 +37,52 @@ def loaded(path):
         return kept.progress
 
 
-@pytest.fixture
-def full_disk():
-    """A limit for the size of a file, which makes writing beyond it fail as on a full disk."""
+@contextmanager
+def full_disk(size):
+    """A limit for the size of files, which makes writing beyond it fail as on a full disk."""
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    yield lambda size: resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
-    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:  # before the report of the test is written, to a file perhaps
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
-def test_run_on_a_full_disk_goes_on_and_says_so_once(path, full_disk):
+def test_run_on_a_full_disk_goes_on_and_says_so_once(path):
     expected = Analysis(structure()).run(stages())
     analysis = Analysis(structure())
     solve, done = analysis._solve, []
+    with ExitStack() as filled:
 
-    def filled(x, *monitor):
-        done.append(1)
-        if len(done) == 3:
-            full_disk(path.stat().st_size)
-        return solve(x, *monitor)
+        def filling(x, *monitor):
+            done.append(1)
+            if len(done) == 3:
+                filled.enter_context(full_disk(path.stat().st_size))
+            return solve(x, *monitor)
 
-    analysis._solve = filled
-    with pytest.warns(CheckpointWarning, match=r"'snow': its state could not be saved in .*state\.npz \(") as told:
-        assert_same(analysis.run(stages(), path), expected)
+        analysis._solve = filling
+        with pytest.warns(CheckpointWarning, match=r"'snow': its state could not be saved in .*state\.npz \(") as told:
+            assert_same(analysis.run(stages(), path), expected)
     assert len([entry for entry in told if entry.category is CheckpointWarning]) == 1
     assert told[0].filename == __file__
     assert [file.name for file in path.parent.iterdir()] == ["state.npz"]
-    full_disk(resource.RLIM_INFINITY)
     rest = Analysis(structure())
     calls = counted(rest)
     assert_same(rest.run(stages(), path), expected)
     assert len(calls) == 5
 
 
-def test_states_that_found_no_room_are_saved_when_there_is_some(path, full_disk):
+def test_states_that_found_no_room_are_saved_when_there_is_some(path):
     names = [Stage(name) for name in "abc"]
     with opened(path, structure(), names, MPI.COMM_SELF) as kept:
-        full_disk(path.stat().st_size)
-        with pytest.warns(CheckpointWarning):
-            kept.save("a", state(3000))
+        with full_disk(path.stat().st_size):
+            with pytest.warns(CheckpointWarning):
+                kept.save("a", state(3000))
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                kept.save("b", state(2))
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            kept.save("b", state(2))
-            full_disk(resource.RLIM_INFINITY)
             kept.save("c", state(3))
     assert {name: len(found.increments) for name, found in loaded(path).items()} == {"a": 3000, "b": 2, "c": 3}
 
@@ -93,10 +98,10 @@ def test_place_that_cannot_be_written_is_refused_before_the_run(tmp_path, place)
     assert not calls
 
 
-def test_full_disk_is_refused_before_the_run(path, full_disk):
-    full_disk(100)
-    with pytest.raises(ValueError, match=r"The checkpoint .* cannot be written \(File too large\); give another place"):
-        Analysis(structure()).run(stages(), path)
+def test_full_disk_is_refused_before_the_run(path):
+    analysis = Analysis(structure())
+    with full_disk(100), pytest.raises(ValueError, match=r"The checkpoint .* cannot be written \(File too large\)"):
+        analysis.run(stages(), path)
     assert list(path.parent.iterdir()) == []
 
 

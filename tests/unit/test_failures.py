@@ -20,7 +20,7 @@ from fx_membrane import (
     UnstableStateWarning,
     newton,
 )
-from fx_membrane.analysis import HALVINGS
+from fx_membrane.increments import HALVINGS
 from models import LIFT, LIMIT, POINTS, SNOW, TOO_MUCH, arch, rotation, same_state, sheet
 
 PLAIN = Newton(line_search=False)

@@ -9,7 +9,8 @@ import pytest
 from petsc4py import PETSc
 
 from fx_membrane import Analysis, ConvergenceError, Newton, Pressure, Stage, newton, report
-from fx_membrane.newton import DECAY, FADING, FIRST
+from fx_membrane.artificial_tension import DECAY, FIRST
+from fx_membrane.newton import FADING
 from fx_membrane.problem import Problem
 from models import SNOW, end, sheet
 

@@ -2,6 +2,7 @@
 
 import contextlib
 import fcntl
+import itertools
 import os
 import pty
 import re
@@ -10,21 +11,64 @@ import subprocess
 import sys
 import termios
 
+import numpy as np
 import pytest
+from mpi4py import MPI
 
-from fx_membrane import (
-    Analysis,
-    Stage,
-)
+from fx_membrane import Analysis, ConjugateGradient, Iteration, Newton, Stage, progress
+from fx_membrane.progress import Report
 from models import (
     SNOW,
     sheet,
 )
 
 
-def test_nothing_is_written_where_there_is_no_terminal(capfd):
+def test_lines_are_written_where_there_is_no_terminal(capfd):
     Analysis(sheet()).run([Stage("snow", [SNOW], steps=3)])
+    out, err = capfd.readouterr()
+    pattern = r"snow: load factor {} after {} iterations, residual \d\.\de[+-]\d\d, \d+\.\d s\n"
+    lines = "".join(pattern.format(factor, r"\d+") for factor in (r"0\.333333", r"0\.666667", "1"))
+    assert out == ""
+    assert re.fullmatch(lines if MPI.COMM_WORLD.rank == 0 else "", err)
+
+
+@pytest.mark.parametrize("solver", [Newton(), ConjugateGradient()])
+def test_nothing_is_written_where_it_is_not_wanted(capfd, solver):
+    Analysis(sheet(), solver, progress=False).run([Stage("snow", [SNOW], steps=3)])
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("seconds", [0.5, 4.0, 60.0])
+def test_silence_is_never_longer_than_ten_seconds_or_one_iteration(capfd, monkeypatch, seconds):
+    clock = itertools.count(0.0, seconds)
+    monkeypatch.setattr(progress, "monotonic", lambda: next(clock))
+    with Report("load", 0.25, shown=True) as report:
+        for number in range(100):
+            report.iteration(number, Iteration(0.0, 1e3, 1.0))
+    told = [float(line.split()[-2]) for line in capfd.readouterr().err.splitlines()]
+    assert told
+    assert np.diff([0.0, *told]).max() <= max(10.0, 3 * seconds)  # the clock is read twice for each line
+    assert len(told) <= 100 * seconds / 2 + 1
+
+
+class Gone:
+    """Stands for a stderr whose reader is gone."""
+
+    def isatty(self):
+        return False
+
+    def write(self, text):
+        raise BrokenPipeError(text)
+
+    def flush(self):
+        pass
+
+
+@pytest.mark.parametrize("stderr", [Gone(), None])
+def test_a_reader_of_the_lines_that_is_gone_ends_no_run(monkeypatch, stderr):
+    analysis = Analysis(sheet())
+    monkeypatch.setattr(sys, "stderr", stderr)
+    assert "snow" in analysis.run([Stage("snow", [SNOW])])
 
 
 WATCHED = """
