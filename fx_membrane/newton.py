@@ -90,7 +90,7 @@ class _NewtonRaphson:
         self.A = problem.discretization.create_matrix()
         self.b = problem.discretization.create_vector()
         create = problem.discretization.create_vector
-        self.work, self.begin, self.first, self.before, self.here, self.downhill = (create() for _ in range(6))
+        self.work, self.begin, self.origin, self.before, self.here, self.downhill = (create() for _ in range(6))
         self.history: list[Iteration] = []
         self.monitor: Monitor = silent
         self.rtol = self.tolerance = self.length = self.added = 0.0
@@ -119,7 +119,7 @@ class _NewtonRaphson:
 
     def solve(self, x: PETSc.Vec, thorough: bool) -> Solution:
         """All that is tried, one after the other."""
-        start = x.copy(self.first)
+        start = x.copy(self.origin)
         solution = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
         if not self.settings.line_search:
             return solution
