@@ -17,8 +17,9 @@ minimal surfaces and their conjugates, Experimental Mathematics 2 (1993) 15-36.
 """
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -32,10 +33,11 @@ from .loads import DeadLoad, PointLoad, Pressure, Stage
 from .newton import Newton
 from .parts import Mast, Membrane, Part
 from .problem import Actions, Problem
+from .progress import Pulse
 from .recorder import Recorder
 from .results import BarResult, MembraneResult
 from .rigid_motion import check_supports
-from .solver import Solve
+from .solver import Iteration, Solution
 from .structure import Structure
 
 SAME = 1e-12  # change of the loads, relative to the largest, that is none
@@ -121,8 +123,13 @@ def updated_reference(
     steps: list[Step] = []
     parts: dict[str, Part] = dict(structure.parts)
     converged = False
+    pulse = Pulse("form finding", comm.rank == 0)
+
+    def monitor(number: int, entry: Iteration) -> None:
+        pulse(f"step {len(steps) + 1}, iteration {number}, residual {entry.residual:.1e}")
+
     while len(steps) < max_steps and not converged:
-        found = _equilibrium(problem, solve, stage, points)
+        found = _equilibrium(problem, partial(solve, monitor=monitor), stage, points)
         if found is None:
             raise RuntimeError(_collapse(len(steps) + 1))
         x, actions = found
@@ -144,7 +151,7 @@ def updated_reference(
 
 
 def _equilibrium(
-    problem: Problem, solve: Solve, stage: Stage, reference: NDArray[np.float64]
+    problem: Problem, solve: Callable[[PETSc.Vec], Solution], stage: Stage, reference: NDArray[np.float64]
 ) -> tuple[PETSc.Vec, Actions] | None:
     """Displacement from a reference shape to one in which the prestress balances the loads on it; None without one.
 
