@@ -18,6 +18,7 @@ from petsc4py import PETSc
 
 from . import factorization, load_case
 from .problem import Actions, Problem
+from .progress import Pulse
 from .solver import Iteration, tolerance
 
 MOST = 12  # iterations
@@ -76,6 +77,7 @@ class BorderedNewton:
     def __init__(self, problem: Problem, start: Actions, end: Actions, x: PETSc.Vec, rtol: float):
         self.problem, self.start, self.end, self.rtol = problem, start, end, rtol
         self.rate = load_case.change(start, end)
+        self.pulse = Pulse("trace", problem.discretization.comm.rank == 0)
         self.A = problem.discretization.create_matrix()
         create = problem.discretization.create_vector
         self.b, self.back, self.along, self.work, self.zero = create(), create(), create(), create(), create()
@@ -108,6 +110,7 @@ class BorderedNewton:
             balanced = self.residual(x, factor)
             largest = self.b.norm(PETSc.NormType.NORM_INFINITY)
             iterations.append(Iteration(self.problem.energy(x), largest, float(bool(iterations))))
+            self.pulse(f"load factor {factor:.6g}, iteration {len(iterations) - 1}, residual {largest:.1e}")
             if balanced:
                 return Point(x, factor, tuple(iterations))
             lost = not (math.isfinite(largest) and x.norm(PETSc.NormType.NORM_INFINITY) <= FAR * self.size)

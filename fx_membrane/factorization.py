@@ -7,6 +7,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 ROUNDING = 1e-12  # an antisymmetric part below this share of a matrix is none
+SOLVED = 1e-6  # part of the right-hand side
 
 _kept: list[tuple[MPI.Intracomm, "weakref.ref[object]", PETSc.KSP]] = []
 
@@ -53,6 +54,13 @@ def is_symmetric(A: PETSc.Mat) -> bool:
     error = antisymmetric.norm()
     antisymmetric.destroy()
     return bool(error <= 2 * ROUNDING * A.norm())
+
+
+def solves(A: PETSc.Mat, x: PETSc.Vec, b: PETSc.Vec, work: PETSc.Vec) -> bool:
+    """Whether A x = b; not where a number is not one."""
+    A.mult(x, work)
+    work.axpy(-1.0, b)
+    return bool(work.norm() <= SOLVED * b.norm())
 
 
 class Pivots(NamedTuple):

@@ -93,6 +93,33 @@ def rounding(problem: Problem, first: Point, start: PETSc.Vec, step: PETSc.Vec) 
     return 10 * ROUNDING * (abs(first.energy) + problem.prestress_forces * way)
 
 
+def step_back(
+    problem: Problem, b: PETSc.Vec, energy: float, start: PETSc.Vec, dx: PETSc.Vec, moved: bool
+) -> float | None:
+    """Length of the step -dx from a start at which the held components are in place; None where none is good.
+
+    Where they were moved to it, the linear step was not meant for this start, and no step is better than a bad one.
+
+    Args:
+        problem: The problem.
+        b: Residual at the start.
+        energy: Energy at the start [J].
+        start: The start.
+        dx: The step, reversed.
+        moved: Whether held components were moved to it; residual and energy are those before.
+    """
+    with problem.discretization.work(1) as (downhill,):
+        dx.copy(downhill)
+        downhill.scale(-1.0)
+        here = None if moved else Point(0.0, energy, float(b.dot(downhill)))
+        along = line(problem, start, downhill, here)
+        first = along(0.0)
+        if moved and first.slope >= 0:
+            return 1.0 if along(1.0).energy <= first.energy else 0.0
+        length = search(along, rounding(problem, first, start, downhill))
+    return 0.0 if length is None and moved else length
+
+
 def _parabola(low: Point, high: Point) -> float:
     """Where the parabola through two energies and the slope at the lower end is least."""
     span = high.length - low.length

@@ -21,7 +21,7 @@ from .convergence import at_rest, nearer
 from .curvature import downhill, explained, negative_between
 from .diagnosis import collapsed, linear_failure, mechanism, slack_mechanism, stalled, unlikely_units
 from .drivers import by_dolfinx, by_snes
-from .line_search import Point, line, rounding, search
+from .line_search import step_back
 from .problem import Problem
 from .solver import FALLEN, FAR, ROUNDING, Iteration, Monitor, Solution, Solve, largest, lost, silent, tolerance
 
@@ -90,7 +90,7 @@ class _NewtonRaphson:
         self.A = problem.discretization.create_matrix()
         self.b = problem.discretization.create_vector()
         create = problem.discretization.create_vector
-        self.work, self.begin, self.origin, self.before, self.here, self.downhill = (create() for _ in range(6))
+        self.work, self.begin, self.origin, self.before, self.here = (create() for _ in range(5))
         self.history: list[Iteration] = []
         self.monitor: Monitor = silent
         self.rtol = self.tolerance = self.length = self.added = 0.0
@@ -111,9 +111,8 @@ class _NewtonRaphson:
         self.from_stable = self.lost_stability = False
         start = x.copy(self.begin)
         solution = self.solve(x, thorough)
-        # Steps may pass over what snaps.
         if solution.converged and self.from_stable and not self.lost_stability:
-            self.lost_stability = negative_between(self.problem, start, x)
+            self.lost_stability = negative_between(self.problem, start, x)  # steps may pass over what snaps
         unlisted = self.iterates - len(solution.iterations)
         return replace(solution, unlisted=unlisted, lost_stability=self.lost_stability)
 
@@ -123,15 +122,15 @@ class _NewtonRaphson:
         solution = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
         if not self.settings.line_search:
             return solution
-        if solution.converged:
-            return self.made_stable(x, solution)
-        free = mechanism(self.problem, start)
+        free = None if solution.converged else mechanism(self.problem, start)
         # What falls finds no way back, and is as free at the start of any shorter increment.
         self.work.waxpy(-1.0, start, x)
-        if thorough and not (free and largest(self.work) > FALLEN * self.size):
+        thorough = thorough and not (free and largest(self.work) > FALLEN * self.size)
+        if thorough:
             solution = self.onward(x, solution, unknown=False)
-            if solution.converged:
-                return self.made_stable(x, solution)
+        if solution.converged:
+            return self.made_stable(x, solution)
+        if thorough:
             start.copy(x)
             self.draw_smooth(x)
             second = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
@@ -150,11 +149,10 @@ class _NewtonRaphson:
     def onward(self, x: PETSc.Vec, solution: Solution, unknown: bool) -> Solution:
         """Goes on from where an attempt ran out of iterations, while residuals fall, or where that is unknown yet."""
         usual = self.settings.max_iterations
-        while usual < len(self.history) <= PATIENCE * usual and not solution.converged:
-            if not nearer(self.history, usual, unknown):
-                break
+        most = PATIENCE * usual
+        while not solution.converged and usual < len(self.history) <= most and nearer(self.history, usual, unknown):
             self.history.pop()  # is evaluated anew
-            self.most = min(MORE, PATIENCE * usual - len(self.history))
+            self.most = min(MORE, most - len(self.history))
             solution = self.run(x)
         return solution
 
@@ -257,7 +255,7 @@ class _NewtonRaphson:
         """Makes the solution dx of the linear system the step itself: the next iterate is x - dx."""
         self.length = 1.0
         if not self.settings.line_search:
-            if not self.solved(dx):
+            if not factorization.solves(self.A, dx, self.b, self.work):
                 raise _Stop(linear_failure(self.problem, self.A))
             return
         start = x.copy(self.here)
@@ -267,7 +265,7 @@ class _NewtonRaphson:
             while not self.descends(dx):
                 self.solve_with_more_tension(x, dx)
             self.problem.release(dx)
-            length = self.search(start, dx, moved)
+            length = step_back(self.problem, self.b, self.history[-1].energy, start, dx, moved)
             if length is None:
                 self.solve_with_more_tension(x, dx)
         if self.iterates == 1:
@@ -280,7 +278,7 @@ class _NewtonRaphson:
 
     def descends(self, dx: PETSc.Vec) -> bool:
         """Whether dx solves the linear system, and -dx leads downhill for sure: there is no negative curvature."""
-        if not self.solved(dx):
+        if not factorization.solves(self.A, dx, self.b, self.work):
             return False
         if self.symmetric:
             negative, zero = factorization.pivots(self.ksp)
@@ -290,13 +288,6 @@ class _NewtonRaphson:
         if negative and self.from_stable and self.first:
             self.lost_stability |= self.added > explained(self.problem)
         return (negative, zero) == (0, 0)
-
-    def solved(self, dx: PETSc.Vec) -> bool:
-        """Whether dx solves the linear system."""
-        self.A.mult(dx, self.work)
-        self.work.axpy(-1.0, self.b)
-        # Written so that a norm that is not a number counts as a failure.
-        return bool(self.work.norm() <= 1e-6 * self.b.norm())
 
     def solve_with_more_tension(self, x: PETSc.Vec, dx: PETSc.Vec) -> None:
         """Adds more tension to the tangent than there is, and solves again."""
@@ -309,18 +300,3 @@ class _NewtonRaphson:
         """Brings the tension in the tangent to a value."""
         self.problem.stiffen(x, self.A, self.b, tension - self.added)
         self.added = tension
-
-    def search(self, start: PETSc.Vec, dx: PETSc.Vec, moved: bool) -> float | None:
-        """Length of the step -dx from a start at which the held components are in place; None where none is good.
-
-        Where they were moved to it, the linear step was not meant for this start, and no step is better than a bad one.
-        """
-        downhill = dx.copy(self.downhill)
-        downhill.scale(-1.0)
-        here = None if moved else Point(0.0, self.history[-1].energy, float(self.b.dot(downhill)))
-        along = line(self.problem, start, downhill, here)
-        first = along(0.0)
-        if moved and first.slope >= 0:
-            return 1.0 if along(1.0).energy <= first.energy else 0.0
-        length = search(along, rounding(self.problem, first, start, downhill))
-        return 0.0 if length is None and moved else length

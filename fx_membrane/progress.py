@@ -13,39 +13,61 @@ from .solver import Iteration
 SILENCE = 10.0  # longest time without a line [s]
 
 
-class Report:
-    """Tells how far a run is, on one process.
-
-    On a terminal it is one line: name, position, iterations and residual. Elsewhere there is a line for each increment
-    that is found, and one every ten seconds; a single iteration that takes longer cannot be interrupted.
+class Pulse:
+    """A line on stderr at least every ten seconds, as far as its owner gets to call it.
 
     Args:
-        name: Name of the stage, or of what else runs.
-        position: Where it begins.
+        name: Name of what runs.
         shown: Whether anything is written.
-        label: Name of the position.
-        end: The position at its end; None where nobody knows.
     """
 
-    def __init__(self, name: str, position: float, shown: bool, label: str = "load factor", end: float | None = 1.0):
-        self._name, self._label = name, label
-        self._shown = shown and sys.stderr is not None
-        self._lines = self._shown and not sys.stderr.isatty()
-        bar, digits = ("", 0) if end is None else ("{bar:10} ", 4)  # 80 columns hold a name of 16 letters
+    def __init__(self, name: str, shown: bool):
+        self._name, self._shown = name, shown and sys.stderr is not None
+        self._began = self._told = self._heard = monotonic()
+
+    def __call__(self, words: str) -> None:
+        """Hears of a sign of life, and writes it where the next may come too late."""
+        now = monotonic()
+        following = now + (now - self._heard)
+        self._heard = now
+        if following >= self._told + SILENCE:
+            self.tell(words)
+
+    def tell(self, words: str) -> None:
+        """Writes a line."""
+        self._told = monotonic()
+        if self._shown:
+            with contextlib.suppress(OSError, ValueError):  # a reader that is gone is no reason to end a run
+                print(f"{self._name}: {words}, {self._told - self._began:.1f} s", file=sys.stderr, flush=True)
+
+
+class Report:
+    """Tells how far a stage is, on one process.
+
+    On a terminal it is one line: name, load factor, iterations and residual. Elsewhere there is a line for each
+    increment that is found, and one every ten seconds; a single iteration that takes longer cannot be interrupted.
+
+    Args:
+        name: Name of the stage.
+        factor: Load factor at which it begins.
+        shown: Whether anything is written.
+    """
+
+    def __init__(self, name: str, factor: float, shown: bool):
+        terminal = shown and sys.stderr is not None and sys.stderr.isatty()
+        self._pulse = Pulse(name, shown and not terminal)
         self._bar = tqdm(
             desc=name,
-            total=end,
-            initial=position,
-            bar_format=f"{{desc}}: {bar}{label} {{n:.{digits}f}}{{postfix}}",
+            total=1.0,
+            initial=factor,
+            bar_format="{desc}: {bar:10} load factor {n:.4f}{postfix}",  # 80 columns hold a name of 16 letters
             ncols=_columns(),
             nrows=20,  # any: one bar is shown at a time
-            disable=not self._shown or self._lines,
+            disable=not terminal,
             file=sys.stderr,
         )
-        self._position = position
-        self._iterations = 0
+        self._factor, self._iterations = factor, 0
         self._last: Iteration | None = None
-        self._began = self._told = self._heard = monotonic()
 
     def __enter__(self) -> Self:
         return self
@@ -57,24 +79,15 @@ class Report:
         """Hears of an iterate; of the same again where one takes long."""
         self._iterations += entry is not self._last
         self._last = entry
-        self._bar.set_postfix_str(f"iteration {number}, residual {entry.residual:.1e}")
-        now = monotonic()
-        next_time = now + (now - self._heard)  # when the next may be heard of
-        self._heard = now
-        if next_time >= self._told + SILENCE:
-            self._tell(f"after {self._label} {self._position:.6g}, iteration {number}, residual {entry.residual:.1e}")
+        words = f"iteration {number}, residual {entry.residual:.1e}"
+        self._bar.set_postfix_str(words)
+        self._pulse(f"after load factor {self._factor:.6g}, {words}")
 
-    def increment(self, position: float, residual: float) -> None:
+    def increment(self, factor: float, residual: float) -> None:
         """Hears of an increment that was found, and its largest unbalanced force [N]."""
-        self._bar.update(position - self._position)
-        self._position = position
-        self._tell(f"{self._label} {position:.6g} after {self._iterations} iterations, residual {residual:.1e}")
-
-    def _tell(self, words: str) -> None:
-        self._told = monotonic()
-        if self._lines:
-            with contextlib.suppress(OSError, ValueError):  # a reader that is gone is no reason to end a run
-                print(f"{self._name}: {words}, {self._told - self._began:.1f} s", file=sys.stderr, flush=True)
+        self._bar.update(factor - self._factor)
+        self._factor = factor
+        self._pulse.tell(f"load factor {factor:.6g} after {self._iterations} iterations, residual {residual:.1e}")
 
 
 def _columns() -> int | None:

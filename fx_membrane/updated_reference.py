@@ -17,8 +17,9 @@ minimal surfaces and their conjugates, Experimental Mathematics 2 (1993) 15-36.
 """
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -34,11 +35,12 @@ from .newton import Newton
 from .parts import Mast, Membrane, Part
 from .problem import Actions, Problem
 from .processes import refuse_differences, together
+from .progress import Pulse
 from .recorder import Recorder
 from .results import BarResult, MembraneResult
 from .rigid_motion import check_supports
 from .shape_change import change_of_shape, check_collapse, collapse
-from .solver import Solve
+from .solver import Iteration, Solution
 from .structure import Structure
 
 SAME = 1e-12  # change of the loads, relative to the largest, that is none
@@ -138,8 +140,13 @@ def updated_reference(
     parts: dict[str, Part] = dict(structure.parts)
     converged = False
     stray = STRAY_LOADED if any(isinstance(load, PointLoad | DeadLoad) for load in stage.loads) else STRAY
+    pulse = Pulse("form finding", comm.rank == 0)
+
+    def monitor(number: int, entry: Iteration) -> None:
+        pulse(f"step {len(steps) + 1}, iteration {number}, residual {entry.residual:.1e}")
+
     while len(steps) < max_steps and not converged:
-        found = _equilibrium(problem, solve, stage, points)
+        found = _equilibrium(problem, partial(solve, monitor=monitor), stage, points)
         if found is None:
             raise RuntimeError(collapse(structure, len(steps) + 1))
         x, actions = found
@@ -161,7 +168,7 @@ def updated_reference(
 
 
 def _equilibrium(
-    problem: Problem, solve: Solve, stage: Stage, reference: NDArray[np.float64]
+    problem: Problem, solve: Callable[[PETSc.Vec], Solution], stage: Stage, reference: NDArray[np.float64]
 ) -> tuple[PETSc.Vec, Actions] | None:
     """Displacement from a reference shape to one in which the prestress balances the loads on it; None without one.
 

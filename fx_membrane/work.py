@@ -52,7 +52,10 @@ class Work:
     monitor: Monitor
     iterates: list[Iteration] = field(default_factory=list)
     _count: int = 0
-    _began: float = field(default_factory=monotonic)
+    _began: float = 0.0
+
+    def __post_init__(self) -> None:
+        self._began = monotonic()
 
     def __call__(self, number: int, entry: Iteration) -> None:
         """Hears of an iterate; of the same again where one takes long.

@@ -89,7 +89,7 @@ CASES = {
     "checkpoint of another structure": lambda: Analysis(structure(prestress=1.0)).run(stages(), state),
     "checkpoint that one process sees": seen_by_the_first,
     "picture that cannot be written": lambda: plot.convergence(lift, "/proc/fx/picture.png"),
-    "picture of nothing": lambda: plot.wireframe(POINTS, {}, FOLDER / "no" / "picture.xyz"),
+    "picture of nothing": lambda: plot.wireframe(POINTS, {"a": [[0, 1]]}, FOLDER / "no" / "picture.xyz"),
     "warning as error": strained,
     "other loads": run(mine(stages(), stages(snow=-201.0))),
     "other steps": run(mine(stages(), stages(steps=4))),

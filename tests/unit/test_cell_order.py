@@ -79,7 +79,7 @@ def assert_same(found, expected, what="result", size=None):
         assert found.keys() == expected.keys()
         for name in expected:
             assert_same(found[name], expected[name], what)
-    elif np.asarray(expected).dtype.kind in "Ub":
+    elif isinstance(expected, tuple) or np.asarray(expected).dtype.kind in "Ub":
         assert np.array_equal(found, expected), what
     else:
         bound = 1e-9 * (size or np.abs(expected).max())

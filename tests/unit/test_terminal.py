@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fx_membrane import Analysis, ConjugateGradient, Iteration, Newton, Stage, progress
+from fx_membrane import Analysis, ConjugateGradient, Iteration, Newton, Stage, progress, trace, updated_reference
 from fx_membrane.progress import Report
 from models import (
     SNOW,
@@ -115,3 +115,13 @@ def test_closed_pipe_is_an_exception_and_no_crash():
         errors = process.stderr.read()
     assert b"BrokenPipeError" in errors
     assert b"PETSC" not in errors
+
+
+@pytest.mark.serial
+def test_form_finding_and_paths_are_not_silent_for_long(capfd, monkeypatch):
+    monkeypatch.setattr(progress, "monotonic", itertools.count(0.0, 6.0).__next__)
+    updated_reference(sheet())
+    trace(sheet(), Stage("snow", [SNOW], steps=3))
+    lines = capfd.readouterr().err.splitlines()
+    assert re.match(r"form finding: step \d+, iteration \d+, residual \d\.\de[+-]\d\d, \d+\.\d s$", lines[0])
+    assert re.match(r"trace: load factor \S+, iteration \d+, residual \d\.\de[+-]\d\d, \d+\.\d s$", lines[-1])

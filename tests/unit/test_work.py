@@ -1,0 +1,129 @@
+"""A bound on the work of a stage, and what is left where it is used up."""
+
+import numpy as np
+import pytest
+
+from fx_membrane import (
+    Analysis,
+    ConjugateGradient,
+    ConvergenceError,
+    DeadLoad,
+    Fabric,
+    Membrane,
+    Newton,
+    Pressure,
+    Stage,
+    Structure,
+    Support,
+    WorkLimit,
+    newton,
+    rectangle,
+    work,
+)
+from models import SNOW, sheet
+
+EASY = [Stage("snow", [SNOW], steps=4)]
+
+
+def flag(n=8):
+    points, triangles = rectangle(3, 4, n, n)
+    top = np.arange((n + 1) ** 2)[-n - 1 :]
+    return Structure(points[:, [0, 2, 1]], {"fabric": Membrane(triangles, Fabric(3e5, 0.3))}, [Support(top)])
+
+
+def weight_and_wind(pressure):
+    weight = Stage("weight", [DeadLoad((0, 0, -10.0), "fabric")])
+    return [weight, Stage("wind", [Pressure(pressure, "fabric")], after="weight", steps=4)]
+
+
+@pytest.mark.parametrize("solver", [Newton(), Newton(line_search=False), ConjugateGradient()])
+def test_limit_of_iterations_is_met_exactly(solver):
+    taken = sum(len(i.iterations) - 1 for i in Analysis(sheet(), solver).run(EASY)["snow"].increments)
+    assert "snow" in Analysis(sheet(), solver, limit=WorkLimit(iterations=taken)).run(EASY)
+    with pytest.raises(ConvergenceError, match=rf"the limit of {taken - 1} iterations for a stage is used up") as error:
+        Analysis(sheet(), solver, limit=WorkLimit(iterations=taken - 1)).run(EASY)
+    assert [i.load_factor for i in error.value.last.increments] == [0.25, 0.5, 0.75]
+    assert error.value.failed.load_factor == 1
+    assert len(error.value.failed.iterations) > 1
+
+
+def test_limit_is_that_of_each_stage():
+    stages = [Stage("snow", [SNOW]), Stage("more", [SNOW], after="snow")]
+    taken = max(len(state.increments[0].iterations) - 1 for state in Analysis(sheet()).run(stages).values())
+    assert len(Analysis(sheet(), limit=WorkLimit(iterations=taken)).run(stages)) == 2
+
+
+@pytest.mark.parametrize("most", [20, 150, 230, 400])
+def test_every_fallback_counts(most, monkeypatch):
+    """Attempts, those that draw it smooth, those from there, and halved increments: the flag flies off."""
+    residuals = []
+    residual = newton._NewtonRaphson.residual
+    monkeypatch.setattr(newton._NewtonRaphson, "residual", lambda *args: residuals.append(1) or residual(*args))
+    analysis = Analysis(flag(), limit=WorkLimit(iterations=most))
+    (weight, wind) = weight_and_wind(20.0)
+    analysis.run([weight])
+    residuals.clear()
+    with pytest.raises(ConvergenceError, match=f"the limit of {most} iterations for a stage is used up") as error:
+        analysis.run([weight, wind])
+    assert list(error.value.results) == ["weight"]
+    assert most < len(residuals) < 1.2 * most + 40
+    assert analysis._problem.tension == 0
+    assert "weight" in analysis.run([weight])  # it goes on as if nothing had been
+
+
+def test_limit_of_seconds(monkeypatch):
+    clock = iter(np.arange(0.0, 1e6))
+    monkeypatch.setattr(work, "monotonic", lambda: next(clock))
+    with pytest.raises(ConvergenceError, match=r"the limit of 9.5 s for a stage is used up, after \d iterations"):
+        Analysis(sheet(), limit=WorkLimit(seconds=9.5)).run(EASY)
+
+
+@pytest.mark.serial
+def test_run_goes_on_from_the_checkpoint_with_the_whole_limit_before_it(tmp_path):
+    path = tmp_path / "checkpoint"
+    expected = Analysis(sheet()).run(EASY)["snow"]
+    taken = [len(increment.iterations) - 1 for increment in expected.increments]
+    limited = Analysis(sheet(), limit=WorkLimit(iterations=taken[0] + taken[1] + 1))
+    with pytest.raises(ConvergenceError) as error:
+        limited.run(EASY, path)
+    assert len(error.value.last.increments) == 2
+    found = limited.run(EASY, path)["snow"]
+    np.testing.assert_allclose(found.displacement, expected.displacement, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"iterations": 0}, "WorkLimit iterations is 0; give a whole number above zero"),
+        ({"iterations": 1.5}, "WorkLimit iterations is 1.5; give a whole number"),
+        ({"seconds": 0.0}, "WorkLimit seconds is 0.0; it must be positive"),
+        ({"seconds": np.nan}, "WorkLimit seconds is nan"),
+    ],
+)
+def test_odd_limits_are_refused(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        WorkLimit(**arguments)
+
+
+def test_flag_that_flies_off_is_said_to(recwarn):
+    """A strip with a free end under a pressure bears no more than its own weight."""
+    with pytest.raises(ConvergenceError) as error:
+        Analysis(flag()).run(weight_and_wind(20.0))
+    message = str(error.value)
+    last = error.value.last.increments[-1].load_factor
+    assert 0.48 < last < 0.52
+    assert f"from load factor {last:.6g} on no equilibrium was found" in message
+    assert "likely there is none" in message
+    assert "More steps will not help" in message
+
+
+def test_light_banner_is_found_without_beginning_anew(recwarn):
+    points, triangles = rectangle(3, 4, 24, 24)
+    banner = Membrane(triangles, Fabric(1e6, 0.3))
+    structure = Structure(points[:, [0, 2, 1]], {"fabric": banner}, [Support(np.arange(600, 625))])
+    weight = Stage("weight", [DeadLoad((0, 0, -1.0), "fabric")])
+    wind = Analysis(structure, limit=WorkLimit(iterations=450)).run(
+        [weight, Stage("wind", [Pressure(0.5, "fabric")], after="weight")]
+    )["wind"]
+    assert not wind.increments[0].drawn_smooth
+    assert wind.equilibrium.residual < 1e-8
