@@ -156,8 +156,8 @@ class Analysis:
                 state = saved.progress.get(stage.name) or Progress(shape, Fraction(0), Fraction(1, stage.steps), ())
                 results[stage.name] = remarked(self._run(stage, start, end, state, results, saved.save), shape)
                 with together(self._comm):
+                    warn_of_remarks(results[stage.name], stacklevel=3)
                     if self._comm.rank == 0:
-                        warn_of_remarks(results[stage.name], stacklevel=3)
                         warn_of_large_strains(results[stage.name], stacklevel=3)
                         warn_of_unbalance(results[stage.name], stacklevel=3)
         return results
@@ -220,9 +220,7 @@ class Analysis:
                     slack = self._slack(stage, x, load_case.between(start, end, float(factor)))
                     shape = results[stage.after].displacement if stage.after else np.zeros(self.structure.points.shape)
                     last = remarked(self._result(stage, start, end, state), shape)
-                    with together(self._comm):
-                        if self._comm.rank == 0:
-                            warn_of_remarks(last, stacklevel=4)
+                    warn_of_remarks(last, stacklevel=4)
                     words = ceiling.words(state.factor) if solution.retry else ""
                     message = (
                         f"Stage {stage.name!r} found no equilibrium at load factor {float(factor):.6g} "

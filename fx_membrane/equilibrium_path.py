@@ -130,8 +130,8 @@ class EquilibriumPath:
         with problem.without_kept_stiffness(chosen.kept):
             result = remarked(Recorder(problem)(self.name, x, actions, (increment,)), None)
         with together(comm):
+            warn_of_remarks(result, stacklevel=3)
             if comm.rank == 0:
-                warn_of_remarks(result, stacklevel=3)
                 warn_of_large_strains(result, stacklevel=3)
                 if abs(chosen.load_factor) > NO_LOAD * np.abs(self.load_factors).max():
                     warn_of_unbalance(result, stacklevel=3)

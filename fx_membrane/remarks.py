@@ -47,7 +47,7 @@ def remarked(result: StageResult, start: NDArray[np.float64] | None) -> StageRes
 
 
 def warn_of_remarks(result: StageResult, stacklevel: int) -> None:
-    """Warns of each remark."""
+    """Warns of each remark, on every process."""
     for remark in result.remarks:
         category = remark.category if isinstance(remark, Remark) else UnstableStateWarning
         warnings.warn(f"Stage {result.name!r}: {remark}", category, stacklevel=stacklevel)
