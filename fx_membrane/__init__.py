@@ -7,29 +7,29 @@ import signal as _signal
 # One thread for each process: with more, MUMPS can be ten times slower where cores are busy. Before PETSc is loaded.
 _os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-from . import standard_streams as _standard_streams  # noqa: F401, I001  (before any other file is opened)
+from .runtime import standard_streams as _standard_streams  # noqa: F401, I001  (before any other file is opened)
 from mpi4py import MPI as _MPI  # noqa: F401  (before dolfinx: its wheel from PyPI needs the MPI library loaded)
 
 from . import plot
-from .analysis import Analysis, ConvergenceError
-from .arc_length import ContinuationError, trace
-from .balance import UnbalancedStateWarning
-from .checkpoint import CheckpointWarning
-from .coincidence import CoincidentNodesWarning
-from .edges import edges_on
-from .equilibrium_path import EquilibriumPath, PathPoint
-from .first_order import ConjugateGradient, SteepestDescent
-from .form_finding import Net, force_density
-from .geometry import boundary, polyline, rectangle
-from .gmsh import structure_from_gmsh
-from .large_strain import LargeStrainWarning
-from .loads import DeadLoad, PlanLoad, PointLoad, PrescribedDisplacement, Pressure, Stage
-from .material import Fabric, OrthotropicFabric
-from .modes import Modes, Stability, natural_frequencies, stability
-from .newton import Newton
-from .parts import Cable, Mast, Membrane
-from .report import report
-from .results import (
+from .analysis.stages import Analysis, ConvergenceError
+from .analysis.arc_length import ContinuationError, trace
+from .results.balance import UnbalancedStateWarning
+from .analysis.checkpoint import CheckpointWarning
+from .model.coincidence import CoincidentNodesWarning
+from .geometry.edges import edges_on
+from .analysis.equilibrium_path import EquilibriumPath, PathPoint
+from .solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
+from .form_finding.force_density import Net, force_density
+from .geometry.grids import boundary, polyline, rectangle
+from .files.gmsh import structure_from_gmsh
+from .results.strain_limits import LargeStrainWarning
+from .model.loads import DeadLoad, PlanLoad, PointLoad, PrescribedDisplacement, Pressure, Stage
+from .model.materials import Fabric, OrthotropicFabric
+from .analysis.modes import Modes, Stability, natural_frequencies, stability
+from .solvers.newton import Newton
+from .model.parts import Cable, Mast, Membrane
+from .results.report import report
+from .results.states import (
     BarResult,
     Equilibrium,
     Increment,
@@ -39,11 +39,11 @@ from .results import (
     StageResults,
     UnstableStateWarning,
 )
-from .solver import Iteration
-from .structure import SliverWarning, Structure, Support
-from .updated_reference import Form, UnsettledFormWarning, updated_reference
-from .work import WorkLimit
-from .wave_speed import MassUnitWarning
+from .solvers.base import Iteration
+from .model.structure import SliverWarning, Structure, Support
+from .form_finding.updated_reference import Form, UnsettledFormWarning, updated_reference
+from .analysis.work import WorkLimit
+from .analysis.wave_speed import MassUnitWarning
 
 # PETSc takes a pipe that is closed at its other end, `script.py | head`, for a crash; to Python it is an exception.
 with _contextlib.suppress(ValueError):  # not in the main thread

@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 from ufl.corealg.map_dag import map_expr_dag
 
-from . import jit_cache
-from .decimal_point import decimal_point
+from .runtime import jit_cache
+from .runtime.decimal_point import decimal_point
 
 CELL = {1: "interval", 2: "triangle"}
 

@@ -17,7 +17,7 @@ from fx_membrane import (
     boundary,
     rectangle,
 )
-from fx_membrane.load_case import target, unloaded
+from fx_membrane.assembly.load_cases import target, unloaded
 
 POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
 INCLINED = POINTS + np.array([[0, 0, 0.2 * x * y + 0.1 * x] for x, y, _ in POINTS])

@@ -7,12 +7,8 @@ import ufl
 from dolfinx import fem
 from scipy.spatial.transform import Rotation
 
-from fx_membrane import (
-    Fabric,
-    OrthotropicFabric,
-    _dolfinx,
-    tension_field,
-)
+from fx_membrane import Fabric, OrthotropicFabric, _dolfinx
+from fx_membrane.assembly import wrinkling_direction
 from fx_membrane.forms import wrinkling
 
 FABRICS = {
@@ -122,7 +118,7 @@ class Formula:
         stored = tensor(sigma0[:, ROW, COLUMN] @ compliance(self.fabric), 0.5)
         if isinstance(self.fabric, OrthotropicFabric):
             e = E + stored
-            self.angle.x.array[:] = tension_field.direction(e[:, ROW, COLUMN], self.fabric)[self.order]
+            self.angle.x.array[:] = wrinkling_direction.direction(e[:, ROW, COLUMN], self.fabric)[self.order]
         self.e.x.array[:] = E[self.order].ravel()
         self.s.x.array[:] = sigma0[self.order].ravel()
         values = np.empty((len(E), 22))

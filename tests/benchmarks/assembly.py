@@ -13,7 +13,7 @@ import numpy as np
 from dolfinx.fem import petsc as fem_petsc
 
 from fx_membrane import Analysis, DeadLoad, Fabric, Membrane, Stage, Structure, Support, boundary, rectangle
-from fx_membrane.problem import Problem
+from fx_membrane.assembly.problem import Problem
 
 
 def least(action: Callable[[], object], repeat: int = 5) -> float:

@@ -50,7 +50,7 @@ from fx_membrane import (
     force_density,
     rectangle,
 )
-from fx_membrane.problem import Problem
+from fx_membrane.assembly.problem import Problem
 
 Case = tuple[Structure, list[Stage]]
 FABRIC = Fabric(Et=500e3, nu=0.3)

@@ -11,8 +11,8 @@ from dolfinx import fem
 from mpi4py import MPI
 
 from fx_membrane import Cable, Fabric, Mast, Membrane, OrthotropicFabric, Structure, _dolfinx, dccf, rectangle
+from fx_membrane.assembly.problem import Problem
 from fx_membrane.forms import kinematics, loads
-from fx_membrane.problem import Problem
 
 COUNT = 40
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from fx_membrane import Cable, Fabric, Mast, Membrane, Structure
-from fx_membrane.geometry import measures
-from fx_membrane.problem import Problem
+from fx_membrane.assembly.problem import Problem
+from fx_membrane.geometry.grids import measures
 
 COUNT, MASS = 20, 1.7
 

@@ -6,10 +6,8 @@ Reference: the conditions of optimality of the convex problem. Tolerance: roundi
 import numpy as np
 import pytest
 
-from fx_membrane import (
-    OrthotropicFabric,
-    tension_field,
-)
+from fx_membrane import OrthotropicFabric
+from fx_membrane.assembly import wrinkling_direction
 from wrinkled import COLUMN, ROW, compliance, engineering, state_of, tensor
 
 
@@ -45,7 +43,7 @@ def test_direction_of_tension_is_stationary_and_the_best(low, high, kind):
     for fabric in random_fabrics(rng, 100, low, high):
         H, e = compliance(fabric), random_strains(rng, kind, fabric)
         e = e[state_of(e, fabric) == 1]
-        angle = tension_field.direction(e[:, ROW, COLUMN], fabric)
+        angle = wrinkling_direction.direction(e[:, ROW, COLUMN], fabric)
         t = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
         n = np.stack([-t[:, 1], t[:, 0]], axis=-1)
         tt = np.stack([t[:, 0] ** 2, t[:, 1] ** 2, t[:, 0] * t[:, 1]], axis=-1)

@@ -17,8 +17,8 @@ from fx_membrane import (
     Stage,
     Structure,
 )
-from fx_membrane.geometry import normals
-from fx_membrane.problem import Problem
+from fx_membrane.assembly.problem import Problem
+from fx_membrane.geometry.grids import normals
 from taylor import remainders
 from wrinkled import (
     COLUMN,

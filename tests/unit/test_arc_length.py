@@ -25,7 +25,7 @@ from fx_membrane import (
     stability,
     trace,
 )
-from fx_membrane import arc_length as module
+from fx_membrane.analysis import arc_length as module
 from models import LIFT, LIMIT, POINTS, SNOW, arch, close, inclined_sheet, same_state, sheet
 
 PUSH = Stage("push", [PointLoad(1, (0, 0, -1.2 * LIMIT))], steps=8)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fx_membrane.problem import Actions, Problem
+from fx_membrane.assembly.problem import Actions, Problem
 from models import FOOT, MIXED
 from taylor import remainders
 

@@ -40,8 +40,8 @@ from fx_membrane import (
     structure_from_gmsh,
     trace,
     updated_reference,
-    validation,
 )
+from fx_membrane.checks import validation
 
 pytestmark = pytest.mark.serial
 

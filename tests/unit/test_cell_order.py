@@ -27,8 +27,8 @@ from fx_membrane import (
     trace,
     updated_reference,
 )
-from fx_membrane.checkpoint import fingerprints
-from fx_membrane.geometry import normals
+from fx_membrane.analysis.checkpoint import fingerprints
+from fx_membrane.geometry.grids import normals
 
 SEEDS = [1, 2]
 FABRIC = Fabric(Et=1e5, nu=0.3)

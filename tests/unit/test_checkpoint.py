@@ -16,7 +16,7 @@ from fx_membrane import (
     PointLoad,
     Stage,
 )
-from fx_membrane.checkpoint_file import CheckpointFile
+from fx_membrane.analysis.checkpoint_file import CheckpointFile
 from interrupted import Killed, assert_same, counted, cut_short, stages, structure
 
 

@@ -16,9 +16,9 @@ from mpi4py import MPI
 
 import interrupted
 from fx_membrane import Analysis, Stage
-from fx_membrane.checkpoint import CheckpointWarning, opened
-from fx_membrane.checkpoint_file import Progress
-from fx_membrane.results import Increment
+from fx_membrane.analysis.checkpoint import CheckpointWarning, opened
+from fx_membrane.analysis.checkpoint_file import Progress
+from fx_membrane.results.states import Increment
 from interrupted import Killed, assert_same, counted, stages, structure
 from models import POINTS
 

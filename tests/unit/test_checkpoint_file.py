@@ -12,10 +12,10 @@ import pytest
 from mpi4py import MPI
 
 from fx_membrane import Analysis, Stage, Structure, Support
-from fx_membrane.checkpoint import opened
-from fx_membrane.checkpoint_file import Progress
-from fx_membrane.results import Increment
-from fx_membrane.solver import Iteration
+from fx_membrane.analysis.checkpoint import opened
+from fx_membrane.analysis.checkpoint_file import Progress
+from fx_membrane.results.states import Increment
+from fx_membrane.solvers.base import Iteration
 from interrupted import Killed, counted, cut_short, stages, structure
 from models import EDGE, POINTS
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from fx_membrane import Iteration
-from fx_membrane.convergence import REST, at_rest, nearer
-from fx_membrane.increments import LONG, Ceiling
+from fx_membrane.analysis.increments import LONG, Ceiling
+from fx_membrane.solvers.convergence import REST, at_rest, nearer
 
 
 def history(residuals):

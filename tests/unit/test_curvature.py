@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, Support, boundary, rectangle
-from fx_membrane.curvature import WEAK, downhill, softest
-from fx_membrane.problem import Actions, Problem
+from fx_membrane.assembly.problem import Actions, Problem
+from fx_membrane.solvers.lowest_mode import WEAK, downhill, softest
 
 POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
 EDGE = np.unique(boundary(TRIANGLES))

@@ -11,8 +11,8 @@ from scipy import optimize
 from scipy.sparse import linalg
 
 from fx_membrane import Cable, ConjugateGradient, SteepestDescent, Structure, Support
-from fx_membrane.first_order import Gradient, fletcher_reeves, polak_ribiere
-from fx_membrane.problem import Actions, Problem
+from fx_membrane.assembly.problem import Actions, Problem
+from fx_membrane.solvers.conjugate_gradient import Gradient, fletcher_reeves, polak_ribiere
 from models import CENTRE, INCLINED, inclined_sheet, sheet
 
 KINDS = [None, "jacobi", "tangent"]

@@ -6,9 +6,16 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, Support, boundary, rectangle
-from fx_membrane.diagnosis import linear_failure, loose_nodes, mechanism, slack_mechanism, stalled, unlikely_units
-from fx_membrane.problem import Actions, Problem
-from fx_membrane.solver import largest
+from fx_membrane.assembly.problem import Actions, Problem
+from fx_membrane.solvers.base import largest
+from fx_membrane.solvers.diagnosis import (
+    linear_failure,
+    loose_nodes,
+    mechanism,
+    slack_mechanism,
+    stalled,
+    unlikely_units,
+)
 
 POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
 EDGE = np.unique(boundary(TRIANGLES))

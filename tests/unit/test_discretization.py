@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, boundary, rectangle
-from fx_membrane.discretization import Discretization
-from fx_membrane.partition import node_graph
+from fx_membrane.assembly.discretization import Discretization
+from fx_membrane.assembly.partition import node_graph
 
 
 @pytest.fixture(scope="module")

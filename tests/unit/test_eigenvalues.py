@@ -6,8 +6,8 @@ import scipy.linalg
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fx_membrane.eigenvalues import lowest, lowest_unsymmetric
-from fx_membrane.factorization import symmetric_part
+from fx_membrane.solvers.eigenvalues import lowest, lowest_unsymmetric
+from fx_membrane.solvers.factorization import symmetric_part
 
 N = 60
 

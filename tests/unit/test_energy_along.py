@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fx_membrane import DeadLoad, Membrane, Pressure, Structure, Support
-from fx_membrane.problem import Problem
+from fx_membrane.assembly.problem import Problem
 from models import EDGE, FABRIC, INCLINED, end, flipped, inclined_sheet
 
 LENGTHS = [0.0, 0.1, 0.5, 1.0, 1.7, -0.6]

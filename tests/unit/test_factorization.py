@@ -6,7 +6,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fx_membrane import Analysis, DeadLoad, Newton, Pressure, Stage
-from fx_membrane.factorization import choose, pivots
+from fx_membrane.solvers.factorization import choose, pivots
 from models import SNOW, sheet
 
 NUMERIC, SYMBOLIC = ("MatCholFctrNum", "MatLUFactorNum"), ("MatCholFctrSym", "MatLUFactorSym")

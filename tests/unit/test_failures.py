@@ -18,9 +18,9 @@ from fx_membrane import (
     Structure,
     Support,
     UnstableStateWarning,
-    newton,
 )
-from fx_membrane.increments import HALVINGS
+from fx_membrane.analysis.increments import HALVINGS
+from fx_membrane.solvers import newton
 from models import LIFT, LIMIT, POINTS, SNOW, TOO_MUCH, arch, rotation, same_state, sheet
 
 PLAIN = Newton(line_search=False)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fx_membrane import plot
-from fx_membrane.fields import checked, checked_scale
+from fx_membrane.plot.fields import checked, checked_scale
 from models import MIXED
 
 RESULT = SimpleNamespace(structure=MIXED)  # of a result a check needs its structure only

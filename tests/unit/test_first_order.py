@@ -17,9 +17,9 @@ from fx_membrane import (
     SteepestDescent,
     Structure,
     Support,
-    preconditioner,
 )
-from fx_membrane.problem import Problem
+from fx_membrane.assembly.problem import Problem
+from fx_membrane.solvers import preconditioners
 from models import CENTRE, INCLINED, LIFT, SNOW, WIND, arch, inclined_sheet, sheet
 
 KINDS = [None, "jacobi", "tangent"]
@@ -85,7 +85,7 @@ def test_preconditioners_save_iterations(case):
 
 
 def test_start_from_which_no_preconditioner_can_be_made(monkeypatch):
-    monkeypatch.setattr(preconditioner, "TENSIONS", (0.0,))
+    monkeypatch.setattr(preconditioners, "TENSIONS", (0.0,))
     structure, stages = CASES["no stiffness at the start"]
     for kind in ("jacobi", "tangent"):
         with pytest.raises(ConvergenceError, match=r"cannot be made positive definite.*preconditioner=None"):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fx_membrane import Support, force_density
-from fx_membrane.geometry import rectangle
+from fx_membrane.geometry.grids import rectangle
 
 STAR = np.array([[2.0, 0, 0], [0, 2, 1], [-2, 0, 0], [0, -2, 3], [9, 9, 9]])  # four fixed nodes and a free one
 ARMS = np.array([[4, 0], [1, 4], [4, 2], [3, 4]])

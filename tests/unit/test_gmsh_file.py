@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fx_membrane import Cable, Fabric, Membrane, gmsh_file, gmsh_reader, structure_from_gmsh
+from fx_membrane import Cable, Fabric, Membrane, structure_from_gmsh
+from fx_membrane.files import gmsh_file, gmsh_reader
 
 pytest.importorskip("gmsh")
 PARTS = {

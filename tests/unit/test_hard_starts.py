@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from petsc4py import PETSc
 
-from fx_membrane import Analysis, ConvergenceError, Newton, Pressure, Stage, newton, report
-from fx_membrane.artificial_tension import DECAY, FIRST
-from fx_membrane.newton import FADING
-from fx_membrane.problem import Problem
+from fx_membrane import Analysis, ConvergenceError, Newton, Pressure, Stage, report
+from fx_membrane.assembly.problem import Problem
+from fx_membrane.solvers import newton
+from fx_membrane.solvers.artificial_tension import DECAY, FIRST
+from fx_membrane.solvers.newton import FADING
 from models import SNOW, end, sheet
 
 PLAIN = Newton(line_search=False)

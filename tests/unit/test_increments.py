@@ -10,7 +10,7 @@ from fx_membrane import (
     PointLoad,
     Stage,
 )
-from fx_membrane.solver import Iteration, Solution
+from fx_membrane.solvers.base import Iteration, Solution
 from models import CENTRE, WIND, same_state, sheet
 
 POINT = [PointLoad(CENTRE, (0, 0, -2e4)), WIND]

@@ -10,7 +10,7 @@ import time
 
 import pytest
 
-from fx_membrane import jit_cache
+from fx_membrane.runtime import jit_cache
 
 pytestmark = pytest.mark.serial
 WORD = "compiling forms (once)"

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from fx_membrane.line_search import DECREASE, Point, search
+from fx_membrane.solvers.line_search import DECREASE, Point, search
 
 
 def watched(energy, slope):

@@ -16,8 +16,8 @@ from fx_membrane import (
     Support,
     rectangle,
 )
-from fx_membrane.load_case import between, prescribed, taking_hold, unloaded
-from fx_membrane.problem import Actions, Problem
+from fx_membrane.assembly.load_cases import between, prescribed, taking_hold, unloaded
+from fx_membrane.assembly.problem import Actions, Problem
 from models import EDGE, TRIANGLES, end, flipped, inclined_sheet, sheet
 
 

@@ -15,7 +15,7 @@ from fx_membrane import (
     Stage,
     Structure,
 )
-from fx_membrane.loads import check
+from fx_membrane.model.loads import check
 
 POINTS = [[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [5, 5, 5]]  # no part uses the last one
 STRUCTURE = Structure(

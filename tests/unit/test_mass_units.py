@@ -17,7 +17,7 @@ from fx_membrane import (
     natural_frequencies,
     rectangle,
 )
-from fx_membrane.wave_speed import warn_of_mass_units
+from fx_membrane.analysis.wave_speed import warn_of_mass_units
 
 # Newtons and metres over the unit of force and of length, and kilograms over that of mass.
 CONSISTENT = {

@@ -11,7 +11,7 @@ from dolfinx import cpp
 
 import launch
 from fx_membrane import Analysis, Fabric, Membrane, PointLoad, Stage, Structure, Support, boundary, rectangle
-from fx_membrane.discretization import Discretization
+from fx_membrane.assembly.discretization import Discretization
 
 
 @pytest.mark.parametrize("driver", ["dolfinx", "snes"])

@@ -26,7 +26,7 @@ from fx_membrane import (
     rectangle,
     stability,
 )
-from fx_membrane.problem import Problem
+from fx_membrane.assembly.problem import Problem
 
 L, T, EA, MASS = 1.5, 400.0, 9e3, 0.8
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fx_membrane import Cable, Fabric, Mast, Membrane, Newton, Structure, Support, boundary, rectangle
-from fx_membrane.problem import Actions, Problem
+from fx_membrane.assembly.problem import Actions, Problem
 
 POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
 EDGE = np.unique(boundary(TRIANGLES))

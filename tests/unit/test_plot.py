@@ -17,8 +17,8 @@ from fx_membrane import (
     boundary,
     plot,
     rectangle,
-    scene,
 )
+from fx_membrane.plot import scene
 
 pytestmark = pytest.mark.serial
 image = pytest.importorskip("matplotlib.image")

@@ -12,7 +12,7 @@ from fx_membrane import (
     Support,
     rectangle,
 )
-from fx_membrane.problem import Problem
+from fx_membrane.assembly.problem import Problem
 from models import INCLINED, TRIANGLES, end, flipped, inclined_sheet, sheet
 
 COUNT = len(TRIANGLES)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from fx_membrane import Cable, Structure, Support
-from fx_membrane.geometry import measures
-from fx_membrane.problem import Actions, Problem
+from fx_membrane.assembly.problem import Actions, Problem
+from fx_membrane.geometry.grids import measures
 from models import MIXED
 
 POINTS = MIXED.points

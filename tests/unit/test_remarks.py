@@ -26,7 +26,7 @@ from fx_membrane import (
     stability,
     trace,
 )
-from fx_membrane.slack_forces import pushes
+from fx_membrane.results.slack_forces import pushes
 
 POINTS = [[0.0, 0, 0], [0, 0, 4], [-3, 2, 0], [-3, -2, 0]]
 CARRY = "slack or wrinkled parts carry the structure"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, Support, rectangle
-from fx_membrane.rigid_motion import check_supports, free_motions, loose_ends
+from fx_membrane.model.restraint import check_supports, free_motions, loose_ends
 from models import rotation
 
 POINTS, TRIANGLES = rectangle(2.0, 1.0, 2, 2)

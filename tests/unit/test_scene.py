@@ -6,7 +6,8 @@ import types
 import numpy as np
 import pytest
 
-from fx_membrane import Analysis, Stage, Support, plot, rectangle, scene, screen
+from fx_membrane import Analysis, Stage, Support, plot, rectangle
+from fx_membrane.plot import scene, screen
 from models import sheet
 
 SLOPE, TRIANGLES = rectangle(2.0, 2.0, 4, 4)

@@ -16,7 +16,7 @@ from fx_membrane import (
     Support,
     report,
 )
-from fx_membrane.slackness import slack_parts
+from fx_membrane.results.slackness import slack_parts
 
 POINTS = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [1, 1, 0]])
 PARTS = {"along": Cable([[0, 1], [1, 2]], 1e6, prestress=10.0), "side": Cable([[1, 3]], 1e6, prestress=1.0)}

@@ -21,7 +21,7 @@ from fx_membrane import (
     UnstableStateWarning,
     trace,
 )
-from fx_membrane.checkpoint import Checkpoint
+from fx_membrane.analysis.checkpoint import Checkpoint
 from models import LIMIT, arch, same_state, sheet
 
 SQUARE = [[-5.0, -5, 0], [5, -5, 0], [5, 5, 0], [-5, 5, 0]]

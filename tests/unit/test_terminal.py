@@ -15,8 +15,9 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fx_membrane import Analysis, ConjugateGradient, Iteration, Newton, Stage, progress, trace, updated_reference
-from fx_membrane.progress import Report
+from fx_membrane import Analysis, ConjugateGradient, Iteration, Newton, Stage, trace, updated_reference
+from fx_membrane.solvers import progress
+from fx_membrane.solvers.progress import Report
 from models import (
     SNOW,
     sheet,

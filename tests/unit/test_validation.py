@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import fx_membrane
-from fx_membrane import Cable, DeadLoad, Mast, validation
+from fx_membrane import Cable, DeadLoad, Mast
+from fx_membrane.checks import validation
 
 
 @pytest.mark.parametrize(

@@ -16,10 +16,10 @@ from fx_membrane import (
     Structure,
     Support,
     WorkLimit,
-    newton,
     rectangle,
-    work,
 )
+from fx_membrane.analysis import work
+from fx_membrane.solvers import newton
 from models import SNOW, sheet
 
 EASY = [Stage("snow", [SNOW], steps=4)]

@@ -25,8 +25,8 @@ import numpy as np
 import pytest
 
 from fx_membrane import Analysis, Fabric, Membrane, Pressure, Stage, Structure, Support, trace
-from fx_membrane.bordered_newton import BorderedNewton, Plane, Point
-from fx_membrane.problem import Problem
+from fx_membrane.assembly.problem import Problem
+from fx_membrane.solvers.bordered_newton import BorderedNewton, Plane, Point
 from surfaces import half_disc, octant
 
 A, N0 = 2.0, 100.0

@@ -38,8 +38,8 @@ from fx_membrane import (
     Support,
     rectangle,
 )
-from fx_membrane.curvature import softest
-from fx_membrane.problem import Actions, Problem
+from fx_membrane.assembly.problem import Actions, Problem
+from fx_membrane.solvers.lowest_mode import softest
 from taylor import remainders
 
 N = 6

@@ -1,0 +1,1 @@
+"""Stages and load increments, checkpoints, small motions, paths by arc length."""

@@ -1,0 +1,267 @@
+"""Continuation by arc length: equilibrium paths past limit points, as in snap-through, snap-back and inflation.
+
+The load factor is one more unknown. One more equation says how far along the path the next point is: it lies in the
+plane across the tangent of the path at the last point, at a given length from it,
+
+    t_u . (u - u_n) + psi^2 t_f (factor - factor_n) = length.
+
+psi, the weight of the load factor, is the norm of the first du/dfactor: at the start displacement and load count alike.
+The path goes on in the sense of the last step. Steps become shorter where Newton's method takes many iterations or the
+path turns, and longer elsewhere. A step that may have passed limit points unseen, or jumped to another branch, is taken
+back and halved (`path_check`).
+
+Source: E. Riks, An incremental approach to the solution of snapping and buckling problems, Int. J. Solids Structures
+15 (1979) 529-551.
+"""
+
+import warnings
+from dataclasses import replace
+
+import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from .. import _dolfinx
+from ..assembly import load_cases
+from ..assembly.problem import Problem
+from ..checks import validation
+from ..model import loads
+from ..model.fingerprints import of_settings, of_stages
+from ..model.loads import Stage
+from ..model.restraint import check_supports
+from ..model.structure import Structure
+from ..results.states import StageResult, UnstableStateWarning
+from ..results.strain_limits import warn_of_large_prestress
+from ..runtime.processes import refuse_differences, together
+from ..solvers.bordered_newton import BorderedNewton, Plane, Point, Step
+from ..solvers.diagnosis import linear_failure
+from ..solvers.lowest_mode import downhill
+from . import path_check, path_ends
+from .equilibrium_path import EquilibriumPath, PathPoint
+from .path_geometry import Arrival, Metric
+from .path_walk import Walk
+from .step_control import StepControl
+
+
+class ContinuationError(RuntimeError):
+    """A path has no start, or no further point was found.
+
+    Attributes:
+        path: The path as far as it was found.
+    """
+
+    def __init__(self, message: str, path: EquilibriumPath):
+        super().__init__(message)
+        self.path = replace(path, reason=message)
+
+
+def trace(
+    start: Structure | StageResult,
+    stage: Stage,
+    load_factor: float | None = 1.0,
+    displacement: tuple[int, str, float] | None = None,
+    max_points: int = 200,
+    rtol: float = 1e-10,
+    comm: MPI.Intracomm = MPI.COMM_WORLD,
+) -> EquilibriumPath:
+    """Equilibrium states of a stage in the order in which they follow from each other, by arc length.
+
+    The load factor, which multiplies the stage's own loads and prescribed displacements, grows from 0, falls where the
+    structure snaps through, and so on. From point to point it changes by 1 / `stage.steps`, seldom by up to half as
+    much more; where the path turns, points are closer, and where the load factor turns is a point: a limit point. The
+    path between points is looked at, and steps that are too long to follow it are halved, so that the limit points
+    hardly depend on `stage.steps`. At a bifurcation the path goes straight on, and only `negative_pivots` tells; where
+    small loads or imperfections bend it aside there, long steps can go straight on too, and more `steps` tell.
+
+    Args:
+        start: The structure, if its reference shape is in equilibrium or nearly so; or the final state of the stage
+            that this one comes after.
+        stage: What is applied.
+        load_factor: Where the path ends, whatever way it takes there, above 0; None: nowhere. For the other sense, turn
+            the loads.
+        displacement: A node, one of the components "x", "y" and "z", and its displacement [m]: where the path ends too.
+            The component must be free, or one that the stage moves.
+        max_points: Most points, the start included.
+        rtol: Converged when the 2-norm of the unbalanced forces is below rtol times that of all nodal forces,
+            reactions and loads included, or at rounding.
+        comm: The processes that share the work; each must give the same start and stage.
+
+    Raises:
+        ValueError: The stage does not fit the structure or the start, or moves nothing; the structure is not
+            supported; an argument is out of its range.
+        ContinuationError: The start is not in equilibrium or has a singular tangent, or no next point was found; what
+            was found is on the exception.
+
+    Warns:
+        UnstableStateWarning: The start is not stable.
+        LargeStrainWarning: Strains that belong to the prestress of a structure are above 5 %.
+    """
+    validation.communicator("trace comm", comm)
+    with together(comm):
+        validation.instance("trace start", start, Structure | StageResult)
+        validation.plain("trace stage", stage, Stage)
+        max_points = validation.whole("trace max_points", max_points)
+        rtol = validation.tolerance("trace rtol", rtol)
+        structure = start if isinstance(start, Structure) else start.structure
+        _check_stage(structure, start, stage)
+    state = () if isinstance(start, Structure) else (start.displacement, start.actions)
+    given = {"load_factor": load_factor, "displacement": displacement, "max_points": max_points, "rtol": rtol}
+    refuse_differences(comm, lambda: of_settings({"start": state} | given) | of_stages([stage]))
+    shape = np.zeros(structure.points.shape) if isinstance(start, Structure) else start.displacement
+    before = load_cases.unloaded(structure) if isinstance(start, Structure) else start.actions
+    problem = Problem(structure, comm)
+    after = load_cases.target(problem, stage, before)
+    check_supports(structure, after.held)
+    begin = load_cases.taking_hold(before, after, shape)
+    fixed = after.held & (after.displacement == begin.displacement)
+    ends = path_ends.ends(problem, load_factor, displacement, fixed, shape)
+    path = EquilibriumPath(stage.name, structure, begin, after, (), False, reason="")
+    x = problem.discretization.distribute(shape)
+    with together(comm):
+        if isinstance(start, Structure) and comm.rank == 0:  # a state has been remarked on
+            warn_of_large_prestress(structure, stacklevel=3)
+    newton = BorderedNewton(problem, path.start, path.end, x, rtol)
+    try:
+        return _Tracer(newton, path, 1 / stage.steps).run(x, ends, max_points)
+    finally:
+        newton.free()
+
+
+def _check_stage(structure: Structure, start: Structure | StageResult, stage: Stage) -> None:
+    name = None if isinstance(start, Structure) else start.name
+    if stage.after != name:
+        given = "a structure" if name is None else f"the final state of {name!r}"
+        raise ValueError(
+            f"Stage {stage.name!r} has after={stage.after!r}, but the path starts from {given}; "
+            f"start from what the stage comes after, or give it after={name!r}."
+        )
+    loads.check(structure, [replace(stage, after=None)])
+
+
+class _Tracer:
+    """Follows a path.
+
+    Attributes:
+        path: What was found.
+        share: Largest change of the load factor from point to point, as predicted.
+    """
+
+    def __init__(self, newton: BorderedNewton, path: EquilibriumPath, share: float):
+        self.newton, self.path, self.share = newton, path, share
+        self.control = StepControl()
+
+    def run(self, x: PETSc.Vec, ends: list[Plane], max_points: int) -> EquilibriumPath:
+        """The path from a shape on."""
+        here = self.start(x)
+        self.record(here)
+        self.warn_of_unstable_start(here)
+        length = self.first = self.share / here.direction.factor
+        while not self.path.complete and len(self.path.points) < max_points:
+            last = here
+            _dolfinx.free_dropped(self.newton.problem.discretization.comm)
+            here, length, complete = self.next(last, length, ends)
+            if last.turned(here):
+                end = self.pass_limit_point(last, here, ends)
+                here, complete = (end, True) if end else (here, complete)
+            if len(self.path.points) < max_points:
+                self.record(here, complete)
+            longest = self.share / max(abs(here.direction.factor), 1e-300)
+            length = min(length * self.control.stretch(len(here.point.iterations), here.turn), longest)
+        return replace(self.path, reason="complete" if self.path.complete else self.too_few_points())
+
+    def pass_limit_point(self, last: Arrival, here: Arrival, ends: list[Plane]) -> Arrival | None:
+        """Records the limit point between two points, unless the path ends before it: then the end is returned."""
+        limit = self.walk.limit_point(last, here)
+        if limit is None:  # it is near the last point
+            points = self.path.points
+            self.path = replace(self.path, points=(*points[:-1], points[-1]._replace(limit=True)))
+            return None
+        end = path_ends.passed(last.point, limit.point, ends)  # and passed again behind it
+        point = end and self.newton.find(*end)
+        if point:
+            return self.walk.arrive(last, point)
+        relaxed = self.walk.without_compression(last, limit, here)
+        self.record(relaxed or limit, limit=True, kept=self.control.kept if relaxed else 1.0)
+        return None
+
+    def too_few_points(self) -> str:
+        """Why a path that is not complete ends without being lost."""
+        factors = self.path.load_factors
+        return (
+            f"ended after {len(factors)} points, the most it was to have (max_points), at load factor "
+            f"{factors[-1]:.6g}; on the way it was between {factors.min():.6g} and {factors.max():.6g}. Allow more "
+            "points, or fewer steps of the stage (steps=...)."
+        )
+
+    def warn_of_unstable_start(self, here: Arrival) -> None:
+        """Warns where the start is not stable by more than the buckles of wrinkled and slack cells."""
+        problem = self.newton.problem
+        if not here.negative_pivots:
+            return
+        problem.apply(self.path.start)
+        if downhill(problem, here.point.x).negative:
+            warnings.warn(
+                f"The path of stage {self.path.name!r} starts from an equilibrium that is not stable (negative "
+                f"pivots: {here.negative_pivots}), and what follows may not be what the structure does; "
+                "stability(state) shows how it gives way. Add supports, members or prestress against that, or start "
+                "from a stable state.",
+                UnstableStateWarning,
+                stacklevel=4,
+            )
+
+    def start(self, x: PETSc.Vec) -> Arrival:
+        """Equilibrium at the load factor 0."""
+        newton = self.newton
+        point = newton.find(Point(x, 0.0), Plane(newton.zero, 1.0, 0.0))
+        if point is None or not newton.linearize(point.x):
+            reason = "it is not in equilibrium." if point is None else linear_failure(newton.problem, newton.A)
+            raise ContinuationError(
+                f"The path of stage {self.path.name!r} has no start: {reason} Bring the structure to equilibrium by a "
+                "stage of an `Analysis`, and start from its result.",
+                self.path,
+            )
+        psi = float(newton.along.norm())
+        if not psi > 1e-14 * newton.size:
+            raise ValueError(f"Stage {self.path.name!r} moves nothing; give it loads or prescribed displacements.")
+        self.walk = Walk(newton, Metric(psi), self.control)
+        return Arrival(point, self.walk.direction(Step(newton.zero, 1.0)), 0.0, newton.negative_pivots())
+
+    def next(self, last: Arrival, length: float, ends: list[Plane]) -> tuple[Arrival, float, bool]:
+        """The next point, the length of the step to it, and whether it is an end."""
+        metric = self.walk.metric
+        for halvings in range(self.control.halvings + 1):
+            point = self.walk.find(last, length)
+            end = point and path_ends.passed(last.point, point, ends)
+            if end:
+                point = self.newton.find(*end)
+                if point and not 0 <= metric.product(last.direction, point.since(last.point)) <= length * (1 + 1e-6):
+                    point = None  # not between the two
+            if point:
+                here = self.walk.arrive(last, point)
+                if self.fits(last, here, halvings):
+                    return here, length, end is not None
+            length /= 2
+        raise ContinuationError(
+            f"The path of stage {self.path.name!r} was lost after {len(self.path.points)} points, at load factor "
+            f"{last.point.factor:.6g}: no next point, however near. Give the stage more steps (steps=...), so that "
+            "points are closer; where the structure wrinkles or slackens, a larger compression_stiffness; a larger "
+            "rtol if that asks for more digits than rounding leaves.",
+            self.path,
+        )
+
+    def fits(self, last: Arrival, here: Arrival, halvings: int) -> bool:
+        """Whether a step is short enough."""
+        control, metric = self.control, self.walk.metric
+        if metric.length(here.point.since(last.point)) <= control.short * self.first:
+            return True
+        if not path_check.follows(self.newton, metric, last, here, control):
+            return False
+        change = abs(here.point.factor - last.point.factor)
+        return change <= control.coarse * self.share or halvings >= control.patience
+
+    def record(self, found: Arrival, complete: bool = False, limit: bool = False, kept: float = 1.0) -> None:
+        """Adds a point to the path."""
+        x, factor, iterations = found.point
+        shape = self.newton.problem.discretization.gather(x)
+        point = PathPoint(factor, shape, found.negative_pivots, iterations, limit, kept)
+        self.path = replace(self.path, points=(*self.path.points, point), complete=complete)

@@ -1,0 +1,253 @@
+"""The file of a checkpoint: an SQLite database with an entry for each stage and for each of its increments.
+
+What is written is written whole or not at all, though the process be killed or the disk run full; an increment adds its
+own state and rewrites no other; and one run at a time has the file. Its journal, PATH-journal, undoes what a killed run
+has half written. Each entry has a digest: one that was changed by other hands is not believed.
+"""
+
+import dataclasses
+import hashlib
+import json
+import os
+import sqlite3
+from collections.abc import Mapping
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, NamedTuple
+from urllib.parse import quote
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..results.states import Increment
+from ..solvers.base import Iteration
+
+FORMAT = 1
+MAGIC = b"SQLite format 3\0"
+TABLE = "CREATE TABLE entry (key TEXT PRIMARY KEY, document BLOB, displacement BLOB, digest TEXT)"
+HEADER = "header"
+
+Digests = Mapping[str, str]
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Progress:
+    """How far a stage has come.
+
+    Attributes:
+        displacement: The last converged state, shape (n, 3) [m].
+        factor: Its load factor; 1 when the stage is complete.
+        size: Load factor of the increment to try next.
+        increments: The converged increments.
+    """
+
+    displacement: NDArray[np.float64]
+    factor: Fraction
+    size: Fraction
+    increments: tuple[Increment, ...]
+
+
+class Content(NamedTuple):
+    """What is in a file.
+
+    Attributes:
+        structure: Digests of the structure.
+        stages: Digests of each stage that has begun, by its name.
+        progress: Its progress.
+    """
+
+    structure: Digests
+    stages: dict[str, Digests]
+    progress: dict[str, Progress]
+
+
+class CheckpointFile:
+    """An open file, which no other run can open.
+
+    Args:
+        path: Where it is, or is to be made.
+        structure: Digests of the structure, for a file that is made or has no stage yet.
+
+    Raises:
+        ValueError: It cannot be written, another run has it open, or it is not a checkpoint.
+    """
+
+    def __init__(self, path: Path, structure: Digests):
+        self.path, self._structure = path, structure
+        self._counts: dict[str, int] = {}  # increments in the file, by key of the stage
+        try:
+            if not path.exists():
+                _create(path)
+            with path.open("rb") as file:
+                start = file.read(len(MAGIC))
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or error
+            raise ValueError(f"The checkpoint {path} cannot be written ({reason}); give another place.") from None
+        if start != MAGIC:
+            older = ": it is a NumPy archive, as earlier versions wrote" if start[:2] == b"PK" else ""
+            raise self._no_checkpoint(f"that this version can read{older}")
+        self._database = _connect(path)
+        try:
+            if os.access(path, os.W_OK):
+                self._lock()
+        except BaseException:
+            self._database.close()
+            raise
+
+    def close(self) -> None:
+        """Lets other runs have the file."""
+        self._database.close()
+
+    def read(self) -> Content:
+        """All that is in the file.
+
+        Raises:
+            ValueError: It is not a checkpoint, or was changed.
+        """
+        try:
+            entries = {key: _checked(key, *row) for key, *row in self._database.execute("SELECT * FROM entry")}
+            header = entries[HEADER][0]
+            if header["format"] != FORMAT:
+                raise ValueError(f"its format is {header['format']}, and this version reads {FORMAT}")
+            if header["entries"] != len(entries) - 1:
+                raise ValueError(f"it has {len(entries) - 1} entries of {header['entries']}")
+            content = Content(header["structure"], {}, {})
+            for key, (document, displacement) in entries.items():
+                if key.startswith("stage"):
+                    name, self._counts[key] = document["name"], document["increments"]
+                    increments = [entries[_increment_key(key, i)][0] for i in range(document["increments"])]
+                    content.stages[name] = document["digests"]
+                    content.progress[name] = _progress(document, displacement, increments)
+        except (sqlite3.Error, ValueError, KeyError, TypeError, AttributeError, OverflowError) as error:
+            raise self._no_checkpoint(f"({error})") from None
+        return content
+
+    def write(self, progress: Mapping[str, Progress], digests: Mapping[str, Digests]) -> None:
+        """Writes the progress of some stages, all or nothing.
+
+        Raises:
+            sqlite3.Error: It could not be written, and the file is as it was.
+        """
+        counts = dict(self._counts)
+        rows: list[tuple[str, Any, bytes]] = []
+        for name, state in progress.items():
+            key = _stage_key(name)
+            known = counts.get(key, 0)
+            for number, increment in enumerate(state.increments[known:], known):
+                rows.append((_increment_key(key, number), _record(increment), b""))
+            counts[key] = len(state.increments)
+            document = {
+                "name": name,
+                "digests": digests[name],
+                "factor": str(state.factor),
+                "size": str(state.size),
+                "increments": len(state.increments),
+            }
+            rows.append((key, document, state.displacement.astype("<f8").tobytes()))
+        rows.append(_header(self._structure, len(counts) + sum(counts.values())))
+        try:
+            with self._database:
+                self._database.executemany("REPLACE INTO entry VALUES (?, ?, ?, ?)", map(_row, rows))
+        finally:
+            if self._database.in_transaction:
+                self._database.rollback()
+        self._counts = counts
+
+    def _lock(self) -> None:
+        """Keeps other runs out, and finds at once whether the file can be written."""
+        try:
+            self._database.execute("PRAGMA locking_mode = EXCLUSIVE")
+            with self._database:
+                self._database.execute("BEGIN EXCLUSIVE")
+                self._database.execute("UPDATE entry SET key = key WHERE key = ?", (HEADER,))
+        except sqlite3.OperationalError as error:
+            if error.sqlite_errorcode == sqlite3.SQLITE_BUSY:
+                raise ValueError(
+                    f"The checkpoint {self.path} is in use by another run; give this one another name, or wait until "
+                    "that has ended."
+                ) from None
+            if error.sqlite_errorcode != sqlite3.SQLITE_ERROR:  # which is a file without our table
+                raise ValueError(
+                    f"The checkpoint {self.path} cannot be written ({error}); make room, or give another place."
+                ) from None
+            raise self._no_checkpoint(f"({error})") from None
+        except sqlite3.Error as error:
+            raise self._no_checkpoint(f"({error})") from None
+
+    def _no_checkpoint(self, why: str) -> ValueError:
+        return ValueError(f"{self.path} is not a checkpoint {why}; give another name or remove it.")
+
+
+def _create(path: Path) -> None:
+    """Makes a file without stages, whole from the first moment; one that another run has made meanwhile stays."""
+    with sqlite3.connect(":memory:") as database:
+        database.execute(TABLE)
+        database.execute("INSERT INTO entry VALUES (?, ?, ?, ?)", _row(_header({}, 0)))
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(path.name + ".part")
+    try:
+        with part.open("wb") as file:
+            file.write(database.serialize())
+            file.flush()
+            os.fsync(file.fileno())
+        try:
+            os.link(part, path)
+        except FileExistsError:
+            pass
+        except OSError:  # a file system without links
+            part.rename(path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _connect(path: Path) -> sqlite3.Connection:
+    """Connection to a file that exists; without waiting for others."""
+    mode = "rw" if os.access(path, os.W_OK) else "ro"
+    address = f"file:{quote(os.fsencode(path.absolute()))}?mode={mode}"
+    return sqlite3.connect(address, uri=True, timeout=0)
+
+
+def _stage_key(name: str) -> str:
+    """Key of a stage of any name, however long."""
+    return "stage " + hashlib.sha256(name.encode(errors="surrogatepass")).hexdigest()
+
+
+def _increment_key(stage_key: str, number: int) -> str:
+    return f"increment {number} of {stage_key}"
+
+
+def _header(structure: Digests, entries: int) -> tuple[str, Any, bytes]:
+    return HEADER, {"format": FORMAT, "structure": structure, "entries": entries}, b""
+
+
+def _row(entry: tuple[str, Any, bytes]) -> tuple[str, bytes, bytes, str]:
+    key, document, displacement = entry
+    text = json.dumps(document).encode()
+    return key, text, displacement, _digest(key, text, displacement)
+
+
+def _digest(key: str, document: bytes, displacement: bytes) -> str:
+    return hashlib.sha256(b"%s;%d;%s%s" % (key.encode(), len(document), document, displacement)).hexdigest()
+
+
+def _checked(key: str, document: bytes, displacement: bytes, digest: str) -> tuple[Any, bytes]:
+    """An entry that is as it was written."""
+    if _digest(key, document, displacement) != digest:
+        raise ValueError(f"it was changed: entry {key!r}")
+    return json.loads(document), displacement
+
+
+def _record(increment: Increment) -> dict[str, Any]:
+    return increment._asdict() | {"iterations": [entry._asdict() for entry in increment.iterations]}
+
+
+def _progress(document: dict[str, Any], displacement: bytes, increments: list[dict[str, Any]]) -> Progress:
+    return Progress(
+        np.frombuffer(displacement, "<f8").reshape(-1, 3).astype(np.float64),
+        Fraction(document["factor"]),
+        Fraction(document["size"]),
+        tuple(
+            Increment(**record | {"iterations": tuple(Iteration(**entry) for entry in record["iterations"])})
+            for record in increments
+        ),
+    )

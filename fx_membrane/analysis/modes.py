@@ -1,0 +1,234 @@
+"""Small motions about an equilibrium state: natural frequencies and mode shapes, and the lowest stiffnesses.
+
+With the tangent K of the state and the consistent mass matrix M, both without the held components,
+
+    K phi = omega^2 M phi.
+
+Dead loads have no part in K. Follower pressure has, Gil (57): where it has a potential, as a uniform one within held
+edges has, K is symmetric all the same; elsewhere K is not symmetric, and omega may be complex (flutter). Cells
+stay taut, wrinkled or slack, as they are in the state.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from ..assembly.problem import Problem
+from ..checks import validation
+from ..model.fingerprints import of_settings
+from ..results.remarks import held_by_slack_parts
+from ..results.states import StageResult
+from ..runtime.processes import refuse_differences, together
+from ..solvers import eigenvalues, factorization
+from ..solvers.eigenvalues import Eigenpair
+from .wave_speed import warn_of_mass_units
+
+Array = NDArray[np.float64]
+
+SHOWN = 6  # frequencies that are printed
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Modes:
+    """Natural frequencies and mode shapes: u(t) = shape exp(growth t) cos(2 pi frequency t).
+
+    Attributes:
+        frequencies: Ascending, shape (count,) [Hz]; 0 in a mode in which the state is unstable.
+        growth: Rate at which each mode grows, shape (count,) [1/s]: 0 where stable. Modes that grow come first, the
+            fastest before the others, with frequency 0. Only flutter, under a pressure without a potential, has both.
+        shapes: Displacements of modal mass 1, phi^T M phi = 1 kg, shape (count, n, 3) [m]; 0 where held. Modes of the
+            same frequency are some basis of their motions. Flutter takes two places, with shapes a and b:
+            u(t) = exp(growth t) (a cos(2 pi frequency t) - b sin(2 pi frequency t)).
+    """
+
+    frequencies: Array
+    growth: Array
+    shapes: Array
+
+    def __repr__(self) -> str:
+        frequencies = ", ".join(f"{frequency:.4g}" for frequency in self.frequencies[:SHOWN])
+        more = ", ..." if len(self.frequencies) > SHOWN else ""
+        return f"Modes({frequencies}{more} Hz, {np.count_nonzero(self.growth)} that grow)"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Stability:
+    """Lowest eigenvalues of the tangent: force over displacement, as 2-norms over all free components.
+
+    The sign tells whether the state is stable. The value depends on the mesh: a finer one spreads the same
+    displacement over more nodes. Where the tangent is not symmetric these are the eigenvalues of its symmetric part:
+    while they are positive, so is the work of every small displacement (R. Hill, J. Mech. Phys. Solids 6 (1958)
+    236-249), and the state does not diverge, but flutter is for `natural_frequencies` to tell.
+
+    The stiffness that wrinkled and slack cells keep (`compression_stiffness`) is set aside: slack cells that buckle
+    from node to node are no instability. Nodes at which all cells are slack have no stiffness then; they are left out,
+    as long as others are enough. A motion that is left without stiffness is one of the structure: a mechanism. Where
+    slack parts push, a state is no equilibrium without them, and eigenvalues tell little: `held_by_slack` says so.
+
+    Attributes:
+        stiffnesses: Ascending, shape (count,) [N/m]; 0 where there is none but for rounding.
+        directions: Displacements of 2-norm 1, shape (count, n, 3) [-]; 0 where held or left out.
+        negative: Number of negative eigenvalues, found or not: 0 in a stable state.
+        free: Number of zero eigenvalues, found or not: 0 where every motion meets with resistance.
+        held_by_slack: Masts or a node that only slack parts hold, in words; empty where there are none.
+    """
+
+    stiffnesses: Array
+    directions: Array
+    negative: int
+    free: int
+    held_by_slack: str = ""
+
+    @property
+    def stable(self) -> bool:
+        """Whether every small motion meets with resistance, and nothing hangs on slack parts."""
+        return not (self.negative or self.free or self.held_by_slack)
+
+    def __repr__(self) -> str:
+        counts = f"{self.negative} negative" + f", {self.free} zero" * bool(self.free)
+        counts += f"; {self.held_by_slack}" * bool(self.held_by_slack)
+        return f"Stability(lowest stiffness {self.stiffnesses[0]:.4g}, {counts})"
+
+
+def natural_frequencies(state: StageResult, count: int = 6, comm: MPI.Intracomm = MPI.COMM_WORLD) -> Modes:
+    """Lowest natural frequencies about a state, and their shapes. What the state holds is held.
+
+    Parts without mass follow the others by their stiffness alone. Frequencies are in Hz where masses are in the unit
+    that the other data demand: force unit times s2 over length unit, that is kg with N and m, t with kN and m (1.05
+    kg/m2 is 1.05e-3 t/m2), t with N and mm (1.05e-9 t/mm2), lbf s2/in with lbf and in. Masses 1000 times too large
+    give frequencies 32 times too low.
+
+    Args:
+        state: An equilibrium state of a structure in which some parts have a `mass`.
+        count: Number of modes.
+        comm: The processes that share the work; each must give the same state.
+
+    Raises:
+        ValueError: No part has mass; fewer than count components have mass and can move; the tangent stiffness is
+            singular or negative where there is no mass.
+        RuntimeError: The eigenvalue solver did not converge.
+
+    Warns:
+        MassUnitWarning: A mass makes waves slower or faster than in any fabric, cable or mast.
+    """
+    validation.communicator("natural_frequencies comm", comm)
+    with together(comm):
+        validation.instance("natural_frequencies state", state, StageResult)
+        parts = [part for part in state.structure.parts.values() if part.mass > 0]
+        if not parts:
+            raise ValueError("No part has mass; give mass=... to membranes [kg/m2], cables or masts [kg/m].")
+        if comm.rank == 0:
+            warn_of_mass_units(state.structure, stacklevel=3)
+        movable = np.zeros_like(state.actions.held)
+        for part in parts:
+            movable[part.cells] = True
+        count = _checked_count("natural_frequencies", count, movable & ~state.actions.held, "components with mass")
+    _refuse_differences(comm, state, count)
+    problem, K = _tangent(state, comm)
+    full = problem.discretization.create_matrix()
+    problem.mass(full)
+    M = _free(problem, full, ~state.actions.held)
+    if factorization.is_symmetric(K):
+        pairs, _ = eigenvalues.lowest(K, M, count)
+    else:
+        pairs = eigenvalues.lowest_unsymmetric(K, M, count)
+    omega = np.sqrt([pair.value for pair in pairs])
+    return Modes(omega.real / (2 * np.pi), np.abs(omega.imag), _shapes(problem, ~state.actions.held, pairs))
+
+
+def stability(state: StageResult, count: int = 1, comm: MPI.Intracomm = MPI.COMM_WORLD) -> Stability:
+    """Lowest eigenvalues of the tangent of a state, and their directions. What the state holds is held.
+
+    What slack and wrinkled cells keep of their stiffness is set aside, see `Stability`.
+
+    Args:
+        state: An equilibrium state.
+        count: Number of eigenvalues.
+        comm: The processes that share the work; each must give the same state.
+
+    Raises:
+        ValueError: Fewer than count components can move.
+        RuntimeError: The eigenvalue solver did not converge.
+    """
+    validation.communicator("stability comm", comm)
+    with together(comm):
+        validation.instance("stability state", state, StageResult)
+        count = _checked_count("stability", count, state.structure.used[:, None] & ~state.actions.held, "components")
+    _refuse_differences(comm, state, count)
+    problem = Problem(state.structure, comm)
+    with problem.without_kept_stiffness():
+        K = _full_tangent(problem, state)
+    released = _released(problem, K, state, count)
+    K = _free(problem, K, released)
+    if not factorization.is_symmetric(K):
+        factorization.symmetrize(K)
+    pairs, negative = eigenvalues.lowest(K, None, count)
+    stiffnesses = np.array([pair.value.real for pair in pairs])
+    shapes, free = _shapes(problem, released, pairs), eigenvalues.zeros(K)
+    return Stability(stiffnesses, shapes, negative, free, held_by_slack_parts(state))
+
+
+def _checked_count(function: str, count: int, movable: NDArray[np.bool_], what: str) -> int:
+    available = np.count_nonzero(movable)
+    count = validation.whole(f"{function} count", count)
+    if count > available:
+        raise ValueError(f"{function} count is {count}, but {available} {what} can move; ask for no more.")
+    return count
+
+
+def _refuse_differences(comm: MPI.Intracomm, state: StageResult, count: int) -> None:
+    given = {"displacement of the state": state.displacement, "actions of the state": state.actions, "count": count}
+    refuse_differences(comm, lambda: of_settings(given))
+
+
+def _tangent(state: StageResult, comm: MPI.Intracomm) -> tuple[Problem, PETSc.Mat]:
+    """The problem in the state, and its tangent without the held components."""
+    problem = Problem(state.structure, comm)
+    return problem, _free(problem, _full_tangent(problem, state), ~state.actions.held)
+
+
+def _full_tangent(problem: Problem, state: StageResult) -> PETSc.Mat:
+    problem.apply(state.actions)
+    K = problem.discretization.create_matrix()
+    problem.tangent(problem.discretization.distribute(state.displacement), K)
+    return K
+
+
+def _released(problem: Problem, K: PETSc.Mat, state: StageResult, count: int) -> NDArray[np.bool_]:
+    """Free components, shape (n, 3): those of nodes that have any stiffness if they are enough, or else all."""
+    rows = np.repeat(problem.stiff_nodes(K)[:, None], 3, axis=1) & ~state.actions.held
+    return rows if np.count_nonzero(rows) >= count else ~state.actions.held
+
+
+def _free(problem: Problem, A: PETSc.Mat, released: NDArray[np.bool_]) -> PETSc.Mat:
+    """Rows and columns of the free components, shape (n, 3); the full matrix is freed."""
+    free = PETSc.IS().createGeneral(problem.discretization.dofs(released), comm=A.comm)
+    part = A.createSubMatrix(free, free)
+    A.destroy()
+    return part
+
+
+def _shapes(problem: Problem, released: NDArray[np.bool_], pairs: list[Eigenpair]) -> Array:
+    """Eigenvectors in the user's order, shape (count, n, 3); of a conjugate pair real part, then imaginary part.
+
+    Eigenvectors have an arbitrary factor. Here the first of the largest components is positive, whoever computed it.
+    """
+    result = np.zeros((len(pairs), *released.shape))
+    for shape, pair in zip(result, pairs, strict=True):
+        vector = _full(problem, released, pair.real) + 1j * _full(problem, released, pair.imaginary)
+        size = np.abs(vector)
+        first = vector.flat[np.flatnonzero(size > (1 - 1e-6) * size.max())[0]]
+        vector *= np.conj(first) / np.abs(first)
+        shape[:] = vector.imag if pair.value.imag < 0 else vector.real
+    return result
+
+
+def _full(problem: Problem, released: NDArray[np.bool_], vector: PETSc.Vec) -> Array:
+    """Nodal values on every process, shape (n, 3), of a vector of the free components."""
+    full = problem.discretization.create_vector()
+    free = problem.discretization.dofs(released) - full.getOwnershipRange()[0]
+    full.array[free] = vector.array_r
+    return problem.discretization.gather(full)

@@ -1,0 +1,83 @@
+"""Where an equilibrium path ends: at a load factor, or at a displacement of one component of a node."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assembly.problem import Problem
+from ..checks import validation
+from ..solvers.bordered_newton import FAR, Plane, Point
+
+NEAR = 1e-9  # of the way from the last point: a point so near before an end is there
+ROUNDING = 1e-14  # of the size: displacements that are so near are the same
+LARGEST = 1e9  # load factor, or one over it
+
+
+def ends(
+    problem: Problem,
+    load_factor: float | None,
+    displacement: tuple[int, str, float] | None,
+    fixed: NDArray[np.bool_],
+    shape: NDArray[np.float64],
+) -> list[Plane]:
+    """The planes in which a path ends.
+
+    Args:
+        problem: The problem.
+        load_factor: The largest; None: any.
+        displacement: A node, a component and its displacement [m]; None: any.
+        fixed: Components that are held and do not move, shape (n, 3): no end is found there.
+        shape: Displacement at the start, shape (n, 3) [m].
+
+    Raises:
+        ValueError: One of the two is no such thing, or the component is fixed.
+    """
+    found = []
+    if load_factor is not None:
+        value = validation.positive("trace load_factor", load_factor)
+        if not 1 / LARGEST <= value <= LARGEST:
+            raise ValueError(
+                f"trace load_factor is {value:g}; it must be between {1 / LARGEST:g} and {LARGEST:g}: change the loads "
+                "of the stage, or give None for a path without that end."
+            )
+        found.append(Plane(problem.discretization.create_vector(), 1.0, value))
+    if displacement is not None:
+        if not isinstance(displacement, tuple) or len(displacement) != 3:
+            shown = validation.shown(displacement)
+            raise ValueError(f'trace displacement is {shown}; give (node, component, value), like (7, "z", -0.4).')
+        node = validation.rows("trace displacement node", displacement[0])
+        component = validation.components("trace displacement component", displacement[1])
+        if len(node) * len(component) > 1:
+            raise ValueError("trace displacement names several components; give one node and one of x, y and z.")
+        structure = problem.discretization.structure
+        structure.check_nodes("trace displacement", node)
+        if fixed[node, component].any():
+            raise ValueError(
+                f"trace displacement names component {'xyz'[component[0]]!r} of node {node[0]}, which is held and "
+                "never moves; name one that is free, or that the stage moves."
+            )
+        chosen = np.zeros(structure.points.shape)
+        chosen[node, component] = 1.0
+        value = validation.number("trace displacement value", displacement[2])
+        size = np.ptp(structure.points, axis=0).max()
+        if abs(value) > FAR * size:
+            raise ValueError(
+                f"trace displacement value is {value:g}, more than {FAR:g} times the size of the structure, {size:g}; "
+                "give a displacement that it can reach."
+            )
+        begin = float(shape[node, component].item())
+        here = abs(value - begin) <= ROUNDING * size  # where the path starts: it ends where it comes back to that
+        found.append(Plane(problem.discretization.distribute(chosen), 0.0, begin if here else value))
+    return found
+
+
+def passed(last: Point, point: Point, ends: list[Plane]) -> tuple[Point, Plane] | None:
+    """The first end on the way from one point to another, and about where; None if there is none."""
+    found = []
+    for end in ends:
+        before, after = end.beyond(last), end.beyond(point)
+        if before and after * np.sign(before) <= NEAR * abs(before):
+            found.append((before / (before - after), end))
+    if not found:
+        return None
+    share, end = min(found, key=lambda entry: entry[0])
+    return last.moved(point.since(last), share), end

@@ -1,0 +1,92 @@
+"""Lengths and angles along an equilibrium path, and the curve between two of its points.
+
+Displacement and load factor are one vector, with the product a_u . b_u + psi^2 a_f b_f.
+"""
+
+import math
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from ..solvers.bordered_newton import Plane, Point, Step
+
+
+class Arrival(NamedTuple):
+    """A point and what its tangent tells.
+
+    Attributes:
+        point: The point.
+        direction: Of the path there, onward, of unit length.
+        turn: Angle between the way from the last point and the direction [rad].
+        negative_pivots: Of the tangent; None where it is not symmetric.
+    """
+
+    point: Point
+    direction: Step
+    turn: float
+    negative_pivots: int | None
+
+    def turned(self, here: "Arrival") -> bool:
+        """Whether the load factor turns on the way to another point, as far as the directions tell."""
+        return self.direction.factor * here.direction.factor < 0
+
+
+class Metric(NamedTuple):
+    """The product.
+
+    Attributes:
+        psi: Weight of the load factor.
+    """
+
+    psi: float
+
+    def product(self, a: Step, b: Step) -> float:
+        """Product of two steps."""
+        return float(a.x.dot(b.x)) + self.psi**2 * a.factor * b.factor
+
+    def length(self, step: Step) -> float:
+        """Length of a step."""
+        return math.sqrt(self.product(step, step))
+
+    def unit(self, step: Step, backwards: bool = False) -> Step:
+        """The step of unit length in a direction, or against it."""
+        scale = (-1 if backwards else 1) / self.length(step)
+        x = step.x.copy()
+        x.scale(scale)
+        return Step(x, scale * step.factor)
+
+    def angle(self, step: Step, direction: Step) -> float:
+        """Angle between a step and a direction of unit length [rad]."""
+        cosine = self.product(step, direction) / self.length(step)
+        return math.acos(min(max(cosine, -1.0), 1.0))
+
+    def across(self, direction: Step, point: Point, length: float = 0.0) -> Plane:
+        """The plane across a direction that lies so far beyond a point."""
+        plane = Plane(direction.x, self.psi**2 * direction.factor, 0.0)
+        return plane._replace(distance=plane.beyond(point) + length)
+
+    def cubic(self, last: Arrival, here: Arrival, shares: Iterable[float]) -> list[Point]:
+        """Points on the cubic with the directions of the path at both ends (Hermite), at shares of the way."""
+        step = here.point.since(last.point)
+        length = self.length(step)
+        return [
+            last.point.moved(step, share**2 * (3 - 2 * share))
+            .moved(last.direction, share * (1 - share) ** 2 * length)
+            .moved(here.direction, -(share**2) * (1 - share) * length)
+            for share in shares
+        ]
+
+    def kink(self, last: Arrival, here: Arrival, shares: Iterable[float]) -> list[Point]:
+        """Points on two straight lines with the directions at both ends that meet, or nearly so, at shares of each.
+
+        None where they are parallel or meet elsewhere.
+        """
+        step = here.point.since(last.point)
+        along, back = self.product(step, last.direction), self.product(step, here.direction)
+        cosine = self.product(last.direction, here.direction)
+        square = max(1 - cosine**2, 1e-12)
+        before, after = (along - cosine * back) / square, (back - cosine * along) / square
+        if before <= 0 or after <= 0:
+            return []
+        first = [last.point.moved(last.direction, share * before) for share in shares]
+        second = [here.point.moved(here.direction, (share - 1) * after) for share in shares]
+        return first + second

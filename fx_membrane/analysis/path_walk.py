@@ -1,0 +1,94 @@
+"""From one point of an equilibrium path to another, and to the limit point between two."""
+
+from contextlib import suppress
+
+from scipy.optimize import brentq
+
+from ..solvers.bordered_newton import BorderedNewton, Point, Step
+from . import path_check
+from .path_geometry import Arrival, Metric
+from .step_control import StepControl
+
+
+class _LostError(ArithmeticError):
+    """No point of the path at a length."""
+
+
+class Walk:
+    """Goes along a path."""
+
+    def __init__(self, newton: BorderedNewton, metric: Metric, control: StepControl):
+        self.newton, self.metric, self.control = newton, metric, control
+
+    def find(self, last: Arrival, length: float) -> Point | None:
+        """The point at a length from another; None if there is none to be found."""
+        guess = last.point.moved(last.direction, length)
+        return self.newton.find(guess, self.metric.across(last.direction, last.point, length))
+
+    def arrive(self, last: Arrival, point: Point) -> Arrival:
+        """Where the path goes on from a point that follows another."""
+        step = point.since(last.point)
+        onward = self.direction(step) if self.newton.linearize(point.x) else self.metric.unit(step)
+        return Arrival(point, onward, self.metric.angle(step, onward), self.newton.negative_pivots())
+
+    def direction(self, step: Step) -> Step:
+        """The tangent of the path, of unit length, on from a step."""
+        tangent = Step(self.newton.along, 1.0)
+        return self.metric.unit(tangent, backwards=self.metric.product(tangent, step) < 0)
+
+    def limit_point(self, last: Arrival, here: Arrival) -> Arrival | None:
+        """The point between two at which the load factor turns; None if none was found between them.
+
+        Where the path has a kink there, it is the point with the most extreme load factor.
+        """
+        steepest = max(abs(last.direction.factor), abs(here.direction.factor))
+        end = self.metric.product(last.direction, here.point.since(last.point))
+        found: list[Arrival] = []
+
+        def slope(length: float) -> float:
+            if length in (0.0, end):
+                return (here if length else last).direction.factor
+            point = self.find(last, length)
+            if point is None:
+                raise _LostError
+            found.append(self.arrive(last, point))
+            factor = found[-1].direction.factor
+            return 0.0 if self.metric.psi * abs(factor) <= self.control.flat else factor
+
+        near = self.control.exact * max(abs(last.point.factor), abs(here.point.factor)) / steepest
+        near = min(max(near, 1e-12 * end), 1e-2 * end)
+        with suppress(_LostError):
+            brentq(slope, 0.0, end, xtol=near, rtol=1e-12, maxiter=self.control.search, disp=False)
+        return _farthest(found, last)
+
+    def without_compression(self, last: Arrival, limit: Arrival, here: Arrival) -> Arrival | None:
+        """A limit point between two points again, where wrinkled and slack cells keep next to no stiffness.
+
+        None where there are none, or where no point was found.
+        """
+        with self.newton.problem.without_kept_stiffness(self.control.kept):
+            if self.newton.residual(limit.point.x, limit.point.factor):
+                return None
+            point = self.find(limit, 0.0)
+            if point is None:
+                return None
+            beside = self.arrive(limit, point)
+            if last.turned(beside):  # it lies before
+                beside = beside._replace(direction=self.metric.unit(beside.direction, backwards=True))
+            length = self.metric.length(here.point.since(last.point)) / 4
+            for _ in range(self.control.search):
+                point = self.find(beside, length)
+                onward = point and self.arrive(beside, point)
+                if not onward or not path_check.follows(self.newton, self.metric, beside, onward, self.control):
+                    length /= 2
+                    continue
+                if beside.turned(onward):
+                    return self.limit_point(beside, onward)
+                beside = onward
+        return None
+
+
+def _farthest(found: list[Arrival], last: Arrival) -> Arrival | None:
+    """The point to which the load factor goes farthest in the sense it has at an earlier point; None of none."""
+    sense = 1 if last.direction.factor > 0 else -1
+    return max(found, key=lambda arrival: sense * arrival.point.factor, default=None)

@@ -1,0 +1,194 @@
+"""A structure as dolfinx meshes, one for each part, joined by one displacement vector.
+
+Every process knows the whole structure (plain arrays) and makes meshes of its own share of the cells only. What the
+meshes have in common is the numbering of nodes: a node is known by its row in the user's `points`, and `number` maps
+that row to a 3-block of the PETSc vectors and matrices. So cables, masts and membranes, also sheets that branch, meet
+in one system, and a process may have no cell of a part.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from dolfinx import fem
+from mpi4py import MPI
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from .. import _dolfinx
+from ..model.parts import Part
+from ..model.structure import Structure
+from .partition import bisect, node_graph, number_nodes
+
+
+@dataclass(frozen=True, eq=False)
+class PartMesh:
+    """This process's share of one part.
+
+    Attributes:
+        name: Name of the part.
+        part: The part, all of it.
+        mesh: dolfinx mesh of the cells of this process.
+        cells: Row in `part.cells` of each cell of the mesh.
+        nodes: Position in `Discretization.local` of each node of the mesh, in the order of the displacement's dofs.
+        u: Displacement, P1 [m].
+        numbering: Position of each node of the mesh in the PETSc system, for `Mat.setLGMap`.
+    """
+
+    name: str
+    part: Part
+    mesh: Any
+    cells: NDArray[np.int64]
+    nodes: NDArray[np.int64]
+    u: fem.Function
+    numbering: PETSc.LGMap
+
+    def move(self, points: NDArray[np.float64]) -> None:
+        """Makes positions of the nodes of this mesh, shape (nodes, 3) [m], the reference shape."""
+        self.mesh.geometry.x[_dolfinx.geometry_order(self.u.function_space)] = points
+
+    def cell_field(self, values: NDArray[np.float64]) -> fem.Function:
+        """Piecewise constant function of values for all cells of the part, shape (cells, ...), flattened per cell."""
+        flat = np.reshape(values, (len(self.part.cells), -1))
+        field = fem.Function(_dolfinx.functionspace(self.mesh, "DG", 0, flat.shape[1]))
+        field.x.array[:] = flat[self.cells].ravel()
+        return field
+
+
+class Discretization:
+    """Meshes, numbering, and the transfer of nodal values between users, PETSc and the meshes.
+
+    Args:
+        structure: The structure.
+        comm: The processes that share the work; each must give the same structure.
+
+    Attributes:
+        number: Block of each node in the PETSc system, shape (n,); -1 for a node that no part uses.
+        owned: Nodes whose values this process holds, in the order of its part of a PETSc vector.
+        local: Nodes that the meshes of this process touch, ascending.
+        parts: Meshes of the parts of which this process has cells.
+    """
+
+    def __init__(self, structure: Structure, comm: MPI.Intracomm = MPI.COMM_WORLD):
+        self.structure, self.comm = structure, comm
+        used = np.flatnonzero(structure.used)
+        compact = np.cumsum(structure.used) - 1  # row in `points` -> row in `used`
+        graph = node_graph((compact[part.cells] for part in structure.parts.values()), len(used))
+        owner = bisect(structure.points[used], comm.size)
+        number = number_nodes(owner, graph)
+        ordered = np.argsort(number)
+        mine = ordered[owner[ordered] == comm.rank]
+        self.number = np.full(len(structure.points), -1)
+        self.number[used] = number
+        self.owned = used[mine]
+        self._size = (3 * len(mine), 3 * len(used))
+        self._rows = graph[mine][:, ordered]  # of the node graph, in the numbering of the system
+
+        shares = {
+            name: np.flatnonzero(owner[compact[part.cells[:, 0]]] == comm.rank)
+            for name, part in structure.parts.items()
+        }
+        touched = [structure.parts[name].cells[share].ravel() for name, share in shares.items()]
+        self.local = np.unique(np.concatenate(touched))
+        self.parts = {name: self._part_mesh(name, share) for name, share in shares.items() if len(share)}
+
+        self._spare: list[PETSc.Vec] = []
+        blocks = self.number[self.local].astype(PETSc.IntType)
+        where = PETSc.IS().createBlock(3, blocks, comm=MPI.COMM_SELF)
+        self._local_values = PETSc.Vec().createSeq(3 * len(self.local), comm=MPI.COMM_SELF)
+        self._scatter = PETSc.Scatter().create(self.create_vector(), where, self._local_values, None)
+
+    def _part_mesh(self, name: str, share: NDArray[np.int64]) -> PartMesh:
+        part = self.structure.parts[name]
+        nodes, cells = np.unique(part.cells[share], return_inverse=True)
+        mesh = _dolfinx.create_mesh(self.structure.points[nodes], cells.reshape(-1, part.dimension + 1))
+        V = _dolfinx.functionspace(mesh, "Lagrange", 1, 3)
+        nodes = nodes[_dolfinx.node_order(V)]
+        return PartMesh(
+            name=name,
+            part=part,
+            mesh=mesh,
+            cells=share[_dolfinx.cell_order(mesh)],
+            nodes=np.asarray(np.searchsorted(self.local, nodes)),
+            u=fem.Function(V),
+            numbering=PETSc.LGMap().create(self.number[nodes].astype(PETSc.IntType), bsize=3, comm=MPI.COMM_SELF),
+        )
+
+    # PETSc objects
+
+    def create_vector(self) -> PETSc.Vec:
+        """Vector of nodal values, three for each used node, zero."""
+        return PETSc.Vec().createMPI(self._size, bsize=3, comm=self.comm)
+
+    @contextmanager
+    def work(self, count: int) -> Iterator[list[PETSc.Vec]]:
+        """Vectors for what is needed in a block only, of any values, which the next block gets again.
+
+        PETSc keeps what Python drops until all processes have been asked: a new vector for each use fills the memory.
+        """
+        taken = [self._spare.pop() if self._spare else self.create_vector() for _ in range(count)]
+        try:
+            yield taken
+        finally:
+            self._spare += taken
+
+    def create_matrix(self) -> PETSc.Mat:
+        """Matrix with the pattern of all parts together, exactly preallocated."""
+        first = int(self.comm.exscan(len(self.owned)) or 0)
+        own = (self._rows.indices >= first) & (self._rows.indices < first + len(self.owned))
+        before = np.concatenate([[0], np.cumsum(own)])[self._rows.indptr]
+        diagonal = 3 * np.diff(before)
+        other = 3 * np.diff(self._rows.indptr) - diagonal
+        counts = tuple(np.repeat(count, 3).astype(PETSc.IntType) for count in (diagonal, other))
+        A = PETSc.Mat().createAIJ((self._size, self._size), bsize=3, nnz=counts, comm=self.comm)
+        A.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
+        # petsc4py sets it from the counts; a process without rows has none, and options must agree between processes.
+        A.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, True)
+        return A
+
+    def dofs(self, mask: NDArray[np.bool_]) -> NDArray[np.int32]:
+        """Numbers in the PETSc system of the components chosen by a mask (n, 3); those that this process owns."""
+        return np.asarray((3 * self.number[:, None] + np.arange(3))[self.owned][mask[self.owned]], dtype=PETSc.IntType)
+
+    # Transfer of nodal values
+
+    def distribute(self, values: NDArray[np.float64], vector: PETSc.Vec | None = None) -> PETSc.Vec:
+        """PETSc vector of the user's nodal values, shape (n, 3): a new one, or the one given."""
+        vector = self.create_vector() if vector is None else vector
+        vector.array[:] = values[self.owned].ravel()
+        return vector
+
+    def gather(self, vector: PETSc.Vec) -> NDArray[np.float64]:
+        """The user's nodal values on every process, shape (n, 3); zero at nodes that no part uses."""
+        blocks = np.concatenate(self.comm.allgather(vector.array_r)).reshape(-1, 3)
+        return np.where(self.structure.used[:, None], blocks[self.number], 0.0)
+
+    def gather_cells(self, name: str, values: NDArray[np.float64] | None, size: int) -> NDArray[np.float64]:
+        """Values of all cells of a part on every process, shape (cells, size), from those of each process's mesh."""
+        result = np.empty((len(self.structure.parts[name].cells), size))
+        share = (self.parts[name].cells, values) if name in self.parts else None
+        for entry in filter(None, self.comm.allgather(share)):
+            result[entry[0]] = entry[1]
+        return result
+
+    def to_meshes(self, vector: PETSc.Vec) -> None:
+        """Sets the displacement `u` of every mesh from a PETSc vector."""
+        self._scatter.scatter(vector, self._local_values, PETSc.InsertMode.INSERT, PETSc.ScatterMode.FORWARD)
+        values = self._local_values.array_r.reshape(-1, 3)
+        for mesh in self.parts.values():
+            mesh.u.x.array[:] = values[mesh.nodes].ravel()
+
+    def move(self, points: NDArray[np.float64]) -> None:
+        """Makes other positions of the user's nodes, shape (n, 3) [m], the reference shape of all meshes."""
+        for mesh in self.parts.values():
+            mesh.move(points[self.local[mesh.nodes]])
+
+    def add_from_meshes(self, shares: Iterator[tuple[PartMesh, NDArray[np.float64]]], vector: PETSc.Vec) -> None:
+        """Adds nodal vectors that belong to meshes, in the order of their dofs, to a PETSc vector."""
+        sums = self._local_values.array.reshape(-1, 3)
+        sums[:] = 0
+        for mesh, values in shares:
+            sums[mesh.nodes] += values.reshape(-1, 3)
+        self._scatter.scatter(self._local_values, vector, PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)

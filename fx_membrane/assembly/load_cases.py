@@ -1,0 +1,103 @@
+"""What the loads and prescribed displacements of a stage come to, as actions on nodes and cells."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..checks import validation
+from ..geometry.grids import normals
+from ..model.loads import PlanLoad, PointLoad, Pressure, Stage
+from ..model.structure import Structure
+from .problem import Actions, Problem
+
+Array = NDArray[np.float64]
+
+
+def unloaded(structure: Structure) -> Actions:
+    """Nothing but the supports."""
+    zero = np.zeros(structure.points.shape)
+    return Actions(loads=zero, held=structure.supported, displacement=zero)
+
+
+def target(problem: Problem, stage: Stage, start: Actions) -> Actions:
+    """Actions at the end of a stage: those at its start, and its own."""
+    structure = problem.discretization.structure
+    point_loads = np.zeros(structure.points.shape)
+    dead_loads: dict[str, Array] = {}
+    pressures = {name: pressure.copy() for name, pressure in start.pressures.items()}
+    for load in stage.loads:
+        if isinstance(load, PointLoad):
+            point_loads[np.asarray(load.nodes)] += np.asarray(load.force)
+            continue
+        cells = structure.parts[load.part].cells
+        chosen = np.arange(len(cells)) if load.cells is None else np.asarray(load.cells)
+        if isinstance(load, Pressure):
+            on_cells = pressures.setdefault(load.part, np.zeros(len(cells)))
+            on_cells[chosen] += load.pressure
+            continue
+        per_area = np.broadcast_to(np.asarray(load.load), (len(chosen), 3))
+        if isinstance(load, PlanLoad):
+            per_area = per_area * np.abs(normals(structure.points, cells)[chosen, 2:])
+        dead_loads.setdefault(load.part, np.zeros((len(cells), 3)))[chosen] += per_area
+    held, displacement = prescribed(stage, structure)
+    return Actions(
+        loads=start.loads + point_loads + problem.nodal_loads(dead_loads),
+        held=start.held | held,
+        displacement=np.where(held, displacement, start.displacement),
+        pressures=pressures,
+    )
+
+
+def prescribed(stage: Stage, structure: Structure) -> tuple[NDArray[np.bool_], Array]:
+    """Components that a stage prescribes, shape (n, 3), and their displacements, shape (n, 3) [m].
+
+    Raises:
+        ValueError: A component is held by a support or prescribed twice, with another value.
+    """
+    held = structure.supported
+    mine = np.zeros_like(held)
+    displacement = np.zeros(structure.points.shape)
+    for entry in stage.displacements:
+        nodes, value = np.asarray(entry.nodes), np.asarray(entry.displacement)
+        for component in validation.components("PrescribedDisplacement components", entry.components):
+            wanted = np.broadcast_to(value[..., component], nodes.shape)
+            free = ~(held | mine)[nodes, component]
+            displacement[nodes[free], component] = wanted[free]
+            clash = np.flatnonzero(displacement[nodes, component] != wanted)
+            if len(clash):
+                raise ValueError(
+                    f"Stage {stage.name!r} moves node {nodes[clash[0]]} by {wanted[clash[0]]:g} along "
+                    f"{'xyz'[component]}, where it is already held at {displacement[nodes[clash[0]], component]:g}; "
+                    "remove the support or the prescribed displacement."
+                )
+            mine[nodes, component] = True
+    return mine, displacement
+
+
+def taking_hold(start: Actions, end: Actions, displacement: Array) -> Actions:
+    """The start of a stage with what it holds at its end; what it takes hold of is still where it is."""
+    return replace(start, held=end.held, displacement=np.where(start.held, start.displacement, displacement))
+
+
+def between(start: Actions, end: Actions, factor: float) -> Actions:
+    """Actions between start and end."""
+    return _combined(start, end, lambda a, b: a + factor * (b - a))
+
+
+def change(start: Actions, end: Actions) -> Actions:
+    """What comes on top of the actions at the start, for a factor of one."""
+    return _combined(start, end, lambda a, b: b - a)
+
+
+def _combined(start: Actions, end: Actions, combine: Callable[[Array, Array], Array]) -> Actions:
+    def pressure(name: str) -> Array:
+        return start.pressures.get(name, np.zeros_like(end.pressures[name]))
+
+    return Actions(
+        loads=combine(start.loads, end.loads),
+        held=end.held,
+        displacement=combine(start.displacement, end.displacement),
+        pressures={name: combine(pressure(name), end.pressures[name]) for name in end.pressures},
+    )

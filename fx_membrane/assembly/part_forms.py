@@ -1,0 +1,171 @@
+"""Which energy a part has, its derivatives, and their compiled forms on the cells of this process."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+import ufl
+from dolfinx import fem
+
+from .. import _dolfinx
+from ..forms import elasticity, inertia, kinematics, loads, stress, wrinkling
+from ..model.materials import Fabric
+from ..model.parts import Cable, Mast, Membrane, Part
+from ..model.structure import Structure
+from . import wrinkling_direction
+from .discretization import PartMesh
+
+
+@dataclass(frozen=True, eq=False)
+class PartForms:
+    """Symbols and compiled forms of one part on this process.
+
+    Attributes:
+        mesh: The cells.
+        T, F, E, S: Tangent frame, deformation gradient, Green-Lagrange strain, 2nd Piola-Kirchhoff stress, in UFL.
+        state: Taut, wrinkled or slack, as `forms.wrinkling` numbers them, in UFL; taut where all stiffness is kept.
+        follow: Brings what the energy must be told of the strain up to date with the displacement.
+        kept: Share of the stiffness that is kept in compression; None where a part has no other energy.
+        q: Dead load per reference area or length, piecewise constant [N/m2 or N/m].
+        p: Pressure along `Structure.normals`, piecewise constant [Pa]; without meaning in cables and masts.
+        energy: Compiled strain energy.
+        residual: Compiled derivative of the energy, less the virtual work of p.
+        tangent: Compiled derivative of the residual.
+        load: Compiled virtual work of q.
+        pressure: Compiled virtual work of p; None for cables and masts.
+    """
+
+    mesh: PartMesh
+    T: Any
+    F: Any
+    E: Any
+    S: Any
+    state: Any
+    follow: Callable[[], None]
+    kept: fem.Constant | None
+    q: fem.Function
+    p: fem.Function
+    energy: Any
+    residual: Any
+    tangent: Any
+    load: Any
+    pressure: Any
+
+
+class _Energy(NamedTuple):
+    """Energy density and state of a part, in UFL; what keeps it up to date; the share that is kept in compression."""
+
+    density: Any
+    state: Any
+    follow: Callable[[], None]
+    kept: fem.Constant | None = None
+
+
+def part_forms(mesh: PartMesh, structure: Structure, elastic: bool) -> PartForms:
+    """Forms of a part; what distinguishes parts of a kind is data, so that they share one compiled form."""
+    part, u, d = mesh.part, mesh.u, mesh.part.dimension
+    J = ufl.Jacobian(mesh.mesh)
+    if isinstance(part, Membrane):
+        T = kinematics.membrane_frame(J, mesh.cell_field(structure.warp(mesh.name)))
+    else:
+        T = kinematics.bar_frame(J)
+    G = kinematics.displacement_gradient(u, T)
+    F = kinematics.deformation_gradient(G, T)
+    E = ufl.variable(kinematics.green_lagrange(G, T))
+    prestress = mesh.cell_field(part.prestress_tensors())
+    sigma0 = ufl.as_matrix([[prestress[d * i + j] for j in range(d)] for i in range(d)])
+    w = _strain_energy(mesh, E, sigma0) if elastic else _prescribed_stress(E, sigma0)
+
+    q, p = mesh.cell_field(np.zeros((len(part.cells), 3))), mesh.cell_field(np.zeros(len(part.cells)))
+    v = ufl.TestFunction(u.function_space)
+    dx = ufl.Measure("dx", domain=mesh.mesh, metadata={"quadrature_degree": 1})  # exact: strains are constant per cell
+    energy = w.density * dx
+    residual = ufl.derivative(energy, u, v)
+    pressure = loads.follower_pressure(p[0], F, v) * dx if isinstance(part, Membrane) else None
+    if pressure is not None:
+        residual -= pressure
+    tangent = ufl.derivative(residual, u, ufl.TrialFunction(u.function_space))
+    return PartForms(
+        mesh=mesh,
+        T=T,
+        F=F,
+        E=E,
+        S=stress.second_piola_kirchhoff(w.density, E),
+        state=w.state,
+        follow=w.follow,
+        kept=w.kept,
+        q=q,
+        p=p,
+        energy=_dolfinx.form(energy),
+        residual=_dolfinx.form(residual),
+        tangent=_dolfinx.form(tangent),
+        load=_dolfinx.form(loads.dead_load(q, v) * dx),
+        pressure=pressure and _dolfinx.form(pressure),
+    )
+
+
+def mass_form(mesh: PartMesh) -> Any:
+    """Compiled work of the inertia forces of a part, its consistent mass matrix; the same in every state."""
+    V = mesh.u.function_space
+    m = fem.Constant(mesh.mesh, np.float64(mesh.part.mass))
+    dx = ufl.Measure("dx", domain=mesh.mesh, metadata={"quadrature_degree": 2})  # exact: shape functions are linear
+    return _dolfinx.form(inertia.inertia(m, ufl.TrialFunction(V), ufl.TestFunction(V)) * dx)
+
+
+def tension_form(part: PartForms) -> Any:
+    """Compiled stiffness against displacement gradients of a tension that equals the part's own stiffness."""
+    V = part.mesh.u.function_space
+    k = fem.Constant(part.mesh.mesh, np.float64(stiffness(part.mesh.part)))
+    dx = ufl.Measure("dx", domain=part.mesh.mesh, metadata={"quadrature_degree": 1})  # exact: constant per cell
+    gradients = [kinematics.displacement_gradient(v, part.T) for v in (ufl.TrialFunction(V), ufl.TestFunction(V))]
+    return _dolfinx.form(k * ufl.inner(*gradients) * dx)
+
+
+def stiffness(part: Part) -> float:
+    """Stiffness of a part: of fabric Et, the larger one [N/m]; of cables and masts EA [N]."""
+    if not isinstance(part, Membrane):
+        return part.axial_stiffness
+    material = part.material
+    return material.Et if isinstance(material, Fabric) else max(material.Et_warp, material.Et_weft)
+
+
+def _nothing() -> None:
+    pass
+
+
+def _prescribed_stress(E: Any, sigma0: Any) -> _Energy:
+    return _Energy(elasticity.strain_energy(E, sigma0, 0 * E), ufl.as_ufl(wrinkling.TAUT), _nothing)
+
+
+def _strain_energy(mesh: PartMesh, E: Any, sigma0: Any) -> _Energy:
+    def constants(*values: float) -> list[fem.Constant]:
+        return [fem.Constant(mesh.mesh, np.float64(value)) for value in values]
+
+    part, follow = mesh.part, _nothing
+    if isinstance(part, Mast):
+        CE = elasticity.axial(E, *constants(part.axial_stiffness))
+        return _Energy(elasticity.strain_energy(E, sigma0, CE), ufl.as_ufl(wrinkling.TAUT), follow)
+    if isinstance(part, Cable):
+        moduli = constants(part.axial_stiffness)
+        CE, relaxed = elasticity.axial(E, *moduli), wrinkling.cable(E, sigma0, *moduli)
+    elif isinstance(part.material, Fabric):
+        moduli = constants(part.material.Et, part.material.nu)
+        CE, relaxed = elasticity.isotropic(E, *moduli), wrinkling.isotropic(E, sigma0, *moduli)
+    else:
+        fabric = part.material
+        moduli = constants(fabric.Et_warp, fabric.Et_weft, fabric.nu, fabric.Gt)
+        angle = mesh.cell_field(np.zeros(len(part.cells)))
+        CE, relaxed = elasticity.orthotropic(E, *moduli), wrinkling.orthotropic(E, sigma0, *(*moduli, angle[0]))
+        e = E + elasticity.orthotropic_compliance(sigma0, *moduli)
+        strains = _dolfinx.cell_expression(ufl.as_vector([e[0, 0], e[1, 1], e[0, 1]]), mesh.mesh)
+
+        def follow() -> None:
+            values = strains()
+            cells = np.flatnonzero(wrinkling_direction.may_wrinkle(values, fabric))
+            angle.x.array[cells] = wrinkling_direction.direction(values[cells], fabric)
+
+    (eta,) = constants(part.compression_stiffness)
+    full = elasticity.strain_energy(E, sigma0, CE)
+    state = ufl.conditional(ufl.lt(eta, 1), relaxed.state, wrinkling.TAUT)
+    return _Energy(wrinkling.blend(relaxed.energy, full, eta), state, follow, eta)

@@ -1,0 +1,69 @@
+"""Nodal forces that are nothing but rounding, node by node: a stiff part does not excuse the others."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry.grids import measures
+from ..model.parts import Part
+from ..model.structure import Structure
+from .part_forms import stiffness
+
+UNIT = 1e-15  # rounding of a cell's forces, relative to them
+
+
+class Scales(NamedTuple):
+    """Sizes of the forces that meet at each node, of all cells there, before they balance each other.
+
+    Attributes:
+        prestress: Prestress forces, shape (n,) [N].
+        stiffness: Forces for each length that a node is displaced, shape (n,) [N/m].
+    """
+
+    prestress: NDArray[np.float64]
+    stiffness: NDArray[np.float64]
+
+    def rounding(self, displacement: float) -> NDArray[np.float64]:
+        """Force at each node that means nothing, for the largest displacement [m], shape (n,) [N]."""
+        return UNIT * (self.prestress + displacement * self.stiffness)
+
+
+def scales(structure: Structure, elastic: bool) -> Scales:
+    """Sizes of the nodal forces of a structure; the stiffness is that of prestress alone where it is not elastic."""
+    found = Scales(np.zeros(len(structure.points)), np.zeros(len(structure.points)))
+    for part in structure.parts.values():
+        stress = np.linalg.norm(part.prestress_tensors(), axis=(1, 2))
+        size = measures(structure.points, part.cells)
+        length = _length(part, size)
+        for corner in part.cells.T:
+            np.add.at(found.prestress, corner, stress * _width(part, size))
+            np.add.at(found.stiffness, corner, (stress + elastic * stiffness(part)) / length)
+    return found
+
+
+def prestress_force(structure: Structure) -> float:
+    """2-norm of the prestress forces of all cells, before they balance each other [N]."""
+    squares = 0.0
+    for part in structure.parts.values():
+        width = _width(part, measures(structure.points, part.cells))
+        squares += float(np.sum((np.linalg.norm(part.prestress_tensors(), axis=(1, 2)) * width) ** 2))
+    return float(np.sqrt(squares))
+
+
+def typical_stiffness(structure: Structure) -> float:
+    """Stiffness of the cell in the middle, of all sorted by it [N/m]: no single part sets it."""
+    values = [
+        stiffness(part) / _length(part, measures(structure.points, part.cells)) for part in structure.parts.values()
+    ]
+    return float(np.median(np.concatenate(values)))
+
+
+def _width(part: Part, size: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What the stress of a cell acts on: a length [m]; for bars, whose stress is a force, one."""
+    return size ** (1 - 1 / part.dimension)
+
+
+def _length(part: Part, size: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Length over which a displacement strains a cell, by its width."""
+    return size if part.dimension == 1 else np.ones_like(size)

@@ -1,0 +1,109 @@
+"""Direction of the tension in a wrinkled woven fabric, for many cells at once."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.materials import OrthotropicFabric
+
+SAMPLES = 48
+MAXIMA = 3  # that are looked at: a fabric of strongly negative nu has several
+STEPS = 20
+MARGIN = 1e-6  # of taut and slack, beyond the rounding in which the forms may decide otherwise
+
+
+def direction(e: NDArray[np.float64], fabric: OrthotropicFabric) -> NDArray[np.float64]:
+    """Angle from the warp that makes <e_tt>^2 / (2 H_tt) largest, shape (n,) [rad].
+
+    The largest values at equally spaced angles are refined to rounding; the best of them counts.
+
+    Args:
+        e: Total elastic strains e11, e22, e12 in the warp/weft frame, shape (n, 3) [-]. Where no direction is
+            extended the angle has no meaning.
+        fabric: The fabric.
+    """
+    angles = np.arange(SAMPLES) * (np.pi / SAMPLES)
+    energies = np.stack([_energy(angle, e, fabric) for angle in angles[:, None]])
+    higher = np.maximum(np.roll(energies, 1, axis=0), np.roll(energies, -1, axis=0))
+    peaks = np.where(energies >= higher, energies, -np.inf)
+    best: NDArray[np.float64]
+    best, largest = np.zeros(len(e)), np.full(len(e), -np.inf)
+    for _ in range(MAXIMA):
+        peak = np.argmax(peaks, axis=0)
+        peaks[peak, np.arange(len(e))] = -np.inf
+        angle = _refined(angles[peak], e, fabric)
+        energy = _energy(angle, e, fabric)
+        best, largest = np.where(energy > largest, angle, best), np.maximum(energy, largest)
+    return best
+
+
+def may_wrinkle(e: NDArray[np.float64], fabric: OrthotropicFabric) -> NDArray[np.bool_]:
+    """Cells that are neither clearly taut nor clearly slack, shape (n,): those whose direction matters.
+
+    Args:
+        e: Total elastic strains as for `direction`, shape (n, 3) [-].
+        fabric: The fabric.
+    """
+    e11, e22, e12 = e.T
+    nu_weft = fabric.nu * fabric.Et_weft / fabric.Et_warp
+    S11 = fabric.Et_warp * (e11 + nu_weft * e22) / (1 - fabric.nu * nu_weft)
+    S22 = fabric.Et_weft * (e22 + fabric.nu * e11) / (1 - fabric.nu * nu_weft)
+    S12 = 2 * fabric.Gt * e12
+    taut = (S11 + S22 > 0) & (S11 * S22 - S12**2 > MARGIN * (S11 + S22) ** 2)
+    largest = (e11 + e22) / 2 + np.hypot((e11 - e22) / 2, e12)
+    slack = largest < -MARGIN * np.abs(e).max(axis=1)
+    return np.asarray(~taut & ~slack)
+
+
+def _refined(
+    angle: NDArray[np.float64],
+    e: NDArray[np.float64],
+    fabric: OrthotropicFabric,
+) -> NDArray[np.float64]:
+    """The maximum beside a sample, by Newton's method within a bracket that bisection narrows."""
+    low, high = angle - np.pi / SAMPLES, angle + np.pi / SAMPLES
+    for _ in range(STEPS):
+        f, slope = _stationarity(angle, e, fabric)
+        low, high = np.where(f > 0, angle, low), np.where(f > 0, high, angle)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            newton = angle - f / slope
+        angle = np.where((newton >= low) & (newton <= high), newton, (low + high) / 2)
+    return angle
+
+
+def _energy(
+    angle: NDArray[np.float64],
+    e: NDArray[np.float64],
+    fabric: OrthotropicFabric,
+) -> NDArray[np.float64]:
+    """Twice the energy of a tension along t, e_tt^2 / H_tt; negative where t is shortened."""
+    (e11, e22, e12), c, s = e.T, np.cos(angle), np.sin(angle)
+    e_tt = c**2 * e11 + s**2 * e22 + 2 * c * s * e12
+    return np.asarray(np.sign(e_tt) * e_tt**2 / _compliance(c, s, fabric))
+
+
+def _compliance(c: NDArray[np.float64], s: NDArray[np.float64], fabric: OrthotropicFabric) -> NDArray[np.float64]:
+    mixed = 1 / fabric.Gt - 2 * fabric.nu / fabric.Et_warp
+    return np.asarray(c**4 / fabric.Et_warp + s**4 / fabric.Et_weft + c**2 * s**2 * mixed)
+
+
+def _stationarity(
+    angle: NDArray[np.float64],
+    e: NDArray[np.float64],
+    fabric: OrthotropicFabric,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """f = 2 e_tt' H_tt - e_tt H_tt', which has the sign of the slope of `_energy`; and f'."""
+    (e11, e22, e12), c, s = e.T, np.cos(angle), np.sin(angle)
+    mixed = 1 / fabric.Gt - 2 * fabric.nu / fabric.Et_warp
+    a = c**2 * e11 + s**2 * e22 + 2 * c * s * e12
+    a1 = 2 * c * s * (e22 - e11) + 2 * (c**2 - s**2) * e12
+    a2 = 2 * (c**2 - s**2) * (e22 - e11) - 8 * c * s * e12
+    H = _compliance(c, s, fabric)
+    H1 = -4 * c**3 * s / fabric.Et_warp + 4 * s**3 * c / fabric.Et_weft + 2 * c * s * (c**2 - s**2) * mixed
+    H2 = (
+        (12 * c**2 * s**2 - 4 * c**4) / fabric.Et_warp
+        + (12 * s**2 * c**2 - 4 * s**4) / fabric.Et_weft
+        + 2 * ((c**2 - s**2) ** 2 - 4 * c**2 * s**2) * mixed
+    )
+    f = 2 * a1 * H - a * H1
+    f1 = 2 * a2 * H + a1 * H1 - a * H2
+    return f, f1

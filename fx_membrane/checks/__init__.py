@@ -1,0 +1,1 @@
+"""Input is checked when it is given: numbers, texts, arrays, names of files."""

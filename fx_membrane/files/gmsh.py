@@ -1,0 +1,161 @@
+"""Structures from gmsh: a model in memory or a .msh file, in which physical names say what is what."""
+
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..checks import paths, validation
+from ..model.parts import Part
+from ..model.structure import Structure, Support
+from . import gmsh_file
+from .gmsh_reader import GmshMesh, Group, mesh_of_model
+
+KINDS = ("point", "curve", "surface", "volume")  # by dimension
+CELLS = ("Line 2", "Triangle 3")  # gmsh's names of the element types of first order
+
+
+def structure_from_gmsh(
+    source: str | Path | None,
+    parts: Mapping[str, Callable[[NDArray[np.int64]], Part]],
+    supports: Mapping[str, str] | None = None,
+    separate: Sequence[tuple[str, str]] = (),
+) -> Structure:
+    """Structure of the physical groups of a gmsh mesh.
+
+    Lines of a physical curve on the edge of a physical surface share its nodes: a cable made of them is tied to the
+    membrane. Nodes of `points` are those that the parts use, in the order of gmsh's numbers.
+
+    Args:
+        source: A mesh file of gmsh, format 2 or 4, or None for the meshed model that is open in this process. Files
+            are read in a process of their own: what gmsh has open here stays as it is.
+        parts: For each physical name, what makes a part of its cells (lines or triangles, of first order):
+            `{"fabric": lambda cells: Membrane(cells, Fabric(Et=500e3, nu=0.3), prestress=1e3)}`.
+        supports: For each physical name, the components that its nodes are held in: `{"corners": "xyz"}`. A group may
+            be a part and a support: `{"fabric": "z"}` keeps a membrane flat.
+        separate: Pairs of names of parts that lie on each other without being joined, see `Structure`.
+
+    Raises:
+        ValueError: An argument is of another kind; the file is not a mesh, or gmsh does not end on it; no model is
+            open, or it has no mesh; a physical name does not exist, or more than one group has it, as a curve and a
+            surface; its cells are not lines or triangles of first order, or not those of the part to be made of them;
+            a support is on no part.
+        ImportError: gmsh is not installed.
+    """
+    _check_arguments(source, parts, supports)
+    mesh = _open_mesh() if source is None else gmsh_file.read(source)
+    return _structure(mesh, parts, supports or {}, separate)
+
+
+def _open_mesh() -> GmshMesh:
+    """The mesh of the model that is open in this process; what is open stays as it is."""
+    gmsh = sys.modules.get("gmsh")
+    if gmsh is None or not _has_model(gmsh):
+        raise ValueError(
+            "No gmsh model is open in this process; call gmsh.initialize() and mesh a model before, or give the name "
+            "of a mesh file."
+        )
+    mesh = mesh_of_model(gmsh.model)
+    if not len(mesh.tags):
+        raise ValueError("The gmsh model that is open has no mesh; call gmsh.model.mesh.generate(2) before.")
+    return mesh
+
+
+def _has_model(gmsh: Any) -> bool:
+    if hasattr(gmsh, "isInitialized") and not gmsh.isInitialized():  # from gmsh 4.9 on
+        return False
+    try:
+        return bool(gmsh.model.list())  # gmsh 4.8 has none before it is initialized
+    except Exception:  # and fails once it is finalized; gmsh raises nothing more precise
+        return False
+
+
+def _check_arguments(source: Any, parts: Any, supports: Any) -> None:
+    if source is not None:
+        paths.path("source", source, spare=0)
+    validation.instance("parts", parts, Mapping)
+    validation.instance("supports", supports, Mapping | None)
+    if not parts:
+        raise ValueError('parts is empty; give at least one, {"physical name": lambda cells: Membrane(cells, ...)}.')
+    for name, make in parts.items():
+        if not callable(make):
+            raise ValueError(
+                f"The part {validation.name('part', name)!r} is {validation.shown(make)}; give a function of its "
+                "cells, lambda cells: Membrane(cells, ...)."
+            )
+    for name, components in (supports or {}).items():
+        validation.letters(f"The support {validation.name('support', name)!r}", components)
+
+
+def _structure(
+    mesh: GmshMesh,
+    parts: Mapping[str, Callable[[NDArray[np.int64]], Part]],
+    supports: Mapping[str, str],
+    separate: Sequence[tuple[str, str]],
+) -> Structure:
+    groups = _groups(mesh, [*parts, *supports])
+    cells = {name: _rows(mesh, _cells(groups[name])) for name in parts}
+    used = np.unique(np.concatenate([part.ravel() for part in cells.values()]))
+    row = np.full(len(mesh.tags), -1, dtype=np.int64)
+    row[used] = np.arange(len(used))
+    held = []
+    for name, components in supports.items():
+        nodes = _rows(mesh, groups[name].nodes)
+        if not len(nodes):
+            raise ValueError(f"The support {name!r} has no nodes; mesh the physical group, with the parts it holds.")
+        loose = nodes[row[nodes] < 0]
+        if len(loose):
+            raise ValueError(
+                f"The support {name!r} has nodes that no part uses, {len(loose)} of {len(nodes)}, as gmsh's node "
+                f"{mesh.tags[loose[0]]} at {validation.place(mesh.points[loose[0]])}; put it on a part."
+            )
+        held.append(Support(np.unique(row[nodes]), components))
+    made = {name: _part(name, make, row[cells[name]]) for name, make in parts.items()}
+    return Structure(mesh.points[used], made, held, separate)
+
+
+def _rows(mesh: GmshMesh, tags: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Rows of node tags in the points of the mesh."""
+    rows = np.searchsorted(mesh.tags, tags).clip(max=len(mesh.tags) - 1)
+    missing = tags[mesh.tags[rows] != tags]
+    if missing.size:
+        raise ValueError(f"The mesh has cells at node {missing[0]}, but no such node; write it again with gmsh.write.")
+    return rows
+
+
+def _part(name: str, make: Callable[[NDArray[np.int64]], Part], cells: NDArray[np.int64]) -> Part:
+    """The part that a function makes of cells; what it refuses is told with the physical name."""
+    try:
+        return make(cells)
+    except ValueError as error:
+        what = "triangles, for a Membrane" if cells.shape[1] == 3 else "segments, for a Cable or a Mast"
+        raise ValueError(f"The physical group {name!r} has {what}; they make no part: {error}") from error
+
+
+def _groups(mesh: GmshMesh, wanted: Sequence[str]) -> dict[str, Group]:
+    """The physical groups of some names, each of which must mean one group."""
+    named: dict[str, list[Group]] = {}
+    for group in mesh.groups:
+        named.setdefault(group.name, []).append(group)
+    for name in wanted:
+        if name not in named:
+            raise ValueError(f"The mesh has no physical group {name!r}; it has {sorted(named)}.")
+        if len(named[name]) > 1:
+            what = " and ".join(f"a {KINDS[group.dimension]} (tag {group.tag})" for group in named[name])
+            raise ValueError(
+                f"The mesh has {len(named[name])} physical groups {name!r}, {what}; give each its own name."
+            )
+    return {name: named[name][0] for name in wanted}
+
+
+def _cells(group: Group) -> NDArray[np.int64]:
+    """Node tags of the cells of a physical group, shape (cells, 2 or 3)."""
+    for kind in group.cells:
+        if kind not in CELLS:
+            raise ValueError(f"The physical group {group.name!r} has elements of type {kind}; give lines or triangles.")
+    if len(group.cells) != 1:
+        raise ValueError(f"The physical group {group.name!r} has no cells; mesh it before it is made a structure.")
+    return next(iter(group.cells.values()))

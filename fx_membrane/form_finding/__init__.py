@@ -1,0 +1,1 @@
+"""Shapes in equilibrium, by force densities and by prescribed stress."""

@@ -1,0 +1,174 @@
+"""Shapes in equilibrium under prestress alone: the force density method."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import splu
+
+from ..checks import validation
+from ..model.structure import Support
+
+FAR = 1e3  # of the size of the fixed nodes, beyond which a shape is none
+
+
+@dataclass(frozen=True, eq=False)
+class Net:
+    """A found shape.
+
+    As cables with the forces as prestress it is in equilibrium, under the loads that it was found for:
+    `Structure(net.points, {"net": Cable(branches, EA, prestress=net.forces)}, fixed)`.
+
+    Attributes:
+        points: Positions of the nodes, shape (n, 3) [m].
+        forces: Force in each branch, force density times length, shape (branches,) [N].
+        reactions: What holds the fixed components, shape (n, 3) [N]; zero where free.
+    """
+
+    points: NDArray[np.float64]
+    forces: NDArray[np.float64]
+    reactions: NDArray[np.float64]
+
+
+def force_density(
+    points: ArrayLike,
+    branches: ArrayLike,
+    q: ArrayLike,
+    fixed: Sequence[Support],
+    loads: ArrayLike | None = None,
+) -> Net:
+    """Shape of a net whose branches have given ratios of force to length.
+
+    The nodes are where the branches' forces, q times their vectors, balance the loads: a linear system for each
+    component, D x = p, with D the graph's weighted Laplacian.
+
+    Args:
+        points: Positions, shape (n, 3) [m]; only those of the fixed components matter.
+        branches: Pairs of node numbers, shape (b, 2).
+        q: Force densities, a number or one per branch, shape (b,) [N/m]. Positive ones are cables, and always have a
+            shape. Negative ones are struts: all negative and without loads, the shape is that of the positive ones,
+            in compression; of both signs, branches may fold over each other, or no shape be there at all. A branch of
+            zero carries nothing; where its nodes fall on one place it has no length, and `Structure` refuses it as a
+            cable: leave it out.
+        fixed: Nodes that do not move, by component: one held in "x" alone slides in the plane normal to x.
+        loads: Dead loads on the nodes, shape (n, 3) [N]; none if not given.
+
+    Returns:
+        The shape, the branch forces and the reactions.
+
+    Raises:
+        ValueError: Force densities of both signs throw a node a thousand times farther than the fixed nodes are apart;
+            numbers are not finite or do not fit; in some component a part of the net is tied to no fixed
+            node; the system is singular, as force densities at or below zero can make it (where those at a free node
+            add up to zero, it has no place of its own), or positive ones that differ by twelve powers of ten.
+
+    Source:
+        H.-J. Schek, The force density method for form finding and computation of general networks, Computer Methods
+        in Applied Mechanics and Engineering 3 (1974) 115-134.
+    """
+    points = validation.positions("points", points)
+    n = len(points)
+    branches = validation.cells("branches", branches, 2, distinct=False)
+    validation.in_range("branches", branches.ravel(), n, "node")
+    densities = validation.finite("q", q)
+    if densities.shape not in ((), (len(branches),)):
+        raise ValueError(
+            f"q has shape {densities.shape}; give a number or one for each of the {len(branches)} branches."
+        )
+    densities = np.broadcast_to(densities, len(branches))
+    force = np.zeros_like(points) if loads is None else validation.finite("loads", loads)
+    if force.shape != points.shape:
+        raise ValueError(f"loads has shape {force.shape}; give three components for each of the {n} nodes.")
+
+    a, b = branches.T
+    weights = sparse.coo_matrix((np.tile(densities, 2), (np.r_[a, b], np.r_[b, a])), shape=(n, n)).tocsr()
+    laplacian = (sparse.diags(np.asarray(weights.sum(axis=1)).ravel()) - weights).tocsr()
+    links = sparse.coo_matrix((np.ones(len(branches)), (a, b)), shape=(n, n))
+    piece = connected_components(links, directed=False)[1]
+    used = np.zeros(n, dtype=bool)
+    used[branches] = True
+    held = ~used[:, None] | _held(fixed, n)
+
+    shape = points.copy()
+    shape.setflags(write=True)
+    for component in range(3):
+        loose = np.setdiff1d(piece, piece[held[:, component]])
+        if len(loose):
+            node = int(np.flatnonzero(piece == loose[0])[0])
+            raise ValueError(
+                f"The part of the net with node {node} is tied to no fixed node in {'xyz'[component]}; fix one of it."
+            )
+        shape[:, component] = _solve(laplacian, held[:, component], points[:, component], force[:, component])
+        if not np.isfinite(shape[:, component]).all():
+            raise ValueError(_not_unique(densities, branches))
+    _check_size(shape, densities, branches, held, force)
+    lengths = np.linalg.norm(shape[a] - shape[b], axis=1)
+    return Net(shape, densities * lengths, np.where(held & used[:, None], laplacian @ shape - force, 0.0))
+
+
+def _check_size(
+    shape: NDArray[np.float64],
+    densities: NDArray[np.float64],
+    branches: NDArray[np.int64],
+    held: NDArray[np.bool_],
+    force: NDArray[np.float64],
+) -> None:
+    """Refuses a shape that force densities of both signs, which nearly cancel, throw far from its fixed nodes."""
+    if densities.min() > 0 or densities.max() <= 0:
+        return
+    used = np.unique(branches)
+    fixed = shape[used][held[used].any(axis=1)]
+    size = np.ptp(fixed, axis=0).max() + np.abs(force).sum() / np.abs(densities).max()
+    distance = np.linalg.norm(shape[used] - fixed.mean(axis=0), axis=1)
+    far = int(distance.argmax())
+    if distance[far] > FAR * size:
+        raise ValueError(
+            f"These force densities put node {used[far]} {distance[far]:.3g} away, more than {FAR:g} times the size of "
+            f"the net's fixed nodes, {size:.3g}: those of both signs nearly cancel; give positive ones."
+        )
+
+
+def _not_unique(densities: NDArray[np.float64], branches: NDArray[np.int64]) -> str:
+    least = int(np.argmin(densities))
+    a, b = branches[least]
+    remedy = "give positive ones"
+    if densities[least] > 0:
+        remedy = f"beside the largest, {densities.max():g}, it is lost in rounding: give ones nearer to each other"
+    return (
+        f"These force densities, down to {densities[least]:g} in branch {least} between nodes {a} and {b}, leave free "
+        f"nodes without a unique equilibrium; {remedy}."
+    )
+
+
+def _held(fixed: Sequence[Support], n: int) -> NDArray[np.bool_]:
+    held = np.zeros((n, 3), dtype=bool)
+    for support in validation.instances("fixed", fixed, Support):
+        nodes = np.asarray(support.nodes)
+        validation.in_range("fixed", nodes, n, "node")
+        for component in validation.components("Support components", support.components):
+            held[nodes, component] = True
+    return held
+
+
+def _solve(
+    laplacian: sparse.csr_matrix,
+    held: NDArray[np.bool_],
+    value: NDArray[np.float64],
+    force: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """One component of the shape; not a number where there is no unique one."""
+    free = ~held
+    result = value.copy()
+    if free.any():
+        matrix = laplacian[free][:, free].tocsc()
+        right = force[free] - laplacian[free][:, held] @ value[held]
+        try:
+            factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+            singular = np.abs(factors.U.diagonal()).min() <= 1e-13 * np.abs(laplacian).max()  # but for rounding
+            result[free] = np.nan if singular else factors.solve(right)
+        except RuntimeError:  # SuperLU: exactly singular
+            result[free] = np.nan
+    return result

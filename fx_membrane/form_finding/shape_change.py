@@ -1,0 +1,149 @@
+"""How far a step of form finding changes a shape: what is more than sliding of nodes, and what shrinks to nothing."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry.grids import boundary, measures, normals
+from ..model.parts import Bar, Mast
+from ..model.structure import Structure
+
+TURN = 0.6  # where the unit vectors of two segments differ by more, 35 degrees, a line has a corner
+# Share of its first length, or of the root of its first area, below which a cell counts as shrunk to nothing.
+GONE = 1e-3
+GONE_MAST = 1e-2  # no sliding of nodes makes a mast short
+HOLD = (
+    "hold the mast head as a support in form finding, and add mast and stays for the analysis, with forces that "
+    "balance the reactions of the form; or change the forces that meet there."
+)
+
+
+def change_of_shape(structure: Structure, points: NDArray[np.float64], displacement: NDArray[np.float64]) -> float:
+    """Largest displacement but for sliding within surfaces and along lines, over the mean length of the edges [-].
+
+    Lines are those of cables and masts, and the edges of membranes. No node slides where they end, meet, or turn.
+    Between such nodes the relative change of length of a cable or a mast counts too: it shows one that is too short for
+    displacements to show that it shrinks.
+    """
+    lines, edges = [], []
+    for part in structure.parts.values():
+        lines.append(boundary(part.cells) if part.dimension == 2 else part.cells)
+        size = measures(points, part.cells)
+        edges.append(np.sqrt(2 * size) if part.dimension == 2 else size)
+    segments = np.unique(np.sort(np.concatenate(lines)), axis=0)  # a cable on the edge of a membrane is one line
+    on_line = np.zeros(len(points), dtype=bool)
+    on_line[segments] = True
+    tangent = _line_tangents(points, segments)
+
+    def along(unit: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.sum(displacement * unit, axis=1, keepdims=True) * unit
+
+    normal = _unit(_nodal_normals(structure, points))
+    across = np.where(on_line[:, None], displacement - along(tangent), along(normal))
+    largest = float(np.linalg.norm(across, axis=1).max() / np.concatenate(edges).mean())
+    slides = np.any(tangent, axis=1)
+    for part in structure.parts.values():
+        if isinstance(part, Bar):
+            bars = part.cells[~slides[part.cells].any(axis=1)]
+            ratio = measures(points + displacement, bars) / measures(points, bars)
+            largest = max(largest, float(np.abs(ratio - 1).max(initial=0.0)))
+    return largest
+
+
+def check_collapse(structure: Structure, points: NDArray[np.float64], step: int) -> None:
+    """Refuses a shape in which a cell has shrunk to nothing, or a cable or a mast has grown without bound.
+
+    Args:
+        structure: The first shape.
+        points: Positions of the nodes now, shape (n, 3) [m].
+        step: The number of the step, to be told.
+
+    Raises:
+        RuntimeError: Names the part, the cell and the remedy.
+    """
+    if not np.isfinite(points).all():
+        raise RuntimeError(collapse(structure, step))
+    torn = False
+    for name, part in structure.parts.items():
+        first, now = measures(structure.points, part.cells), measures(points, part.cells)
+        gone = now < (GONE_MAST if isinstance(part, Mast) else GONE) ** part.dimension * first
+        if isinstance(part, Bar):
+            for cell in np.flatnonzero(gone | (now * GONE > first))[:1]:
+                force = part.prestress_tensors()[cell, 0, 0]
+                raise RuntimeError(_unbalanced(step, name, part, int(cell), force, first[cell], now[cell]))
+        torn |= bool(gone.any())
+    if torn:  # after the bars, whose fate may be its reason
+        raise RuntimeError(collapse(structure, step))
+
+
+def collapse(structure: Structure, step: int) -> str:
+    """The sentences about a shape that has no equilibrium; free masts, which may be the reason, come first."""
+    for name, part in structure.parts.items():
+        if isinstance(part, Mast):
+            force = part.prestress_tensors()[:, 0, 0]
+            free = ~np.all(structure.supported, axis=1)[part.cells].all(axis=1)
+            for cell in np.flatnonzero(free & (force < 0))[:1]:
+                length = measures(structure.points, part.cells[[cell]])[0]
+                return (
+                    f"Form finding stopped at step {step}: the shape collapses. The mast in cell {cell} of part "
+                    f"{name!r}, of the length {length:.4g} and the force {force[cell]:g}, has a free end, and no form "
+                    f"may balance the forces there; {HOLD}"
+                )
+    return (
+        f"Form finding stopped at step {step}: the shape collapses. There is none where edge cables are too weak "
+        "(force over stress of the fabric below half their span), where rings are too far apart, where a fabric is "
+        "held at one point within it, or where an edge has neither cable nor support; change the prestress or the "
+        "supports."
+    )
+
+
+def _unbalanced(step: int, name: str, part: Bar, cell: int, force: float, first: float, now: float) -> str:
+    kind = "mast" if isinstance(part, Mast) else "cable"
+    fate = "shrinks to a point" if now < first else "grows without bound"
+    remedy = "change its force, the forces that meet at its ends, or the loads; or hold its ends by supports."
+    if kind == "mast":
+        remedy = HOLD
+    return (
+        f"Form finding stopped at step {step}: the {kind} in cell {cell} of part {name!r}, with the force {force:g}, "
+        f"{fate} (its length was {first:.4g} and is {now:.3g}), since no length of it balances the forces at its ends; "
+        f"{remedy}"
+    )
+
+
+def _line_tangents(points: NDArray[np.float64], segments: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Unit tangents of lines at the nodes within them, shape (n, 3) [-]; zero where a line ends, turns or meets others.
+
+    Args:
+        points: Positions of the nodes, shape (n, 3) [m].
+        segments: Segments of the lines, each once, shape (k, 2).
+    """
+    direction = _unit(points[segments[:, 1]] - points[segments[:, 0]])
+    leaving, last = np.zeros_like(points), np.zeros_like(points)
+    for end, away in zip(segments.T, (direction, -direction), strict=True):
+        np.add.at(leaving, end, away)
+        last[end] = away
+    count = np.bincount(segments.ravel(), minlength=len(points))
+    slides = (count == 2) & (np.linalg.norm(leaving, axis=1) < TURN)
+    return np.where(slides[:, None], _unit(2 * last - leaving), 0.0)  # one direction less the other
+
+
+def _nodal_normals(structure: Structure, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Sum of the normals of the cells at each node, all to the side of one of them, shape (n, 3) [-].
+
+    Membranes that meet may have other senses, and a Moebius strip has none.
+    """
+    total, side = np.zeros_like(points), np.zeros_like(points)
+    surfaces = [part.cells for part in structure.parts.values() if part.dimension == 2]
+    for triangles in surfaces:
+        side[triangles] = normals(points, triangles)[:, None]
+    for triangles in surfaces:
+        normal = normals(points, triangles)
+        for corner in triangles.T:
+            turned = np.sum(normal * side[corner], axis=1, keepdims=True) < 0
+            np.add.at(total, corner, np.where(turned, -normal, normal))
+    return total
+
+
+def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Vectors of length one along those of shape (n, 3); zero where these are zero."""
+    length = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.divide(vectors, length, where=length > 0, out=np.zeros_like(vectors))

@@ -1,0 +1,244 @@
+"""Form finding with prescribed stress: soap films, and membranes and edge cables of given prestress.
+
+Each step solves for equilibrium with the prestress as 2nd Piola-Kirchhoff stress with respect to the present shape, and
+makes the result the next reference shape. The energy is quadratic, so a step is one linear solve, and the nodes have a
+definite place within the surface. With an isotropic stress it is the algorithm of Pinkall and Polthier for minimal
+surfaces. The shape settles in a few steps, while the nodes go on to slide within it for long; the steps end when what
+is left is sliding. Equilibrium is exact after each step, with the stress found, which differs from the prescribed one
+by what sliding is left and, in the end, not at all; but for loads along a line or a surface, as the weight of a hanging
+cable has, which no constant stress balances.
+
+Dead loads are per area of the form, which a step does not know before it is solved: it is solved again with the loads
+of its result until these no longer change.
+
+Source: K.-U. Bletzinger, E. Ramm, A general finite element approach to the form finding of tensile structures by the
+updated reference strategy, Int. J. Space Structures 14 (1999) 131-145; U. Pinkall, K. Polthier, Computing discrete
+minimal surfaces and their conjugates, Experimental Mathematics 2 (1993) 15-36.
+"""
+
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from ..assembly import load_cases
+from ..assembly.problem import Actions, Problem
+from ..checks import validation
+from ..geometry.grids import measures, normals, projected
+from ..model import loads
+from ..model.fingerprints import of_settings
+from ..model.loads import DeadLoad, PointLoad, Pressure, Stage
+from ..model.parts import Mast, Membrane, Part
+from ..model.restraint import check_supports
+from ..model.structure import Structure
+from ..results.evaluation import Recorder
+from ..results.states import BarResult, MembraneResult
+from ..runtime.processes import refuse_differences, together
+from ..solvers.base import Iteration, Solution
+from ..solvers.newton import Newton
+from ..solvers.progress import Pulse
+from .shape_change import change_of_shape, check_collapse, collapse
+
+SAME = 1e-12  # change of the loads, relative to the largest, that is none
+REPEATS = 100  # most solves of a step
+STRAY = 0.1  # accepted error of the stress where it can settle, relative to the prescribed one
+STRAY_LOADED = 0.5  # the same where dead loads lie along lines and surfaces, which no constant stress balances
+
+
+class UnsettledFormWarning(UserWarning):
+    """A form whose shape still changed in the last step: it is in equilibrium, with a stress that is not settled."""
+
+
+class Step(NamedTuple):
+    """One step of form finding.
+
+    Attributes:
+        area: Area of all membranes [m2].
+        change: Largest displacement of the step across the surface or the lines, over the mean length of the edges; of
+            cables and masts between nodes that do not slide also the relative change of length, where it is larger [-].
+        stress_error: Largest difference of the stress in the shape from the prescribed one, relative to the latter.
+    """
+
+    area: float
+    change: float
+    stress_error: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Form:
+    """A found shape.
+
+    Attributes:
+        structure: The structure in this shape, in equilibrium with the loads of the form; its prestress is the stress
+            found in each cell, which is the prescribed one as far as the steps have converged and the loads allow.
+        steps: The steps.
+        converged: Whether the change of shape fell below the tolerance, with a stress that is off by less than 10 %, or
+            50 % where the form carries dead or point loads, which may leave no constant stress.
+    """
+
+    structure: Structure
+    steps: tuple[Step, ...]
+    converged: bool
+
+    def __repr__(self) -> str:
+        return f"Form({self.structure}, {len(self.steps)} steps, converged={self.converged})"
+
+
+def updated_reference(
+    structure: Structure,
+    loads_in_form: Sequence[PointLoad | DeadLoad | Pressure] = (),
+    tolerance: float = 1e-3,
+    max_steps: int = 100,
+    comm: MPI.Intracomm = MPI.COMM_WORLD,
+) -> Form:
+    """Shape in which the prestress of membranes, cables and masts is in equilibrium, their elasticity set aside.
+
+    The length of a mast is not prescribed, but found with its force. A mast is found where the forces at its free ends
+    have an equilibrium, as between guys that leave its head no other place. Otherwise hold the mast heads by supports,
+    and add masts and stays for the analysis, with forces that balance the reactions of the form.
+
+    Args:
+        structure: A first shape with the wanted prestress and the supports of the form.
+        loads_in_form: Loads that the form is to balance, as an inner pressure; dead loads are per area or length of
+            the form.
+        tolerance: Accepted change of shape in a step, `Step.change` [-].
+        max_steps: Most steps.
+        comm: The processes that share the work.
+
+    Returns:
+        The form, in equilibrium also where the steps were too few.
+
+    Raises:
+        ValueError: The structure has no prestress anywhere or a compressive one in a membrane or a cable, is not
+            supported, or the loads do not fit it.
+        RuntimeError: A step found no equilibrium, or the shape collapses, as a catenoid between rings too far apart;
+            a cable or a mast shrinks to a point or grows without bound; or dead loads grow with the form faster than
+            the prestress can hold.
+
+    Warns:
+        UnsettledFormWarning: The steps were too few; the form is that of the last one.
+    """
+    validation.communicator("updated_reference comm", comm)
+    with together(comm):
+        validation.instance("updated_reference structure", structure, Structure)
+        tolerance = validation.positive("tolerance", tolerance)
+        max_steps = validation.whole("max_steps", max_steps)
+        stage = Stage("form", validation.instances("loads_in_form", loads_in_form, PointLoad | DeadLoad | Pressure))
+        loads.check(structure, [stage])
+        check_supports(structure, structure.supported)
+        _check_prestress(structure)
+    settings = {"loads_in_form": stage.loads, "tolerance": tolerance, "max_steps": max_steps}
+    refuse_differences(comm, lambda: of_settings(settings))
+    problem = Problem(structure, comm, elastic=False)
+    solve, record = Newton(line_search=False).prepare(problem), Recorder(problem)
+    points = structure.points
+    steps: list[Step] = []
+    parts: dict[str, Part] = dict(structure.parts)
+    converged = False
+    stray = STRAY_LOADED if any(isinstance(load, PointLoad | DeadLoad) for load in stage.loads) else STRAY
+    pulse = Pulse("form finding", comm.rank == 0)
+
+    def monitor(number: int, entry: Iteration) -> None:
+        pulse(f"step {len(steps) + 1}, iteration {number}, residual {entry.residual:.1e}")
+
+    while len(steps) < max_steps and not converged:
+        found = _equilibrium(problem, partial(solve, monitor=monitor), stage, points)
+        if found is None:
+            raise RuntimeError(collapse(structure, len(steps) + 1))
+        x, actions = found
+        state = record(stage.name, x, actions, ())
+        change = change_of_shape(structure, points, state.displacement)
+        points = points + state.displacement
+        check_collapse(structure, points, len(steps) + 1)
+        parts, error = {}, 0.0
+        for name in structure.parts:
+            parts[name], deviation = _stressed(structure, name, points, state.parts[name])
+            error = max(error, deviation)
+        area = sum(measures(points, part.cells).sum() for part in parts.values() if part.dimension == 2)
+        steps.append(Step(float(area), change, error))
+        converged = change <= tolerance and error <= stray
+    with together(comm):
+        if not converged and comm.rank == 0:
+            _warn_of_unsettled_form(steps, tolerance)
+    return Form(replace(structure, points=points, parts=parts), tuple(steps), converged)
+
+
+def _equilibrium(
+    problem: Problem, solve: Callable[[PETSc.Vec], Solution], stage: Stage, reference: NDArray[np.float64]
+) -> tuple[PETSc.Vec, Actions] | None:
+    """Displacement from a reference shape to one in which the prestress balances the loads on it; None without one.
+
+    Raises:
+        RuntimeError: The loads do not settle.
+    """
+    supports = load_cases.unloaded(problem.discretization.structure)
+    x, shape, before = problem.discretization.create_vector(), reference, None
+    for _ in range(REPEATS):
+        problem.discretization.move(shape)
+        actions = load_cases.target(problem, stage, supports)
+        problem.discretization.move(reference)
+        problem.apply(actions)
+        if before is not None and np.abs(actions.loads - before).max() <= SAME * np.abs(actions.loads).max():
+            return x, actions
+        if not solve(x).converged:
+            if before is None:
+                return None
+            break
+        shape, before = reference + problem.discretization.gather(x), actions.loads
+    raise RuntimeError(
+        "Form finding found no shape for the dead loads: they grow with the form faster than the prestress can hold. "
+        "Give a larger prestress or smaller loads."
+    )
+
+
+def _warn_of_unsettled_form(steps: Sequence[Step], tolerance: float) -> None:
+    last = steps[-1]
+    warnings.warn(
+        f"The form has not settled: step {len(steps)}, the last, changed it by {last.change:.3g} of the length of an "
+        f"edge, more than the tolerance {tolerance:g}, and its stress is off by {100 * last.stress_error:.3g} % of the "
+        "prescribed one; it is in equilibrium with the stress found. Allow more steps (max_steps=...) or a larger "
+        "tolerance; where the change does not fall from step to step (form.steps), the prestress may have no form.",
+        UnsettledFormWarning,
+        stacklevel=3,
+    )
+
+
+def _check_prestress(structure: Structure) -> None:
+    stresses = {name: part.prestress_tensors() for name, part in structure.parts.items()}
+    if not any(stress.any() for stress in stresses.values()):
+        raise ValueError("No part has a prestress; form finding needs the stress that the form is to have.")
+    for name, part in structure.parts.items():
+        least = np.linalg.eigvalsh(stresses[name])[:, 0]
+        if not isinstance(part, Mast) and least.min() < 0:
+            cell = int(np.argmin(least))
+            raise ValueError(
+                f"Part {name!r}, cell {cell}: its prestress is compressive ({least[cell]:g}); no form of fabric or "
+                "cables holds that, give a tension."
+            )
+
+
+def _stressed(
+    structure: Structure, name: str, points: NDArray[np.float64], state: MembraneResult | BarResult
+) -> tuple[Part, float]:
+    """The part with the stress of a state as its prestress, in a new shape; the relative error of that stress."""
+    part = structure.parts[name]
+    wanted = part.prestress_tensors()
+    if isinstance(state, MembraneResult):
+        assert isinstance(part, Membrane)
+        warp = structure.warp(name)
+        normal = normals(points, part.cells)
+        first = projected(warp, normal)
+        frame = np.stack([first, np.cross(normal, first)], axis=2)
+        found = np.einsum("nia,nij,njb->nab", frame, state.cauchy, frame)
+        found = (found + found.swapaxes(1, 2)) / 2
+        stressed: Part = replace(part, prestress=found, warp=warp)
+    else:
+        found = state.force[:, None, None]
+        stressed = replace(part, prestress=state.force)
+    return stressed, float(np.abs(found - wanted).max() / max(np.abs(wanted).max(), np.finfo(float).tiny))

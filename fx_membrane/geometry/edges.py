@@ -1,0 +1,51 @@
+"""Cables along the edges of a membrane, picked from its mesh."""
+
+from collections.abc import Callable
+
+import numpy as np
+from dolfinx import mesh
+from numpy.typing import ArrayLike, NDArray
+
+from .. import _dolfinx
+from ..checks import validation
+
+
+def edges_on(
+    points: ArrayLike, triangles: ArrayLike, on: Callable[[NDArray[np.float64]], NDArray[np.bool_]]
+) -> NDArray[np.int64]:
+    """Edges of a membrane that lie on a line or a surface, as cells for cables, shape (edges, 2).
+
+    They are the cells of the dolfinx sub-mesh of these edges, in the numbers of the user's nodes.
+
+    Args:
+        points: Positions of the nodes, shape (n, 3) [m].
+        triangles: Cells of the membrane, shape (cells, 3).
+        on: Takes positions as columns, shape (3, m), and says which are on it, shape (m,); an edge is chosen if both
+            its ends are: `lambda x: numpy.isclose(x[1], 0)`.
+
+    Raises:
+        ValueError: The triangles name nodes that do not exist, on is not such a function, or no edge is on it.
+    """
+    if not callable(on):
+        raise ValueError(
+            f"on is {validation.shown(on)}; give a function of positions, lambda x: numpy.isclose(x[1], 0)."
+        )
+    positions = validation.positions("points", points)
+    mask = np.asarray(on(positions.T))
+    if mask.shape != (len(positions),) or mask.dtype != bool:
+        raise ValueError(
+            f"on gives {validation.shown(mask)}; it must give True or False for each position, shape (m,)."
+        )
+    cells = validation.cells("triangles", triangles, 3)
+    validation.in_range("triangles", cells.ravel(), len(positions), "node")
+    nodes, local = np.unique(cells, return_inverse=True)
+    membrane = _dolfinx.create_mesh(positions[nodes], local.reshape(-1, 3))
+    membrane.topology.create_connectivity(1, 2)
+    chosen = mesh.locate_entities(membrane, 1, on)
+    if not len(chosen):
+        raise ValueError(
+            "No edge of the membrane lies where cables are wanted; allow for rounding, numpy.isclose(...)."
+        )
+    line = mesh.create_submesh(membrane, 1, chosen)[0]
+    rows = np.asarray(line.geometry.input_global_indices)[_dolfinx.geometry_table(line.geometry)]
+    return np.asarray(nodes[rows.reshape(-1, 2)])

@@ -1,0 +1,1 @@
+"""Plain data that a user writes, checked when it is made: materials, parts, supports, loads, structures."""

@@ -1,0 +1,61 @@
+"""Nodes at one place that are not one node, which a designer may have meant to be one."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from ..checks import validation
+from .parts import Part
+
+COINCIDENT = 1e-9  # distance, relative to the size of the structure
+
+
+class CoincidentNodesWarning(UserWarning):
+    """Nodes at one place that are not one node: parts are joined by the nodes they share, not by where these are."""
+
+
+def coincident_nodes(
+    points: NDArray[np.float64],
+    parts: Mapping[str, Part],
+    fixed: NDArray[np.bool_],
+    separate: Sequence[tuple[str, str]],
+) -> str:
+    """A sentence about nodes at one place that are not all fixed; empty where there are none.
+
+    Args:
+        points: Positions of the nodes, shape (n, 3) [m].
+        parts: Parts by name.
+        fixed: Nodes that are held in all components, shape (n,).
+        separate: Pairs of names of parts whose nodes may be at one place.
+    """
+    using = {name: np.zeros(len(points), dtype=bool) for name in parts}
+    for name, part in parts.items():
+        using[name][part.cells] = True
+    used = np.flatnonzero(np.any(list(using.values()), axis=0))
+    size = np.ptp(points[used], axis=0).max()
+    pairs = used[cKDTree(points[used]).query_pairs(COINCIDENT * size, output_type="ndarray")]
+    pairs = np.sort(pairs[~fixed[pairs].all(axis=1)], axis=1)
+    for first, second in separate:
+        a, b = using[first][pairs], using[second][pairs]
+        pairs = pairs[~((a[:, 0] & b[:, 1]) | (a[:, 1] & b[:, 0]))]
+    if not len(pairs):
+        return ""
+    a, b = pairs[np.lexsort(pairs.T[::-1])[0]]
+    count = f" ({len(pairs)} such pairs in all)" if len(pairs) > 1 else ""
+    (first, one), (second, other) = _first_cell(parts, a), _first_cell(parts, b)
+    return (
+        f"Nodes {a} and {b} are at the same place, {validation.place(points[a])}, but nothing joins them{count}: cell "
+        f"{one} of {first!r} and cell {other} of {second!r} can part there. To join them, give all cells that meet "
+        f"there the same node number; if they are meant to be apart, say so by separate=[({first!r}, {second!r})]."
+    )
+
+
+def _first_cell(parts: Mapping[str, Part], node: int) -> tuple[str, int]:
+    """Name of the first part at a node, and its first cell there."""
+    for name, part in parts.items():
+        cells = np.flatnonzero((part.cells == node).any(axis=1))
+        if len(cells):
+            return name, int(cells[0])
+    raise AssertionError("no part uses the node")

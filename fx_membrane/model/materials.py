@@ -1,0 +1,84 @@
+"""Materials of membranes, as stiffness per width (modulus times thickness), the way fabric data sheets give it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..checks.validation import number, positive, shown, store
+
+
+@dataclass(frozen=True)
+class Fabric:
+    """Isotropic Saint Venant-Kirchhoff membrane in plane stress.
+
+    A law of your own cannot be made by deriving from this class: `Membrane` refuses derived classes.
+
+    Args:
+        Et: Young's modulus times thickness [N/m].
+        nu: Poisson's ratio, above -1 and at most 0.5 [-].
+
+    Raises:
+        ValueError: A value is out of its range.
+    """
+
+    Et: float
+    nu: float
+
+    def __post_init__(self) -> None:
+        store(self, positive, "Et")
+        given = self.nu
+        store(self, number, "nu")
+        if not -1 < self.nu <= 0.5:
+            raise ValueError(f"Fabric nu is {shown(given)}; Poisson's ratio must be above -1 and at most 0.5.")
+
+    @classmethod
+    def from_modulus(cls, E: float, nu: float, thickness: float) -> "Fabric":
+        """Fabric of a Young's modulus E [Pa], Poisson's ratio nu [-] and a thickness [m]."""
+        return cls(positive("Fabric E", E) * positive("Fabric thickness", thickness), nu)
+
+    def strain(self, stress: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Green-Lagrange strains that belong to stresses [N/m] of cells, both of shape (n, 2, 2)."""
+        return _strain(stress, self.Et, self.Et, self.nu, self.Et / (2 * (1 + self.nu)))
+
+
+@dataclass(frozen=True)
+class OrthotropicFabric:
+    """Woven Saint Venant-Kirchhoff membrane in plane stress, with warp and weft; derived classes are refused.
+
+    Args:
+        Et_warp: Modulus times thickness along the warp [N/m].
+        Et_weft: Modulus times thickness along the weft [N/m].
+        nu: Poisson's ratio, the contraction of the weft under tension in the warp [-]; the other one follows
+            from symmetry, nu Et_weft / Et_warp.
+        Gt: Shear modulus times thickness [N/m].
+
+    Raises:
+        ValueError: A stiffness is not positive, or nu^2 Et_weft / Et_warp >= 1 (the energy would not be positive).
+    """
+
+    Et_warp: float
+    Et_weft: float
+    nu: float
+    Gt: float
+
+    def __post_init__(self) -> None:
+        store(self, positive, "Et_warp", "Et_weft", "Gt")
+        given = self.nu
+        store(self, number, "nu")
+        limit = (self.Et_warp / self.Et_weft) ** 0.5
+        if not abs(self.nu) < limit:
+            raise ValueError(
+                f"OrthotropicFabric nu is {shown(given)}; with these stiffnesses its size must be below {limit:.6g}."
+            )
+
+    def strain(self, stress: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Green-Lagrange strains that belong to stresses [N/m] of cells in the warp/weft frame, both (n, 2, 2)."""
+        return _strain(stress, self.Et_warp, self.Et_weft, self.nu, self.Gt)
+
+
+def _strain(stress: NDArray[np.float64], Et_warp: float, Et_weft: float, nu: float, Gt: float) -> NDArray[np.float64]:
+    strain = np.divide(stress, 2 * Gt)
+    strain[:, 0, 0] = stress[:, 0, 0] / Et_warp - nu * stress[:, 1, 1] / Et_warp
+    strain[:, 1, 1] = stress[:, 1, 1] / Et_weft - nu * stress[:, 0, 0] / Et_warp
+    return strain

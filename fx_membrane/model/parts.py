@@ -1,0 +1,168 @@
+"""What a structure is made of, as plain data checked when created: membranes, cables and masts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import ClassVar, Self, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..checks import validation
+from .materials import Fabric, OrthotropicFabric
+
+
+@dataclass(frozen=True, eq=False)
+class Membrane:
+    """Three-node membrane elements of one fabric.
+
+    Args:
+        cells: Triangles as rows of node numbers, shape (n, 3), in either order; see `Structure`.
+        material: The fabric, a `Fabric` or an `OrthotropicFabric` itself: the law of a derived class would not be used.
+        prestress: Cauchy stress times thickness in the reference shape [N/m]: a number (isotropic), a pair
+            (warp, weft), or a tensor (2, 2) in the warp/weft frame; or one of these per cell, shape (n, 1),
+            (n, 2) or (n, 2, 2). Shape (2, 2) is always one tensor. A negative one is an excess of cloth: the cloth is
+            larger than the reference shape, and carries nothing until it is stretched to its own size. It is meant for
+            a small excess: stiffness and loads are per size of the reference shape, and cloth with an excess strain E0
+            in all directions is 1 + 2 E0 times as stiff as its data (4 % more with 2 %).
+        warp: A vector (3,), or one per cell (n, 3), that projected on the cell gives the warp direction. The weft
+            is a right angle further, counter-clockwise about the normal that `Structure.normals` gives. Without a
+            warp the global x axis is taken, or y where a cell is nearly normal to x, for results only.
+        compression_stiffness: Share of the stiffness that is kept where the membrane wrinkles or is slack, in (0, 1]
+            [-]. It keeps slack nodes in place; above 1e-3 it is seen in results. 1 switches wrinkling off: compression
+            is carried like tension, and every cell is called taut.
+        mass: Mass per area of the reference shape, as data sheets give it [kg/m2], for `natural_frequencies`; in the
+            unit that the other data demand, force unit times s2 over length unit, per area: t/m2 with kN and m. It is
+            here and not in the material, so that membranes, cables and masts have it in one place. It brings no
+            weight: that is a load, `DeadLoad((0, 0, -9.81 * mass), part)`.
+
+    Raises:
+        ValueError: Cells, prestress or warp have a wrong shape or values that are not finite; the material is of
+            another class, also of a derived one; the material or the prestress has a direction and there is no warp;
+            the mass is negative.
+    """
+
+    dimension: ClassVar[int] = 2
+    cells: NDArray[np.int64]
+    material: Fabric | OrthotropicFabric
+    prestress: ArrayLike = 0.0
+    warp: ArrayLike | None = None
+    compression_stiffness: float = 1e-4
+    mass: float = field(default=0.0, kw_only=True)
+
+    def __post_init__(self) -> None:
+        validation.keep(self, cells=validation.cells("Membrane cells", self.cells, 3))
+        validation.plain("Membrane material", self.material, Fabric | OrthotropicFabric)
+        validation.store(self, validation.finite, "prestress")
+        validation.store(self, validation.share, "compression_stiffness")
+        validation.store(self, validation.not_negative, "mass")
+        tensors = self.prestress_tensors()
+        directed = not np.array_equal(tensors, tensors[:, :1, :1] * np.eye(2))
+        if self.warp is not None:
+            warp = validation.finite("Membrane warp", self.warp)
+            validation.keep(self, warp=warp)
+            if warp.shape not in ((3,), (len(self.cells), 3)):
+                raise ValueError(f"Membrane warp has shape {warp.shape}; give (3,) or ({len(self.cells)}, 3).")
+        elif directed or isinstance(self.material, OrthotropicFabric):
+            what = f"material is {validation.shown(self.material)}"
+            if not isinstance(self.material, OrthotropicFabric):
+                what = f"prestress is {validation.shown(self.prestress)}"
+            raise ValueError(
+                f"Membrane {what}, which has a warp and a weft; give the warp as a vector, warp=(x, y, z)."
+            )
+
+    def prestress_tensors(self) -> NDArray[np.float64]:
+        """Prestress of every cell in the warp/weft frame, shape (n, 2, 2) [N/m]."""
+        n = len(self.cells)
+        value = np.asarray(self.prestress)
+        if value.shape in ((), (1,), (n, 1)):
+            return np.broadcast_to(value.reshape(-1, 1, 1) * np.eye(2), (n, 2, 2))
+        if value.shape == (2,) or (value.shape == (n, 2) and n != 2):
+            return np.broadcast_to(value.reshape(-1, 2, 1) * np.eye(2), (n, 2, 2))
+        if value.shape not in ((2, 2), (n, 2, 2)):
+            raise ValueError(
+                f"Membrane prestress has shape {value.shape}; give a number, a (warp, weft) pair or a (2, 2) tensor, "
+                f"or one of these for each of the {n} cells: ({n}, 1), ({n}, 2) or ({n}, 2, 2)."
+            )
+        skew = np.flatnonzero(value.reshape(-1, 4)[:, 1] != value.reshape(-1, 4)[:, 2])
+        if len(skew):
+            tensor = value.reshape(-1, 2, 2)[skew[0]].tolist()
+            raise ValueError(f"Membrane prestress {tensor} is not symmetric; give [[warp, shear], [shear, weft]].")
+        return np.broadcast_to(value, (n, 2, 2))
+
+
+@dataclass(frozen=True, eq=False)
+class Bar:
+    """What cables and masts have in common: straight elements that carry axial force only."""
+
+    dimension: ClassVar[int] = 1
+    cells: NDArray[np.int64]
+    axial_stiffness: float
+    prestress: ArrayLike = 0.0
+    mass: float = field(default=0.0, kw_only=True)
+
+    def __post_init__(self) -> None:
+        validation.keep(self, cells=validation.cells(f"{type(self).__name__} cells", self.cells, 2))
+        validation.store(self, validation.positive, "axial_stiffness")
+        validation.store(self, validation.not_negative, "mass")
+        validation.store(self, validation.finite, "prestress")
+        self.prestress_tensors()
+
+    @classmethod
+    def from_modulus(
+        cls, cells: NDArray[np.int64], E: float, area: float, prestress: ArrayLike = 0.0, density: float = 0.0
+    ) -> Self:
+        """Bars of a Young's modulus E [Pa], a cross-section area [m2] and a density [kg/m3], t/m3 with kN and m."""
+        E, area = validation.positive(f"{cls.__name__} E", E), validation.positive(f"{cls.__name__} area", area)
+        return cls(cells, E * area, prestress, mass=validation.not_negative(f"{cls.__name__} density", density) * area)
+
+    def prestress_tensors(self) -> NDArray[np.float64]:
+        """Prestress of every cell, shape (n, 1, 1) [N]."""
+        name, n = f"{type(self).__name__} prestress", len(self.cells)
+        value = np.asarray(self.prestress)
+        if value.shape not in ((), (n,)):
+            raise ValueError(f"{name} has shape {value.shape}; give a number or one for each of the {n} cells.")
+        return np.broadcast_to(value.reshape(-1, 1, 1), (n, 1, 1))
+
+
+@dataclass(frozen=True, eq=False)
+class Cable(Bar):
+    """Cables as two-node straight elements that go slack instead of carrying compression.
+
+    Args:
+        cells: Segments as rows of node numbers, shape (n, 2).
+        axial_stiffness: Young's modulus times cross-section [N].
+        prestress: Axial force in the reference shape [N], a number or one per cell, shape (n,). A negative one is
+            an excess of length: the cable is slack until it is stretched by the Green-Lagrange strain
+            -prestress / axial_stiffness, about the share by which it is longer than its reference shape. It is meant
+            for a small excess: stiffness and loads are per length of the reference shape, and a cable with the excess
+            strain E0 is (1 + 2 E0)^1.5 times as stiff as its data: 6 % more with 2 %, 31 % with 10 %.
+        compression_stiffness: Share of the stiffness that is kept where the cable is slack, in (0, 1] [-]. It keeps
+            slack nodes in place; what it carries is seen in results, as a small negative force of a slack cable: the
+            kept share of the compression that a mast would have there. 1 switches that off: compression is
+            carried like tension, and no cable is called slack.
+        mass: Mass per length of the reference shape [kg/m], for `natural_frequencies`: in the unit that the other data
+            demand, force unit times s2 over length unit, per length, t/m with kN and m. It brings no weight.
+
+    Raises:
+        ValueError: Cells or prestress have a wrong shape or values that are not finite; a stiffness is not positive;
+            the mass is negative.
+    """
+
+    compression_stiffness: float = 1e-4
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        validation.store(self, validation.share, "compression_stiffness")
+
+
+@dataclass(frozen=True, eq=False)  # again, so that Python's own refusals say Mast
+class Mast(Bar):
+    """Pinned masts and struts as two-node straight elements, in tension and compression.
+
+    Args and Raises as for `Cable`, without `compression_stiffness`; a negative prestress is a compression.
+    """
+
+
+Part = Membrane | Cable | Mast
+Kind = TypeVar("Kind", Membrane, Cable, Mast)

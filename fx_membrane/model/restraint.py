@@ -1,0 +1,101 @@
+"""Rigid-body motions that supports leave free."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
+
+from ..assembly.partition import node_graph
+from .parts import Mast
+from .structure import Structure
+
+MOTIONS = ("move along x", "move along y", "move along z", "turn about x", "turn about y", "turn about z")
+
+
+def check_supports(structure: Structure, held: NDArray[np.bool_]) -> None:
+    """Refuses a structure of which a connected piece can move as a rigid body.
+
+    One free turn is let pass, as of a cable or a banner about the line between its two anchors: loads and prestress
+    can hold it, and the solver tells where they do not.
+
+    Args:
+        structure: The structure.
+        held: Which components of which nodes are held, shape (n, 3).
+
+    Raises:
+        ValueError: Names a node and the parts of the piece, and a motion that nothing prevents; or the end of a mast
+            that nothing holds.
+    """
+    _check_masts(structure, held)
+    graph = node_graph((part.cells for part in structure.parts.values()), len(structure.points))
+    used = np.flatnonzero(structure.used)
+    count, piece = connected_components(graph[used][:, used], directed=False)
+    order = used[np.argsort(piece, kind="stable")]
+    for nodes in np.split(order, np.cumsum(np.bincount(piece, minlength=count))[:-1]):
+        motions = free_motions(structure.points[nodes], held[nodes])
+        translates = np.linalg.norm(motions[:, 3:], axis=1) < 1e-6
+        if len(motions) > 1 or translates.any():
+            named = motions[translates] if translates.any() else motions * ([0, 0, 0, 1, 1, 1])
+            freest = MOTIONS[int(np.argmax(np.sum(named**2, axis=0)))]
+            join = ", or join it to the rest, with which it shares no node" if count > 1 else ""
+            raise ValueError(
+                f"The structure is not supported enough: the piece with node {nodes[0]} ({len(nodes)} nodes: "
+                f"{_named(structure, nodes)}) can {freest} as a rigid body. Add supports or prescribed displacements "
+                f"there{join}."
+            )
+
+
+def _named(structure: Structure, nodes: NDArray[np.intp]) -> str:
+    """The parts that a connected piece is made of, with the first cells of those that are not all in it."""
+    found = []
+    for name, part in structure.parts.items():
+        cells = np.flatnonzero(np.isin(part.cells[:, 0], nodes))
+        if len(cells):
+            some = ", ".join(map(str, cells[:3])) + (", ..." if len(cells) > 3 else "")
+            which = "" if len(cells) == len(part.cells) else f" (cells {some})"
+            found.append(f"{type(part).__name__} {name!r}{which}")
+    return ", ".join(found)
+
+
+def _check_masts(structure: Structure, held: NDArray[np.bool_]) -> None:
+    for name, part in structure.parts.items():
+        ends = loose_ends(structure, name, held) if isinstance(part, Mast) else []
+        if ends:
+            cell, node = ends[0]
+            raise ValueError(
+                f"Mast {cell} of {name!r} ends nowhere: no other part and no support is at node {node}. "
+                "Support the node, or join it to a part."
+            )
+
+
+def loose_ends(structure: Structure, name: str, held: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Cells of masts or cables that end where no other cell is and nothing is held, and the nodes there.
+
+    A mast cannot stand so. A cable can hang from its other end, by a weight; without one it carries nothing.
+    """
+    meeting = sum(np.bincount(part.cells.ravel(), minlength=len(structure.points)) for part in structure.parts.values())
+    cells = structure.parts[name].cells
+    loose = (np.asarray(meeting)[cells] == 1) & ~held[cells].any(axis=2)
+    return [(int(cell), int(cells[cell, end])) for cell, end in np.argwhere(loose)]
+
+
+def free_motions(points: NDArray[np.float64], held: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Rigid motions that nothing prevents, orthonormal, shape (motions, 6).
+
+    Each is three translations and three rotations about the centre of the points, lengths scaled to the largest
+    distance from it. A motion that moves no point, as the turn of a straight cable about itself, is left out.
+
+    Args:
+        points: Positions, shape (n, 3) [m].
+        held: Which components are held, shape (n, 3).
+    """
+    arm = points - points.mean(axis=0)
+    arm = arm / max(np.abs(arm).max(), np.finfo(float).tiny)
+    translations = np.broadcast_to(np.eye(3), (len(points), 3, 3))
+    rotations = np.cross(np.eye(3), arm[:, None, :]).swapaxes(1, 2)
+    modes = np.concatenate([translations, rotations], axis=2)  # displacement of each point, (n, 3, 6)
+    resisted = modes[held]
+    stiffness, directions = np.linalg.eigh(resisted.T @ resisted)
+    free = directions[:, stiffness <= 1e-12 * max(len(resisted), 1)]
+    moved = (modes @ free).reshape(3 * len(points), -1)
+    amount, combinations = np.linalg.eigh(moved.T @ moved)
+    return np.asarray((free @ combinations[:, amount > 1e-10 * len(points)]).T)

@@ -1,0 +1,255 @@
+"""A tension structure as plain data: points, parts (membranes, cables and masts) and supports, checked when created."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..checks import validation
+from ..geometry.grids import SLENDER, SLIVER, aspects, normals, projected, with_one_sense
+from .coincidence import CoincidentNodesWarning, coincident_nodes
+from .parts import Cable, Kind, Mast, Membrane, Part
+
+
+class SliverWarning(UserWarning):
+    """A triangle that is so slender that the rounding of its forces is seen in results."""
+
+
+@dataclass(frozen=True, eq=False)
+class Support:
+    """Nodes held at their reference position.
+
+    Args:
+        nodes: A node number or several, shape (k,).
+        components: The components held, some of "xyz".
+
+    Raises:
+        ValueError: Nodes are not whole numbers; components are not letters of "xyz".
+    """
+
+    nodes: ArrayLike
+    components: str = "xyz"
+
+    def __post_init__(self) -> None:
+        validation.store(self, validation.rows, "nodes")
+        validation.store(self, validation.letters, "components")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Structure:
+    """Everything that does not change from stage to stage.
+
+    The nodes of a triangle may be in either order: when the structure is made, all cells of a connected membrane, open
+    or closed, are turned to one sense, that of the first. In `parts` a turned cell has its last two nodes exchanged;
+    the rows of cells keep their order. Data per cell stay valid, as none depend on the order of its nodes: prestress
+    is in the warp/weft frame of the one sense, warp is a vector in space, pressure is along `normals`.
+
+    A membrane without two sides (a Moebius strip, or sheets that branch) is a structure too. It is refused where
+    `normals` are asked for, a pressure acts, or one prestress tensor with shear is given for all its cells. Its cells
+    keep the sense that they have, in a branching one that of their sheet; so do the signs of shear in each cell:
+    in the results, and in prestress tensors given per cell.
+
+    Args:
+        points: Reference (prestressed) position of the nodes, shape (n, 3) [m]. A node is known by its row.
+        parts: Membranes, cables and masts by name. Parts that share a node are hinged together there. Give each a
+            name of its own: of two entries with one name a Python dictionary keeps the last without a word.
+        supports: Nodes that do not move.
+        separate: Pairs of names of parts that lie on each other without being joined, as the two skins of a cushion:
+            `[("top", "bottom")]`. Their nodes may be at one place; of a part and itself too, as at a slit.
+
+    Raises:
+        ValueError: A cell names a node that does not exist, has no area or no length, is a sliver more than 1e7 times
+            as long as it is high, or is normal to its warp vector; a part is of a class derived from `Membrane`,
+            `Cable` or `Mast`; a support is on a node that does not exist or that no part uses; a value is not finite; a
+            membrane without two sides has one prestress tensor with shear; separate names a
+            part that is not there.
+
+    Warns:
+        CoincidentNodesWarning: Nodes of the parts are at one place, nearer than 1e-9 of the size of the structure, and
+            not all of them are held there by supports. If they are meant to be apart (two skins, a slit, two cables
+            that cross), name their parts in `separate`.
+        SliverWarning: A triangle is more than 5e5 times as long as it is high.
+    """
+
+    points: NDArray[np.float64]
+    parts: Mapping[str, Part]
+    supports: Sequence[Support] = ()
+    separate: Sequence[tuple[str, str]] = ()
+    _no_sides: dict[str, str] = field(init=False, repr=False, default_factory=dict)  # membrane: reason
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "points", validation.positions("points", self.points))
+        if not isinstance(self.parts, Mapping):
+            raise ValueError(f'parts is a {type(self.parts).__name__}; give a dictionary, {{"name": Membrane(...)}}.')
+        parts = {validation.name("part", name): part for name, part in self.parts.items()}
+        object.__setattr__(self, "parts", parts)
+        object.__setattr__(self, "supports", validation.instances("supports", self.supports, Support))
+        if not self.parts:
+            raise ValueError("The structure has no parts; give at least one Membrane, Cable or Mast.")
+        count = len(self.points)
+        for name, part in self.parts.items():
+            validation.plain(f"Part {name!r}", part, Part)
+            for cell in np.flatnonzero(((part.cells < 0) | (part.cells >= count)).any(axis=1))[:1]:
+                validation.in_range(f"Part {name!r}, cell {cell},", part.cells[cell], count, "node")
+            self._check_measures(name, part)
+            if part.dimension == 2:
+                self.warp(name)
+        object.__setattr__(self, "parts", {name: self._turned(name, part) for name, part in self.parts.items()})
+        for number, support in enumerate(self.supports):
+            self.check_nodes(f"Support {number}", np.asarray(support.nodes))
+        object.__setattr__(self, "separate", self._checked_separate())
+        self._warn_of_coincident_nodes()
+
+    def __repr__(self) -> str:
+        kinds = ", ".join(f"{name!r}: {len(part.cells)} x {type(part).__name__}" for name, part in self.parts.items())
+        return f"Structure({len(self.points)} points, {{{kinds}}}, {len(self.supports)} supports)"
+
+    @property
+    def used(self) -> NDArray[np.bool_]:
+        """Which nodes belong to a part, shape (n,)."""
+        used = np.zeros(len(self.points), dtype=bool)
+        for part in self.parts.values():
+            used[part.cells] = True
+        return used
+
+    @property
+    def size(self) -> float:
+        """Largest extent along an axis, of the nodes that belong to a part [m]."""
+        return float(np.ptp(self.points[self.used], axis=0).max())
+
+    @property
+    def supported(self) -> NDArray[np.bool_]:
+        """Which components of which nodes are held by supports, shape (n, 3)."""
+        held = np.zeros(self.points.shape, dtype=bool)
+        for support in self.supports:
+            for component in validation.components("Support components", support.components):
+                held[np.asarray(support.nodes), component] = True
+        return held
+
+    def warp(self, name: str) -> NDArray[np.float64]:
+        """Unit warp direction of every cell of a membrane in its own plane, shape (cells, 3) [-].
+
+        Raises:
+            ValueError: There is no membrane of that name; the warp is normal to a cell.
+        """
+        membrane = self.part(name, Membrane)
+        normal = normals(self.points, membrane.cells)
+        if membrane.warp is None:
+            given = np.where(np.abs(normal[:, :1]) < 0.99, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
+        else:
+            given = np.broadcast_to(np.asarray(membrane.warp, dtype=np.float64), normal.shape)
+        tangent = projected(given, normal)
+        bad = np.flatnonzero(~tangent.any(axis=1))
+        if len(bad):
+            raise ValueError(
+                f"Part {name!r}, cell {bad[0]}: its warp {given[bad[0]].tolist()} is zero or normal to the cell; "
+                "give a vector that lies roughly in the cell."
+            )
+        return tangent
+
+    def normals(self, name: str) -> NDArray[np.float64]:
+        """Unit normals of a membrane, all on one side of it, shape (cells, 3) [-]; a positive pressure acts along them.
+
+        The nodes of its cells in `parts` run counter-clockwise about them. To turn those of a connected piece round,
+        give the nodes of its first cell in the other order.
+
+        Raises:
+            ValueError: There is no membrane of that name; it has only one side, like a Moebius strip, or branches.
+        """
+        membrane = self.part(name, Membrane)
+        self.check_sides(name)
+        return normals(self.points, membrane.cells)
+
+    def check_sides(self, name: str) -> None:
+        """Refuses a membrane without two sides.
+
+        Raises:
+            ValueError: It has only one side, like a Moebius strip, or branches.
+        """
+        if name in self._no_sides:
+            raise ValueError(f"Part {name!r} {self._no_sides[name]}")
+
+    def part(self, name: str, kind: type[Kind]) -> Kind:
+        """The part of a name and a kind, Membrane, Cable or Mast.
+
+        Raises:
+            ValueError: There is none of that name and kind.
+        """
+        if not isinstance(kind, type) or kind not in (Membrane, Cable, Mast):
+            raise ValueError(f"The kind of a part is {validation.shown(kind)}; give Membrane, Cable or Mast.")
+        part = self.parts.get(name) if isinstance(name, str) else None
+        if not isinstance(part, kind):
+            other = f", which is a {type(part).__name__}" if part is not None else ""
+            names = [key for key, part in self.parts.items() if isinstance(part, kind)]
+            raise ValueError(
+                f"No {kind.__name__} is named {validation.shown(name)}{other}; those of the structure are {names}."
+            )
+        return part
+
+    def check_nodes(self, what: str, nodes: NDArray[np.int64]) -> None:
+        """Refuses nodes that do not exist or that no part uses.
+
+        Raises:
+            ValueError: Names what, and the node.
+        """
+        validation.in_range(what, nodes, len(self.points), "node")
+        loose = nodes[~self.used[nodes]]
+        if len(loose):
+            where = validation.place(self.points[loose[0]])
+            raise ValueError(
+                f"{what} is on node {loose[0]}, which no part uses, at {where}; mend the number or add the part."
+            )
+
+    def _checked_separate(self) -> list[tuple[str, str]]:
+        pairs: Sequence[Any] = self.separate if isinstance(self.separate, list | tuple) else [self.separate]
+        for pair in pairs:
+            if not isinstance(pair, list | tuple) or len(pair) != 2:
+                raise ValueError(f'separate has {validation.shown(pair)}; give pairs of names, [("top", "bottom")].')
+            for name in pair:
+                if not isinstance(name, str) or name not in self.parts:
+                    raise ValueError(
+                        f"separate names part {validation.shown(name)}, which does not exist; those are "
+                        f"{list(self.parts)}."
+                    )
+        return [(validation.text("separate", a), validation.text("separate", b)) for a, b in pairs]
+
+    def _warn_of_coincident_nodes(self) -> None:
+        found = coincident_nodes(self.points, self.parts, np.all(self.supported, axis=1), self.separate)
+        if found:
+            warnings.warn(found, CoincidentNodesWarning, stacklevel=4)
+
+    def _turned(self, name: str, part: Part) -> Part:
+        """The part with cells of one sense; why it has no two sides is kept until someone asks for them."""
+        if not isinstance(part, Membrane):
+            return part
+        cells, reason = with_one_sense(part.cells)
+        if reason:
+            self._no_sides[name] = reason
+            prestress = np.asarray(part.prestress)
+            if prestress.shape == (2, 2) and prestress[0, 1]:
+                raise ValueError(f"Part {name!r}, with shear in its prestress {prestress.tolist()}, {reason}")
+        return part if np.array_equal(cells, part.cells) else replace(part, cells=cells)
+
+    def _check_measures(self, name: str, part: Part) -> None:
+        aspect = aspects(self.points, part.cells)
+        cell = int(aspect.argmax())
+        if aspect[cell] <= SLENDER:
+            return
+        where = validation.place(self.points[part.cells[cell]].mean(axis=0))
+        what = f"Part {name!r}, cell {cell} (nodes {part.cells[cell].tolist()})"
+        if not np.isfinite(aspect[cell]):
+            measure = "length" if part.dimension == 1 else "area"
+            raise ValueError(f"{what} has no {measure}, at {where}; remove the cell or move its nodes apart.")
+        sliver = f"{what} is a sliver, {aspect[cell]:.2g} times as long as it is high, at {where}"
+        remedy = "remove the cell, join its nodes or move them apart"
+        if aspect[cell] > SLIVER:
+            raise ValueError(f"{sliver}; above {SLIVER:.2g} its stiffness is lost in rounding: {remedy}.")
+        share = 400 * np.finfo(float).eps * aspect[cell] ** 2
+        warnings.warn(
+            f"{sliver}: up to {share:.1g} % of its forces are rounding; {remedy}.", SliverWarning, stacklevel=4
+        )

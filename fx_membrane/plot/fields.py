@@ -1,0 +1,92 @@
+"""Fields to be drawn: numbers at nodes or of cells, or states of cells, and the limits of their colours."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..checks import validation
+from ..checks.entries import all_are, entries
+from ..results.states import StageResult
+
+FAR = 1e4  # displacements drawn larger than so many times the structure are lines without a shape
+STATES = ("taut", "wrinkled", "slack")
+
+Field = Mapping[str, ArrayLike] | ArrayLike
+Checked = dict[str, NDArray[Any]] | NDArray[Any]
+
+
+def checked(result: StageResult, title: str, field: Field) -> Checked:
+    """A field as arrays: of numbers at nodes, shape (n,), or of numbers or states of cells by part, each (cells,).
+
+    Raises:
+        ValueError: It has a wrong number of values, values that are neither numbers nor states, or names no part.
+    """
+    name = f"Field {validation.name('field', title)!r}"
+    if not isinstance(field, Mapping):
+        values = _values(name, field)
+        if values.shape != (len(result.structure.points),):
+            raise ValueError(f"{name} has shape {values.shape}; give one value for each node.")
+        if values.dtype.kind == "U":
+            raise ValueError(f"{name} has states at nodes; states belong to cells, {{part: states}}.")
+        return values
+    cells = {part: len(data.cells) for part, data in result.structure.parts.items()}
+    if not field or not set(field) <= set(cells):
+        raise ValueError(f"{name} is for the parts {list(field)}; give cell values for some of {list(cells)}.")
+    found = {part: _values(name, values) for part, values in field.items()}
+    for part, values in found.items():
+        if values.shape != (cells[part],):
+            raise ValueError(f"{name} on {part!r} has shape {values.shape}; give one value for each cell.")
+    if len({values.dtype.kind for values in found.values()}) > 1:
+        raise ValueError(f"{name} has states on some parts and numbers on others; draw two fields.")
+    return found
+
+
+def checked_limits(title: str, field: Checked, given: Sequence[float]) -> tuple[float, float]:
+    """The least and the largest value of the colours.
+
+    Raises:
+        ValueError: They are not two numbers, the lower first; or the field shows states.
+    """
+    if joined(field).dtype.kind == "U":
+        raise ValueError(f"limits are given for {title!r}, which shows states; leave them out there.")
+    pair = validation.finite(f"limits of {title!r}", given)
+    if pair.shape != (2,) or not pair[0] < pair[1]:
+        raise ValueError(f"limits of {title!r} is {validation.shown(given)}; give (low, high), the lower one first.")
+    return float(pair[0]), float(pair[1])
+
+
+def checked_scale(result: StageResult, scale: float) -> float:
+    """A factor of the displacements with which the structure can still be seen.
+
+    Raises:
+        ValueError: It is not a number, or larger than that.
+    """
+    scale = validation.number("scale", scale)
+    times = abs(scale) * np.abs(result.displacement).max() / np.ptp(result.structure.points, axis=0).max()
+    if times > FAR:
+        raise ValueError(
+            f"scale is {scale:g}, with which displacements are {times:.0e} times as large as the structure; give at "
+            f"most {abs(scale) * FAR / times:.1e} in size."
+        )
+    return scale
+
+
+def joined(field: Checked) -> NDArray[Any]:
+    """All values of a field, shape (values,)."""
+    return np.concatenate(list(field.values())) if isinstance(field, dict) else field
+
+
+def _values(name: str, given: ArrayLike) -> NDArray[Any]:
+    """Numbers, those of truth values being 0 and 1, or states."""
+    array = entries(name, given, "numbers or states")
+    if array.size and all_are(lambda kind: issubclass(kind, str), array):
+        texts = np.array(array, dtype=np.str_)
+        unknown = sorted(set(texts.flat) - set(STATES))
+        if unknown:
+            raise ValueError(f"{name} has the state {str(unknown[0])!r}; the states are {list(STATES)}.")
+        return texts
+    if array.size and all_are(lambda kind: issubclass(kind, bool | np.bool_), array):
+        return np.array(array, dtype=np.float64)
+    return validation.finite(name, given)

@@ -1,0 +1,299 @@
+"""Pictures: curves and wire frames (matplotlib), contours on the deformed structure (pyvista inside matplotlib).
+
+Each function writes one picture, a PNG or what else its name ends in, and makes its folder; a name that cannot be
+written is refused before anything is drawn. Under MPI call it on all processes; the first one draws what it was given,
+and the others wait until it has, and raise what it raises.
+"""
+
+import warnings
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..checks import paths, validation
+from ..checks.entries import entries
+from ..model.parts import Part
+from ..results.states import StageResult
+from ..runtime.processes import by_the_first
+from ..solvers.base import Iteration
+from .colours import STATES as STATES  # noqa: PLC0414  (for those who draw them otherwise)
+from .colours import colour_bar, colours
+from .fields import Field, checked, checked_limits, checked_scale
+from .scene import INK, picture, screen_axes
+from .screen import obstacle
+
+LINES = "#1f6f8b"
+PAPER = {"dpi": 160, "bbox_inches": "tight"}
+
+
+@by_the_first
+def convergence(result: StageResult, path: str | Path, force_unit: str = "N", energy_unit: str = "J") -> None:
+    """Total potential energy and largest unbalanced force against the iteration, as in Gil's Fig. 7.
+
+    Args:
+        result: A stage; all its increments are drawn one after the other.
+        path: The picture to write.
+        force_unit: Name of the unit of the forces as they are; no number is converted.
+        energy_unit: The same for energies.
+
+    Raises:
+        ValueError: The result is not that of a stage; path ends in no format of pictures.
+    """
+    validation.instance("The first argument of convergence", result, StageResult)
+    file = _checked_path(path)
+    validation.text("force_unit", force_unit)
+    validation.text("energy_unit", energy_unit)
+    paths.check_writable("path", file)
+    iterations = [entry for _, entry in result.history]
+    count = np.arange(len(iterations))
+    figure = _figure(9, 3.6)
+    energy, residual = figure.subplots(1, 2)
+    energy.plot(count, [entry.energy for entry in iterations], "o-", color=LINES)
+    energy.set_ylabel(f"Total potential energy [{energy_unit}]")
+    residual.semilogy(count, [max(entry.residual, 1e-300) for entry in iterations], "o-", color=LINES)
+    residual.set_ylabel(f"Largest unbalanced force [{force_unit}]")
+    for axes in (energy, residual):
+        axes.set_xlabel("Iteration")
+        axes.xaxis.get_major_locator().set_params(integer=True)
+        axes.grid(color="#e3e5e8", linewidth=0.8)
+        axes.spines[["top", "right"]].set_visible(False)
+    figure.suptitle(f"Convergence of stage “{result.name}”", color=INK, fontsize=12)
+    _save(figure, file)
+
+
+@by_the_first
+def compare_convergence(
+    histories: Mapping[str, Sequence[Iteration]],
+    seconds: Mapping[str, float],
+    path: str | Path,
+    force_unit: str = "N",
+    energy_unit: str = "J",
+) -> None:
+    """Energy above that at the end and largest unbalanced force of several solves, against iterations and time.
+
+    The scale of the energies is logarithmic, and has no place for those at or below that at the end: the last ones, and
+    starts in which prescribed displacements are still to come, or pressure, whose work is not in the energy. Where a
+    curve of `Newton` begins at iteration 1, that is why; a first-order method brings what is prescribed to its place
+    before its first iterate. Against time the starts are left out: its scale is logarithmic too.
+
+    Args:
+        histories: The iterates by name of the solver; all solves have the same solution.
+        seconds: How long each solve took [s]; its iterates are drawn evenly over it.
+        path: The picture to write.
+        force_unit: Name of the unit of the forces as they are; no number is converted.
+        energy_unit: The same for energies.
+
+    Raises:
+        ValueError: There are no histories, one has no iterate, or they are not those that have a time; path ends in no
+            format of pictures.
+    """
+    seconds = _checked_times(histories, seconds)
+    file = _checked_path(path)
+    validation.text("force_unit", force_unit)
+    validation.text("energy_unit", energy_unit)
+    paths.check_writable("path", file)
+    lowest = min(history[-1].energy for history in histories.values())
+    figure = _figure(10, 7.5)
+    panels = figure.subplots(2, 2, sharex="col", sharey="row")
+    for number, (name, history) in enumerate(histories.items()):
+        count = np.arange(len(history))
+        error = np.array([entry.energy for entry in history]) - lowest
+        error[error <= 1e-15 * abs(lowest)] = np.nan  # rounding, or a start before the supports move
+        residual = np.array([max(entry.residual, 1e-300) for entry in history])
+        style = {"color": f"C{number}", "marker": "o" if len(history) < 50 else "", "markersize": 3, "label": name}
+        for axes, values in zip(panels, (error, residual), strict=True):
+            axes[0].plot(count, values, **style)
+            axes[1].plot(count[1:] * seconds[name] / max(len(history) - 1, 1), values[1:], **style)
+    for axes in panels.flat:
+        axes.set_yscale("log")
+        axes.grid(color="#e3e5e8", linewidth=0.8)
+        axes.spines[["top", "right"]].set_visible(False)
+    panels[0, 0].set_ylabel(f"Energy above the least at the end [{energy_unit}]")
+    panels[1, 0].set_ylabel(f"Largest unbalanced force [{force_unit}]")
+    panels[1, 0].set_xscale("symlog", linthresh=1)
+    panels[1, 0].set_xlim(left=0)
+    panels[1, 0].set_xlabel("Iteration")
+    panels[1, 1].set_xscale("log")
+    panels[1, 1].set_xlabel("Time [s]")
+    handles, names = panels[0, 0].get_legend_handles_labels()
+    figure.legend(handles, names, loc="lower left", bbox_to_anchor=(0.05, 1), ncols=4, frameon=False)
+    _save(figure, file)
+
+
+@by_the_first
+def wireframe(
+    points: ArrayLike,
+    parts: Mapping[str, Part | NDArray[np.int64]],
+    path: str | Path,
+    *,
+    view: Sequence[float] | None = None,
+    labels: Sequence[int] = (),
+    first: int = 0,
+) -> None:
+    """Edges of nets, membranes, cables and masts, with a legend and node numbers, as in Gil's Figs. 12 to 14.
+
+    Args:
+        points: Positions of the nodes, shape (n, 3) [m].
+        parts: Parts by name, as those of a structure, or their cells, shape (cells, 2) or (cells, 3).
+        path: The picture to write.
+        view: Direction from the structure to the eye; without it the plan (x, y).
+        labels: Nodes whose number is written.
+        first: The number written at node 0.
+
+    Raises:
+        ValueError: A cell or a label is of a node that does not exist; view is not a direction; path ends in no format
+            of pictures.
+    """
+    positions = validation.positions("points", points)
+    validation.instance("parts", parts, Mapping)
+    lines = {validation.name("part", name): _cells(name, part, len(positions)) for name, part in parts.items()}
+    if not lines:
+        raise ValueError('parts is empty; give at least one, {"name": cells}.')
+    marked = validation.rows("labels", labels, empty=True)
+    validation.in_range("labels", marked, len(positions), "node")
+    first = validation.integer("first", first)
+    seen = positions @ screen_axes((0, 0, 1) if view is None else validation.direction("view", view)).T
+    file = _checked_path(path)
+    paths.check_writable("path", file)
+    import matplotlib.collections  # noqa: PLC0415
+
+    figure = _figure(7, 7)
+    axes = figure.subplots()
+    for number, (name, cells) in enumerate(lines.items()):
+        edges = np.concatenate([cells[:, [i, (i + 1) % cells.shape[1]]] for i in range(cells.shape[1])])
+        thin = number == 0
+        drawn = matplotlib.collections.LineCollection(
+            seen[np.unique(np.sort(edges, axis=1), axis=0)],
+            colors="#9fb3bd" if thin else f"C{number}",
+            linewidths=0.7 if thin else 2.0,
+            label=name,
+        )
+        axes.add_collection(drawn)
+    for node in marked:
+        axes.annotate(str(node + first), seen[node], fontsize=6, color=INK, xytext=(1, 1), textcoords="offset points")
+    axes.autoscale()
+    axes.set_aspect("equal")
+    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3, frameon=False)  # above: nodes may be anywhere
+    if view is None:
+        axes.set_xlabel("x")
+        axes.set_ylabel("y")
+    else:
+        axes.axis("off")
+    _save(figure, file)
+
+
+@by_the_first
+def contours(
+    result: StageResult,
+    fields: Mapping[str, Field],
+    path: str | Path,
+    *,
+    scale: float = 1.0,
+    view: Sequence[float] = (1.0, -1.6, 1.1),
+    mirror: str | None = None,
+    odd: Sequence[str] = (),
+    limits: Mapping[str, Sequence[float]] | None = None,
+) -> None:
+    """Fields on the deformed structure, one picture beside the other; cables and masts are drawn as tubes.
+
+    Where pyvista is missing, or VTK can draw neither on a screen nor in memory, a warning says so; no file is written.
+
+    Args:
+        result: A stage.
+        fields: For each title, either nodal values, shape (n,), or cell values (cells,) of some parts by name, as the
+            forces of cables; cell values may be the states "taut", "wrinkled" and "slack".
+        path: The picture to write.
+        scale: Displacements are drawn that many times larger.
+        view: Direction from the structure to the eye; z points up, from straight above, (0, 0, 1), y.
+        mirror: "x", "y" or "z" draws the mirror image about that coordinate's zero too, for half models.
+        odd: Titles of the fields that have the other sign in the mirror image, as the displacement across it.
+        limits: For the titles of some fields the least and the largest value of the colours, {"title": (low, high)};
+            values beyond have the colour of that end, and the numbers at the ends are written with <= and >=. Without
+            them the colours go from the least value to the largest, and one peak can leave the rest in one colour.
+
+    Raises:
+        ValueError: A field has a wrong number of values, values that are not finite, or names no part; mirror is none
+            of the three; odd or limits name no field; limits are not two numbers, the lower first, or are given for
+            states; view is not a direction; scale is not a number, or draws displacements 1e4 times as large as the
+            structure; path ends in no format of pictures, or cannot be written.
+    """
+    validation.instance("The first argument of contours", result, StageResult)
+    validation.instance("fields", fields, Mapping)
+    if not fields:
+        raise ValueError('fields is empty; give at least one, {"title": values}.')
+    drawn = {title: checked(result, title, field) for title, field in fields.items()}
+    validation.choice("mirror", mirror, (None, "x", "y", "z"), '"x", "y", "z" or None')
+    validation.instance("limits", limits, Mapping | None)
+    odd = validation.texts("odd", odd)
+    for what, titles in (("odd", odd), ("limits", limits or {})):
+        unknown = [title for title in titles if title not in drawn]
+        if unknown:
+            raise ValueError(f"{what} names {unknown[0]!r}; the fields are {list(drawn)}.")
+    ranges = {title: checked_limits(title, drawn[title], given) for title, given in (limits or {}).items()}
+    scale = checked_scale(result, scale)
+    eye = validation.direction("view", view)
+    file = _checked_path(path)
+    paths.check_writable("path", file)
+    if reason := obstacle():
+        warnings.warn(f"{file} is not drawn: {reason}", stacklevel=3)
+        return
+    figure = _figure(6.4 * len(drawn), 5.6)
+    panels = figure.subplots(1, len(drawn), squeeze=False)[0]
+    for axes, (title, field) in zip(panels, drawn.items(), strict=True):
+        shades, numbers = colours(field, symmetric=title in odd, limits=ranges.get(title))
+        axes.imshow(picture(result, numbers, shades, scale=scale, view=eye, mirror=mirror, odd=title in odd))
+        axes.axis("off")
+        axes.set_title(title, color=INK, fontsize=15)
+        colour_bar(figure, axes, shades, limited=title in ranges)
+    _save(figure, file)
+
+
+def _cells(name: str, part: Part | NDArray[np.int64], count: int) -> NDArray[np.int64]:
+    """Cells of a part, or given as they are, shape (cells, 2) or (cells, 3)."""
+    given: Any = getattr(part, "cells", part)
+    nodes = 3 if entries(f"Part {name!r}", given, "an array of cells").shape[1:] == (3,) else 2
+    cells = validation.cells(f"Part {name!r}", given, nodes, distinct=False)
+    validation.in_range(f"Part {name!r}", cells, count, "node")
+    return cells
+
+
+def _checked_times(histories: Mapping[str, Sequence[Iteration]], seconds: Mapping[str, float]) -> dict[str, float]:
+    """The time of each of some solves [s], which have iterates."""
+    validation.instance("histories", histories, Mapping)
+    validation.instance("seconds", seconds, Mapping)
+    for name, history in histories.items():
+        validation.name("history", name)
+        validation.instance(f"The history of {name!r}", history, Sequence)
+    if not histories or not all(map(len, histories.values())):
+        raise ValueError("histories is empty, or has one without iterates; give {name: iterates}.")
+    if set(seconds) != set(histories):
+        raise ValueError(f"seconds is for {list(seconds)}; give the time of each of {list(histories)}.")
+    for name, history in histories.items():
+        validation.instances(f"The history of {name!r}", history, Iteration)
+    return {name: validation.not_negative(f"seconds of {name!r}", value) for name, value in seconds.items()}
+
+
+def _figure(width: float, height: float) -> Any:
+    import matplotlib.figure  # noqa: PLC0415  (numbers alone should not wait for it)
+
+    return matplotlib.figure.Figure(figsize=(width, height), layout="constrained")
+
+
+def _checked_path(path: str | Path) -> Path:
+    """A name of a picture, before anything is drawn, on all processes."""
+    import matplotlib.backend_bases  # noqa: PLC0415
+
+    file = paths.path("path", path)
+    formats = sorted(matplotlib.backend_bases.FigureCanvasBase.get_supported_filetypes())
+    ending = file.suffix[1:]
+    if ending and ending.lower() not in formats:
+        raise ValueError(f"path is {str(path)!r}, which ends in no format of pictures; give .png, or one of {formats}.")
+    return file
+
+
+def _save(figure: Any, file: Path) -> None:
+    file.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(file, **PAPER)

@@ -1,0 +1,1 @@
+"""States of a structure: their evaluation, remarks and warnings, tables."""

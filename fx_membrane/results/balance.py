@@ -1,0 +1,36 @@
+"""Warning where a state that a solver took for equilibrium is not in balance to the digits that its user relies on."""
+
+import warnings
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .states import StageResult
+
+UNBALANCED = 1e-6  # of the loads
+
+
+class UnbalancedStateWarning(UserWarning):
+    """Unbalanced forces above 1e-6 of the loads, or of the reactions where there are no loads."""
+
+
+def warn_of_unbalance(result: StageResult, stacklevel: int) -> None:
+    """Warns of unbalanced forces that are not small beside the loads."""
+    loads, reactions = _size(result.loads), _size(result.reactions)
+    kind, forces = ("loads", loads) if loads else ("reactions", reactions)
+    residual = result.equilibrium.residual
+    if not residual > UNBALANCED * forces or not forces:
+        return
+    warnings.warn(
+        f"Stage {result.name!r}: an unbalanced force of {residual:.3g} is left beside {kind} of {forces:.3g}, "
+        "which the tolerance of the solver or rounding allows; displacements, forces and stresses are off accordingly. "
+        "Give the solver a smaller rtol; check units, and parts that are far stiffer or far more prestressed than the "
+        "others: a stiffness of a thousand times theirs is rigid enough.",
+        UnbalancedStateWarning,
+        stacklevel=stacklevel,
+    )
+
+
+def _size(forces: NDArray[np.float64]) -> float:
+    """Size of nodal forces, of their sum or, where they balance each other, their 2-norm [N]."""
+    return float(max(np.abs(forces.sum(axis=0)).max(), np.linalg.norm(forces)))

@@ -1,0 +1,110 @@
+"""Makes results of states: evaluates stresses in the cells and gathers everything in the user's order."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import ufl
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from .. import _dolfinx
+from ..assembly.part_forms import PartForms
+from ..assembly.problem import Actions, Problem
+from ..forms import kinematics, stress
+from ..model.parts import Cable, Membrane
+from ..solvers.base import ROUNDING
+from .states import BarResult, Equilibrium, Increment, MembraneResult, StageResult
+
+STATES = np.array(["taut", "wrinkled", "slack"])  # in the order of `forms.wrinkling`
+
+# What is evaluated in each cell, and its shape.
+MEMBRANE = {
+    "strain": (2, 2),
+    "second_piola_kirchhoff": (2, 2),
+    "cauchy": (3, 3),
+    "cauchy_projected": (3, 3),
+    "principal": (2,),
+    "thread_forces": (2,),
+    "state": (),
+}
+BAR = {"strain": (), "force": (), "state": ()}
+
+
+class Recorder:
+    """Makes results of states; keeps the compiled stress expressions between stages."""
+
+    def __init__(self, problem: Problem):
+        self.problem = problem
+        self.expressions = {name: _expression(part) for name, part in problem.parts.items()}
+
+    def __call__(self, name: str, x: PETSc.Vec, actions: Actions, increments: tuple[Increment, ...]) -> StageResult:
+        """Result of a state x under actions that the problem holds."""
+        problem, discretization = self.problem, self.problem.discretization
+        _dolfinx.free_dropped(discretization.comm)
+        with discretization.work(1) as (b,):
+            problem.residual(x, b)
+            residual, displacement = discretization.gather(b), discretization.gather(x)
+        loads = actions.loads + problem.pressure_loads(x)
+        reactions = np.where(actions.held, residual, 0.0)
+        position = discretization.structure.points + displacement
+        return StageResult(
+            name=name,
+            structure=discretization.structure,
+            displacement=displacement,
+            actions=actions,
+            loads=loads,
+            reactions=reactions,
+            energy=problem.energy(x),
+            equilibrium=Equilibrium(
+                loads=loads.sum(axis=0),
+                reactions=reactions.sum(axis=0),
+                load_moment=np.cross(position, loads).sum(axis=0),
+                reaction_moment=np.cross(position, reactions).sum(axis=0),
+                residual=float(np.abs(residual - reactions).max()),
+            ),
+            increments=increments,
+            parts={name: self._part_result(name) for name in discretization.structure.parts},
+        )
+
+    def _part_result(self, name: str) -> MembraneResult | BarResult:
+        discretization = self.problem.discretization
+        part = discretization.structure.parts[name]
+        membrane = isinstance(part, Membrane)
+        shapes = MEMBRANE if membrane else BAR
+        sizes = [int(np.prod(shape)) for shape in shapes.values()]
+        here = self.expressions[name]() if name in self.expressions else None
+        values = discretization.gather_cells(name, here, sum(sizes))
+        columns = np.split(values, np.cumsum(sizes)[:-1], axis=1)
+        fields: dict[str, NDArray[Any]] = {
+            field: np.ascontiguousarray(column).reshape(-1, *shape)
+            for (field, shape), column in zip(shapes.items(), columns, strict=True)
+        }
+        state = STATES[fields.pop("state").astype(int)]
+        if membrane:
+            return MembraneResult(**fields, state=state)
+        slack = state == "slack"
+        if isinstance(part, Cable) and part.compression_stiffness < 1:  # a cable without force, or with rounding
+            slack |= fields["force"] <= ROUNDING * (part.axial_stiffness + np.abs(part.prestress))
+        return BarResult(**fields, slack=slack)
+
+
+def _expression(part: PartForms) -> Callable[[], NDArray[np.float64]]:
+    """All that is recorded of a part, as one vector-valued expression, in the order of `MEMBRANE` or `BAR`."""
+    F, S = part.F, part.S
+    cauchy = stress.cauchy(F, S, kinematics.stretch_ratio(F))
+    if isinstance(part.mesh.part, Membrane):
+        fields = {
+            "strain": part.E,
+            "second_piola_kirchhoff": S,
+            "cauchy": cauchy,
+            "cauchy_projected": stress.cauchy(F, S, kinematics.projected_ratio(F, part.T)),
+            "principal": stress.principal(cauchy, F),
+            "thread_forces": stress.along(cauchy, F),
+            "state": part.state,
+        }
+        assert {name: value.ufl_shape for name, value in fields.items()} == MEMBRANE
+    else:
+        fields = {"strain": part.E[0, 0], "force": ufl.tr(cauchy), "state": part.state}
+    entries = [value[i] for value in fields.values() for i in np.ndindex(value.ufl_shape)]
+    return _dolfinx.cell_expression(ufl.as_vector(entries), part.mesh.mesh)

@@ -1,0 +1,193 @@
+"""Remarks on a state that a user must see before its numbers: unstable, fallen, held by slack parts.
+
+They follow from the result and from where its stage began, so that they are the same on every process, after a restart
+and wherever they are shown: as warnings, in `report`, on the result itself.
+"""
+
+import warnings
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.parts import Mast, Membrane
+from ..model.structure import Structure
+from ..solvers.base import FALLEN
+from .slack_forces import Loose, Push, loose_masts, pushes, slack_cells
+from .states import BarResult, LostPrestressWarning, StageResult, UnstableStateWarning
+
+LEFT = 0.01  # share of its prestress, below which a part has lost it
+SHOWN = 3  # load factors and parts that are named
+
+
+class Remark(str):
+    """A sentence on a state.
+
+    Attributes:
+        category: Class of the warning that tells it.
+    """
+
+    category: type[UserWarning] = UnstableStateWarning
+
+
+class _Lost(Remark):
+    category = LostPrestressWarning
+
+
+def remarked(result: StageResult, start: NDArray[np.float64] | None) -> StageResult:
+    """The result with its remarks.
+
+    Args:
+        result: A state.
+        start: Displacements at the start of its stage, shape (n, 3) [m]; None where motion is not to be judged.
+    """
+    return replace(result, remarks=tuple(_remarks(result, start)))
+
+
+def warn_of_remarks(result: StageResult, stacklevel: int) -> None:
+    """Warns of each remark, on every process."""
+    for remark in result.remarks:
+        category = remark.category if isinstance(remark, Remark) else UnstableStateWarning
+        warnings.warn(f"Stage {result.name!r}: {remark}", category, stacklevel=stacklevel)
+
+
+def held_by_slack_parts(result: StageResult) -> str:
+    """Masts, or else a node, and the slack parts that alone hold them, in words; empty where there is none."""
+    for push in pushes(result):
+        return f"{_hanging(result.structure, push)}, held by slack parts alone ({_listed(list(push.compression))})"
+    for loose in loose_masts(result):
+        return f"{_standing(result.structure, [loose.node])}, held by slack parts alone ({_slack_at(result, loose)})"
+    return ""
+
+
+def _remarks(result: StageResult, start: NDArray[np.float64] | None) -> Iterator[Remark]:
+    factors = [increment.load_factor for increment in result.increments if increment.unstable]
+    if factors:
+        shown = ", ".join(f"{factor:.6g}" for factor in factors[:SHOWN]) + ", ..." * (len(factors) > SHOWN)
+        yield Remark(
+            f"the equilibrium found at load factor {shown} is not stable, and none that is was found from there; "
+            "stability(state) shows how it gives way. Add supports, members or prestress against that."
+        )
+    moved = "" if start is None else _moved(result, start)
+    yield from _snapped(result, moved)
+    if moved and not any(increment.snapped for increment in result.increments):
+        yield Remark(
+            f"up to load factor {result.increments[-1].load_factor:.6g} {moved}, more than half the size of the "
+            "structure: it has fallen, snapped, hung down or been stretched into quite another shape. If that is not "
+            "meant, check units and stiffness, and whether something is slack or missing; `trace` shows the way there."
+        )
+    yield from _carried(result)
+    lost = [name for name in result.parts if _has_lost_its_prestress(result, name)]
+    if lost:
+        yield _Lost(_loss(result, lost))
+
+
+def _snapped(result: StageResult, moved: str) -> Iterator[Remark]:
+    before = 0.0
+    for increment in result.increments:
+        if increment.fallen:
+            yield Remark(
+                f"{increment.fallen}, falls{moved and f': {moved}'}. It carries nothing but by the small stiffness "
+                "that slack parts keep (compression_stiffness): no load is safe. Add cables, masts or supports "
+                "that hold it."
+            )
+        elif increment.snapped:
+            yield Remark(
+                f"between load factors {before:.6g} and {increment.load_factor:.6g} the structure lost its stability: "
+                "it has snapped or buckled into another shape. Stay below that load, or add supports, members or "
+                "prestress, if that is not meant; `trace` shows the limit point."
+            )
+        before = increment.load_factor
+
+
+def _carried(result: StageResult) -> Iterator[Remark]:
+    """Slack parts that carry, and masts that nothing but slack parts could hold."""
+    found = pushes(result)
+    for push in found:
+        membranes = all(isinstance(result.structure.parts[name], Membrane) for name in push.compression)
+        largest = "principal stress of membranes" if membranes else "force of cables and masts"
+        forces = " and ".join(
+            f"{name!r} is compressed by {force:.3g} in cell {cell}"
+            for name, (cell, force) in list(push.compression.items())[:SHOWN]
+        )
+        share = max(force for _, force in push.compression.values()) / max(push.largest, 1e-300)
+        size = f"{100 * share:.2g} % of" if share < 1 else "no less than"
+        yield Remark(
+            f"slack or wrinkled parts carry the structure: {forces}, {size} the largest {largest}, by the share of "
+            f"stiffness that is kept there (compression_stiffness). Fabric and cables carry no compression: "
+            f"{_hanging(result.structure, push)} is not held, and falls or takes another shape. Add cables, masts or "
+            "supports that hold it by tension, or prestress; if the part is meant to be slack there, a smaller "
+            "compression_stiffness."
+        )
+    told = {int(node) for push in found for node in push.nodes}
+    loose = [entry for entry in loose_masts(result) if entry.node not in told]
+    if loose:
+        axis = ", ".join(f"{component:.3g}" for component in np.round(loose[0].direction, 9) + 0.0)
+        yield Remark(
+            f"{_standing(result.structure, [entry.node for entry in loose])} is not held in the direction ({axis}): "
+            f"all that could hold it there is slack ({_slack_at(result, loose[0])}). Add cables, masts or supports "
+            "against that, or prestress."
+        )
+
+
+def _loss(result: StageResult, lost: Sequence[str]) -> str:
+    """Which parts have lost their prestress, and how far their nodes have moved."""
+    structure = result.structure
+    nodes = np.unique(np.concatenate([structure.parts[name].cells.ravel() for name in lost]))
+    motion = np.linalg.norm(result.displacement[nodes], axis=1)
+    whole = all(name in lost for name, part in structure.parts.items() if _tensions(structure, name).max() > 0)
+    what = "all prestress is lost" if whole else "prestress is lost"
+    return (
+        f"{what}: no cell of {_listed(lost)} has more than {100 * LEFT:g} % of it left, and node "
+        f"{nodes[motion.argmax()]} has moved by {motion.max():.3g} from the reference shape. If that is not meant, "
+        "check that every mast has its stays and every edge its supports, and that shape and prestress belong together."
+    )
+
+
+def _has_lost_its_prestress(result: StageResult, name: str) -> bool:
+    """Whether a part that was given tension has next to none left."""
+    given = _tensions(result.structure, name).max()
+    part = result.parts[name]
+    left = part.force if isinstance(part, BarResult) else part.principal[:, 0]
+    return bool(given > 0 and (slack_cells(result, name) | (left <= LEFT * given)).all())
+
+
+def _tensions(structure: Structure, name: str) -> NDArray[np.floating[Any]]:
+    """Largest prestress of each cell of a part, shape (cells,); negative where it is no tension."""
+    return np.linalg.eigvalsh(structure.parts[name].prestress_tensors())[:, -1]
+
+
+def _moved(result: StageResult, start: NDArray[np.float64]) -> str:
+    """Which node moved very far, further than what is moved by prescription, in words; empty where none did."""
+    held, motion = result.actions.held, result.displacement - start
+    moved, given = (np.linalg.norm(np.where(where, motion, 0.0), axis=1) for where in (~held, held))
+    node = int(moved.argmax())
+    far = FALLEN * result.structure.size + given.max()
+    return f"node {node} moved by {moved[node]:.3g}" if moved[node] > far else ""
+
+
+def _hanging(structure: Structure, push: Push) -> str:
+    """The masts that slack parts hold, or else the node."""
+    return _standing(structure, push.nodes) or f"node {push.nodes[0]}"
+
+
+def _standing(structure: Structure, nodes: Sequence[int] | NDArray[np.int64]) -> str:
+    """The masts at nodes: the first cell of each part, and the node."""
+    said = []
+    for name, part in structure.parts.items():
+        ends = np.isin(part.cells, nodes)
+        if isinstance(part, Mast) and ends.any():
+            cell, end = np.argwhere(ends)[0]
+            said.append(f"mast {name!r} (cell {cell}, at node {part.cells[cell, end]})")
+    return " and ".join(said[:SHOWN])
+
+
+def _slack_at(result: StageResult, loose: Loose) -> str:
+    parts = result.structure.parts
+    return _listed([name for name in parts if (parts[name].cells[slack_cells(result, name)] == loose.node).any()])
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(map(repr, names[:SHOWN])) + f" and {len(names) - SHOWN} more parts" * (len(names) > SHOWN)

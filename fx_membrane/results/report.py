@@ -1,0 +1,126 @@
+"""A stage in words and numbers: iterations, forces, stresses, strains, states, reactions and their balance."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..checks import validation
+from ..model.parts import Cable, Membrane
+from ..model.restraint import loose_ends
+from .states import MembraneResult, StageResult
+from .strain_limits import elastic_strain
+
+
+def report(
+    result: StageResult, nodes: Sequence[int] = (), *, first: int = 0, force_unit: str = "N", length_unit: str = "m"
+) -> str:
+    """Table of a stage, to print.
+
+    It begins with the remarks on the state, if there are any. It gives of each part the least and the largest value:
+    forces of cables and masts, principal stresses of membranes and, where a warp is given, stresses along warp and
+    weft; the largest strain, from the reference shape and together with the strain that belongs to the prestress; how
+    many cells are slack or wrinkled; and which cables end in the air. Largest values (in masts of either sign) are
+    given with their cell, a row of the part's cells, and where its centroid is in the reference shape. The largest
+    displacement is the length of a vector.
+
+    No number is converted: a structure in kN and m gives a report in kN and m, and the names of the units say so.
+
+    Args:
+        result: A stage.
+        nodes: Nodes whose reactions are listed.
+        first: The number written for node 0.
+        force_unit: Name of the unit in which the structure and its loads were given, to be written behind forces.
+        length_unit: The same for lengths.
+
+    Returns:
+        The lines, without a line end after the last.
+
+    Raises:
+        ValueError: The result is not that of a stage, a node does not exist, first is not a whole number, or the name
+            of a unit is not a text.
+    """
+    validation.instance("The first argument of report", result, StageResult)
+    listed = validation.rows("nodes", nodes, empty=True)
+    validation.in_range("nodes", listed, len(result.structure.points), "node")
+    first = validation.integer("first", first)
+    force_unit, length_unit = validation.text("force_unit", force_unit), validation.text("length_unit", length_unit)
+    iterations = [len(increment.iterations) - 1 for increment in result.increments]
+    more = sum(increment.unlisted for increment in result.increments)
+    remarks = f", drawn smooth first ({more} iterates more)" * any(entry.drawn_smooth for entry in result.increments)
+    remarks += ", not stable" * any(increment.unstable for increment in result.increments)
+    units = f"units as given: {force_unit}, {length_unit}"
+    lines = [f"WARNING: {remark}" for remark in result.remarks]
+    lines += [f"Stage {result.name!r}, iterations per increment: {iterations}{remarks}; {units}"]
+    width = max(map(len, result.parts)) + 2
+    for name in result.parts:
+        said = _part(result, name, first, force_unit, length_unit)
+        lines += [f"  {name if not row else '':{width}}{text}" for row, text in enumerate(said)]
+    size = np.linalg.norm(result.displacement, axis=1)
+    lines.append(f"  largest displacement {size.max():.6g} {length_unit}, at node {size.argmax() + first}")
+    for node in listed:
+        lines.append(f"  reaction at node {node + first}: {_vector(result, result.reactions[node])} {force_unit}")
+    return "\n".join(lines + _balance(result, force_unit, length_unit))
+
+
+def _part(result: StageResult, name: str, first: int, force_unit: str, length_unit: str) -> list[str]:
+    part, given = result.parts[name], result.structure.parts[name]
+    before = elastic_strain(given, given.prestress_tensors())
+    if not isinstance(part, MembraneResult):
+        cable = isinstance(given, Cable)
+        slack = f", {part.slack.sum()} of {len(part.slack)} cells slack" if cable else ""
+        where = _where(result, name, part.force if cable else np.abs(part.force))
+        ends = loose_ends(result.structure, name, result.actions.held)
+        hanging = (
+            [f"ends in the air: {len(ends)}, first cell {ends[0][0]} at node {ends[0][1] + first}"] if ends else []
+        )
+        total = part.strain + before[:, 0, 0]
+        size = total if cable else np.abs(total)
+        strained = f"largest strain with that of the prestress {total[size.argmax()]:.5f} {_where(result, name, size)}"
+        return [f"{_range(part.force)} {force_unit}, largest {where}{slack}", strained, *hanging]
+    states = ", ".join(f"{(part.state == state).sum()} {state}" for state in ("taut", "wrinkled", "slack"))
+    strain = np.linalg.eigvalsh(part.strain)[:, 1]
+    largest = np.linalg.eigvalsh(part.strain + before)[:, 1]
+    stress, unit = part.principal[:, 0], f"{force_unit}/{length_unit}"
+    directed = isinstance(given, Membrane) and given.warp is not None
+    threads = zip(("warp", "weft"), part.thread_forces.T, strict=True) if directed else ()
+    return [
+        f"{_range(stress)} {unit}, principal stress I, largest {_where(result, name, stress)}",
+        f"{_range(part.principal[:, 1])} {unit}, principal stress II",
+        *(
+            f"{_range(force)} {unit}, along {thread}, largest {_where(result, name, force)}"
+            for thread, force in threads
+        ),
+        f"largest principal strain {strain.max():.5f} {_where(result, name, strain)}; cells: {states}",
+        f"largest principal strain with that of the prestress {largest.max():.5f} {_where(result, name, largest)}",
+    ]
+
+
+def _where(result: StageResult, name: str, values: NDArray[np.floating[Any]]) -> str:
+    """The cell of a part with the largest value, and where it is."""
+    cell = int(values.argmax())
+    centroid = result.structure.points[result.structure.parts[name].cells[cell]].mean(axis=0)
+    return f"in cell {cell} at ({', '.join(f'{x + 0.0:.4g}' for x in centroid)})"
+
+
+def _balance(result: StageResult, force_unit: str, length_unit: str) -> list[str]:
+    balance = result.equilibrium
+    force = np.abs(balance.loads + balance.reactions).max()
+    moment = np.abs(balance.load_moment + balance.reaction_moment).max()
+    loads, reactions = _vector(result, balance.loads), _vector(result, balance.reactions)
+    return [
+        f"  sum of loads {loads}, of reactions {reactions} {force_unit}",
+        f"  they balance to {force:.0e} {force_unit}, moments to {moment:.0e} {force_unit} {length_unit}; "
+        f"largest unbalanced nodal force {balance.residual:.0e} {force_unit}",
+    ]
+
+
+def _range(values: NDArray[np.float64]) -> str:
+    return f"{values.min():12.6g} to {values.max():12.6g}"
+
+
+def _vector(result: StageResult, values: NDArray[np.float64]) -> str:
+    """Components of a force; what is rounding beside the reactions is 0."""
+    rounding = 1e-12 * np.abs(result.reactions).sum()
+    return f"({', '.join(f'{value:.6g}' if abs(value) > rounding else '0' for value in values)})"

@@ -1,0 +1,203 @@
+"""What a stage ends in: displacements, reactions, stresses, forces and their balance, as NumPy arrays.
+
+Arrays follow the user's own order of nodes and cells, and every process has all of them.
+"""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..assembly.problem import Actions
+from ..model.parts import Cable, Mast, Membrane
+from ..model.structure import Structure
+from ..solvers.base import Iteration
+
+Array = NDArray[np.float64]
+
+
+class UnstableStateWarning(UserWarning):
+    """An equilibrium that is not stable, is very far from where the stage began, or hangs on slack parts."""
+
+
+class LostPrestressWarning(UserWarning):
+    """A state in which a part that was given a prestress has next to no tension left in any cell."""
+
+
+class Increment(NamedTuple):
+    """One load increment.
+
+    Attributes:
+        load_factor: Share of the stage's own loads and displacements, in (0, 1].
+        iterations: The iterates of the solver, the start first.
+        drawn_smooth: Whether these begin with what an artificial tension in the structure came to while it was faded
+            out, since the solver found no way from the last increment.
+        unstable: Whether the equilibrium is not stable, as far as the solver looked (see `stability`).
+        unlisted: Number of iterates that are not among `iterations`: of tries that came to nothing, and of those that
+            drew the structure smooth.
+        snapped: Whether the structure lost its stability in it, and has snapped or buckled into another shape.
+        fallen: What it was, in words, that nothing but slack parts held before it snapped; empty where it buckled.
+    """
+
+    load_factor: float
+    iterations: tuple[Iteration, ...]
+    drawn_smooth: bool = False
+    unstable: bool = False
+    unlisted: int = 0
+    snapped: bool = False
+    fallen: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class MembraneResult:
+    """State of a membrane; stresses are forces per length, divide by the thickness for [Pa].
+
+    Attributes:
+        strain: Green-Lagrange strain in the warp/weft frame, shape (cells, 2, 2) [-].
+        second_piola_kirchhoff: Stress per reference length in the warp/weft frame, shape (cells, 2, 2) [N/m], Gil (32).
+        cauchy: Stress per current length in global axes, shape (cells, 3, 3) [N/m].
+        principal: Principal values of `cauchy`, the larger first, shape (cells, 2) [N/m].
+        thread_forces: Normal components of `cauchy` along the current warp and weft, shape (cells, 2) [N/m].
+        state: "taut", "wrinkled" or "slack", shape (cells,). With `compression_stiffness=1` the membrane does neither:
+            all cells are "taut", also those that `principal` shows in compression.
+        cauchy_projected: Cauchy stress with the determinant of I + grad u as J, in global axes, shape (cells, 3, 3)
+            [N/m]: what Gil (19) gives, the paper's Table 2. It is larger than `cauchy` where cells have turned.
+    """
+
+    strain: Array
+    second_piola_kirchhoff: Array
+    cauchy: Array
+    principal: Array
+    cauchy_projected: Array
+    thread_forces: Array
+    state: NDArray[np.str_]
+
+
+@dataclass(frozen=True, eq=False)
+class BarResult:
+    """State of cables or masts.
+
+    Attributes:
+        strain: Green-Lagrange strain, shape (cells,) [-].
+        force: Axial force in the current shape, tension positive, shape (cells,) [N].
+        slack: Which cells carry no tension, shape (cells,); masts do not count, nor cables with
+            `compression_stiffness=1`.
+    """
+
+    strain: Array
+    force: Array
+    slack: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Equilibrium:
+    """Balance of everything that acts on the structure in its current shape; moments about the origin.
+
+    Attributes:
+        loads: Sum of the loads, shape (3,) [N].
+        reactions: Sum of the reactions, shape (3,) [N].
+        load_moment: Moment of the loads, shape (3,) [N m].
+        reaction_moment: Moment of the reactions, shape (3,) [N m].
+        residual: Largest unbalanced force at a free component [N].
+    """
+
+    loads: Array
+    reactions: Array
+    load_moment: Array
+    reaction_moment: Array
+    residual: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StageResult:
+    """The final state of a stage.
+
+    Attributes:
+        name: Name of the stage.
+        structure: The structure.
+        displacement: From the reference position, shape (n, 3) [m].
+        actions: What holds and loads the structure: held components, dead loads, pressures of the cells.
+        loads: Loads on the nodes, those of pressures in the current shape, shape (n, 3) [N].
+        reactions: Forces that hold the supports and the prescribed displacements, shape (n, 3) [N]; zero where free.
+        energy: Total potential energy [J].
+        equilibrium: Balance of loads and reactions.
+        increments: The load increments of this stage, in order.
+        parts: State of each part by name.
+        remarks: Sentences on the state to be read before its numbers, those of the warnings: that it is not stable, has
+            snapped or fallen, hangs on slack parts, or has lost its prestress.
+    """
+
+    name: str
+    structure: Structure
+    displacement: Array
+    actions: Actions
+    loads: Array
+    reactions: Array
+    energy: float
+    equilibrium: Equilibrium
+    increments: tuple[Increment, ...]
+    parts: dict[str, MembraneResult | BarResult]
+    remarks: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return (
+            f"StageResult({self.name!r}, {len(self.increments)} increments, "
+            f"largest displacement {self.largest_displacement:.4g})"
+        )
+
+    @property
+    def position(self) -> Array:
+        """Current position of the nodes, shape (n, 3) [m]."""
+        return self.structure.points + self.displacement
+
+    @property
+    def largest_displacement(self) -> float:
+        """Largest displacement of a node, the length of its vector [m]."""
+        return float(np.linalg.norm(self.displacement, axis=1).max())
+
+    def membrane(self, name: str) -> MembraneResult:
+        """State of the membrane of that name.
+
+        Raises:
+            ValueError: There is no membrane of that name.
+        """
+        self.structure.part(name, Membrane)
+        result = self.parts[name]
+        assert isinstance(result, MembraneResult)
+        return result
+
+    def cable(self, name: str) -> BarResult:
+        """State of the cables of that name.
+
+        Raises:
+            ValueError: There are no cables of that name.
+        """
+        self.structure.part(name, Cable)
+        return self._bar(name)
+
+    def mast(self, name: str) -> BarResult:
+        """State of the masts of that name.
+
+        Raises:
+            ValueError: There are no masts of that name.
+        """
+        self.structure.part(name, Mast)
+        return self._bar(name)
+
+    @property
+    def history(self) -> list[tuple[float, Iteration]]:
+        """Load factor and iterate, for all iterations of the stage."""
+        return [(increment.load_factor, entry) for increment in self.increments for entry in increment.iterations]
+
+    def _bar(self, name: str) -> BarResult:
+        result = self.parts[name]
+        assert isinstance(result, BarResult)
+        return result
+
+
+class StageResults(dict[str, StageResult]):
+    """Results of stages by name, a dictionary that says which names it has where one is not among them."""
+
+    def __missing__(self, name: object) -> StageResult:
+        raise KeyError(f"no stage is named {name!r}; the results are of {list(self)}")

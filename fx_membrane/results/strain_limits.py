@@ -1,0 +1,99 @@
+"""Warnings where strains, or those that belong to the prestress, leave the range of the material law."""
+
+import warnings
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.parts import Mast, Membrane, Part
+from ..model.structure import Structure
+from .states import BarResult, MembraneResult, StageResult
+
+MODERATE = 0.05
+ABSURD = 1.0  # no fabric or cable bears that
+
+
+class LargeStrainWarning(UserWarning):
+    """Strains above 5 %, for which the Saint Venant-Kirchhoff law is not meant.
+
+    A force EA E (1 + e), with the Green-Lagrange strain E = e + e^2 / 2 of a relative change of length e, differs from
+    EA e by the share 3 e / 2: 8 % at e = 5 %.
+
+    Of a prestress it is the strain that belongs to it, prestress over stiffness, which the reference shape has already.
+    """
+
+
+def warn_of_large_prestress(structure: Structure, stacklevel: int) -> None:
+    """Warns once, of the part whose prestress belongs to the largest strain, in tension, compression or excess."""
+    strains = {name: _largest(elastic_strain(part, part.prestress_tensors())) for name, part in structure.parts.items()}
+    name = max(strains, key=lambda name: np.abs(strains[name]).max())
+    cell = int(np.abs(strains[name]).argmax())
+    strain = strains[name][cell]
+    if not abs(strain) > MODERATE:
+        return
+    if abs(strain) > ABSURD:
+        advice = "Units are probably mixed: check that prestress, stiffness and lengths are in the same system."
+    elif strain < 0 and not isinstance(structure.parts[name], Mast):
+        advice = (
+            "Check prestress, stiffness and units; an excess of length or cloth that is right needs a reference shape "
+            "nearer to its own size, or what takes it up is too stiff."
+        )
+    else:
+        advice = "Check prestress, stiffness and units; if they are right, take stiffness there for a rough value."
+    warnings.warn(
+        f"Part {name!r} is prestressed by {100 * strain:.3g} %, the strain that belongs to the prestress by the "
+        f"stiffness (cell {cell}); the Saint Venant-Kirchhoff law is meant for less than {100 * MODERATE:g} %. "
+        f"{advice}",
+        LargeStrainWarning,
+        stacklevel=stacklevel,
+    )
+
+
+def warn_of_large_strains(result: StageResult, stacklevel: int) -> None:
+    """Warns once, of the most strained part; strains that wrinkling, slackness or an excess takes up do not count."""
+    sizes = {name: _sizes(result.structure.parts[name], part) for name, part in result.parts.items()}
+    name = max(sizes, key=lambda name: sizes[name].max())
+    cell = int(sizes[name].argmax())
+    if not sizes[name][cell] > MODERATE:
+        return
+    also = sum(int((size > MODERATE).sum()) for size in sizes.values()) - 1
+    strain = f"{100 * sizes[name][cell]:.3g} %" + (f" ({also} more cells by over {100 * MODERATE:g} %)" if also else "")
+    if sizes[name][cell] > ABSURD:
+        advice = "Units are probably mixed: check that loads, prestress, stiffness and lengths are in the same system."
+    else:
+        advice = "Check stiffness, loads and units; if they are right, take forces and stresses there for rough values."
+    warnings.warn(
+        f"Stage {result.name!r}: cell {cell} of part {name!r} is strained by {strain}; the Saint Venant-Kirchhoff "
+        f"law is meant for less than {100 * MODERATE:g} %. {advice}",
+        LargeStrainWarning,
+        stacklevel=stacklevel,
+    )
+
+
+def _sizes(part: Part, result: MembraneResult | BarResult) -> NDArray[np.float64]:
+    """Largest strain that each cell resists, in tension or compression, shape (cells,) [-]."""
+    excess = elastic_strain(part, _compression(part.prestress_tensors()))
+    if isinstance(result, BarResult):
+        stretched = result.strain + excess[:, 0, 0]
+        return np.where(result.slack, 0.0, np.maximum(stretched, -result.strain))
+    largest = np.linalg.eigvalsh(result.strain + excess)[:, 1]
+    least = np.linalg.eigvalsh(result.strain)[:, 0]
+    sizes = np.maximum(largest, np.where(result.state == "taut", -least, 0.0))
+    return np.where(result.state == "slack", 0.0, sizes)
+
+
+def elastic_strain(part: Part, stress: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Strains of cells that belong to stresses by the stiffness, both of shape (cells, d, d)."""
+    return part.material.strain(stress) if isinstance(part, Membrane) else np.divide(stress, part.axial_stiffness)
+
+
+def _compression(stress: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Stresses without their tension, shape (cells, d, d)."""
+    values, directions = np.linalg.eigh(stress)
+    return (directions * np.minimum(values, 0.0)[:, None, :]) @ directions.transpose(0, 2, 1)
+
+
+def _largest(tensors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Principal values of the largest size, with their sign, shape (cells,)."""
+    values = np.linalg.eigvalsh(tensors)
+    return np.where(-values[:, 0] > values[:, -1], values[:, 0], values[:, -1])

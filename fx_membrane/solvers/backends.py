@@ -1,0 +1,103 @@
+"""What runs Newton's iteration: dolfinx's NewtonSolver, or PETSc's SNES with the same callbacks where there is none."""
+
+import math
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from petsc4py import PETSc
+
+from ..assembly.problem import Problem
+from ..runtime.decimal_point import decimal_point
+
+Driver = tuple[Callable[[PETSc.Vec], bool], PETSc.KSP]  # runs the iteration; its linear solver
+
+
+class Owner(Protocol):
+    """The callbacks, and what they work on.
+
+    Attributes:
+        problem: The problem.
+        A: The tangent.
+        b: The right-hand side.
+        balanced: Whether the last residual is within the tolerance.
+        most: Most iterations.
+        newton: dolfinx's NewtonSolver, or None.
+    """
+
+    problem: Problem
+    A: PETSc.Mat
+    b: PETSc.Vec
+    balanced: bool
+    most: int
+    newton: Any
+
+    def residual(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
+        """Residual with held components."""
+
+    def tangent(self, x: PETSc.Vec, A: PETSc.Mat) -> None:
+        """Tangent with held components; sets b to match."""
+
+    def step(self, x: PETSc.Vec, dx: PETSc.Vec) -> None:
+        """Makes the solution dx of the linear system the step: the next iterate is x - dx."""
+
+
+def by_dolfinx(owner: Owner) -> Driver:
+    """dolfinx's NewtonSolver drives the iteration."""
+    newton = owner.newton
+
+    def residual(x: PETSc.Vec, b: PETSc.Vec) -> None:
+        owner.residual(x, b)
+        owner.newton.atol = math.inf if owner.balanced else 0.0
+
+    def update(_: object, dx: PETSc.Vec, x: PETSc.Vec) -> None:
+        owner.step(x, dx)
+        x.axpy(-1.0, dx)
+
+    newton.setF(residual, owner.b)
+    newton.setJ(lambda x, A: owner.tangent(x, A), owner.A)  # noqa: PLW0108  (a bound method would be a strong reference)
+    newton.set_form(lambda x: None)
+    newton.set_update(update)
+    newton.convergence_criterion = "residual"
+    newton.error_on_nonconvergence = False
+    newton.rtol = 0.0  # `atol` tells what `residual` found
+
+    def solve(x: PETSc.Vec) -> bool:
+        owner.newton.max_it = owner.most
+        return bool(owner.newton.solve(x)[1])
+
+    return solve, newton.krylov_solver
+
+
+@decimal_point()
+def by_snes(owner: Owner) -> Driver:
+    """PETSc's SNES drives the same iteration, where dolfinx has no NewtonSolver."""
+    reasons = PETSc.SNES.ConvergedReason
+
+    def shorten(x: PETSc.Vec, dx: PETSc.Vec) -> bool:
+        owner.step(x, dx)
+        return True
+
+    def test(_: PETSc.SNES, iteration: int, norms: tuple[float, float, float]) -> int:
+        if owner.balanced:
+            return reasons.CONVERGED_FNORM_ABS
+        return reasons.DIVERGED_MAX_IT if iteration == owner.most else reasons.ITERATING
+
+    snes = PETSc.SNES().create(owner.problem.discretization.comm)
+    snes.setType("newtonls")
+    snes.setOptionsPrefix("fx_membrane_")
+    PETSc.Options("fx_membrane_")["snes_linesearch_type"] = "basic"
+    snes.setFromOptions()
+    snes.setMaxLinearSolveFailures(1_000_000_000)  # `step` judges them
+    snes.setFunction(lambda _, x, b: owner.residual(x, b), owner.b)
+    snes.setJacobian(lambda _, x, A, P: owner.tangent(x, A), owner.A)
+    snes.setLineSearchPreCheck(shorten)
+    snes.setConvergenceTest(test)
+
+    def solve(x: PETSc.Vec) -> bool:
+        try:
+            snes.solve(None, x)
+        except PETSc.Error as error:  # PETSc 3.25 wraps what a callback raises
+            raise (error.__cause__ or error) from None
+        return bool(snes.getConvergedReason() > 0)
+
+    return solve, snes.getKSP()

@@ -1,0 +1,270 @@
+"""First-order methods, steepest descent and nonlinear conjugate gradients, Gil (72), (73), (75)-(77).
+
+They ask for unbalanced forces only, never for a tangent, and go downhill from any start; but of the softest and the
+stiffest motion of a structure they learn no more than the gradient tells, and need many iterations.
+
+Source: J. Nocedal, S. J. Wright, Numerical optimization (2006), section 5.2.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+from petsc4py import PETSc
+
+from ..assembly.problem import Problem
+from ..checks import validation
+from .base import ROUNDING, Iteration, Monitor, Solution, Solve, lost, silent, tolerance
+from .diagnosis import stalled
+from .line_search import Point, line, rounding, search
+from .preconditioners import Kind, preconditioner
+
+FLATNESS = 0.1  # accepted slope at the end of a step: directions are conjugate only to steps that end at the minimum
+STUCK = 0.5  # share of its least value before, which the residual does not fall below where it stands still
+INDEFINITE = (
+    "the tangent at the start cannot be made positive definite, not even by artificial tension, and is no "
+    "preconditioner; do without (preconditioner=None)."
+)
+DIFFERENCE = 1e-7  # displacement, in sizes of the structure, from which the curvature of the energy is taken
+
+
+@dataclass(frozen=True)
+class SteepestDescent:
+    """Steepest descent, Gil (73): each step along the unbalanced forces.
+
+    Supports and prescribed displacements are brought to their values at once; the iterates begin there.
+
+    Raises:
+        ValueError: preconditioner is none of the three; rtol is out of range; max_iterations is not a whole
+            number above zero.
+
+    Args:
+        preconditioner: What the unbalanced forces are divided by: None, nothing; "jacobi", the diagonal of the tangent
+            at the start of each load increment; "tangent", that tangent, factored once. Where it is not positive
+            definite, artificial tension is added to it; with pressure it is the symmetric part. The diagonal helps
+            where stiffness differs from node to node, as in meshes of cells of very different sizes or with stiff
+            cables in soft fabric; the tangent, where that at the end is much like it. Neither is a sure gain: on a flat
+            disc that is inflated the diagonal took two to four times as many iterations as nothing.
+        rtol: Converged when the 2-norm of the unbalanced forces is below rtol times that of all nodal forces,
+            reactions and loads included, or at rounding. A start passes only at rounding.
+        max_iterations: Most iterations for one load increment.
+    """
+
+    preconditioner: Kind = None
+    rtol: float = 1e-10
+    max_iterations: int = 10_000
+
+    def __post_init__(self) -> None:
+        _check(self)
+
+    def prepare(self, problem: Problem) -> Solve:
+        """A function that brings a vector to equilibrium; it keeps its workspace between calls."""
+        return _Descent(self, _no_memory, problem)
+
+
+@dataclass(frozen=True)
+class ConjugateGradient:
+    """Nonlinear conjugate gradients, Gil (75)-(77).
+
+    Each direction remembers the one before by a share beta. It starts anew along the unbalanced forces where it would
+    not lead downhill, and after as many steps as there are free components. Supports and prescribed displacements are
+    brought to their values at once; the iterates begin there.
+
+    Raises:
+        ValueError: beta is none of the two; preconditioner is none of the three; rtol is out of range;
+            max_iterations is not a whole number above zero.
+
+    Args:
+        beta: "PR", Polak-Ribiere, or "FR", Fletcher-Reeves, Gil (77).
+        preconditioner: As of `SteepestDescent`; beta is then that of the preconditioned forces.
+        rtol: As of `SteepestDescent`.
+        max_iterations: Most iterations for one load increment.
+    """
+
+    beta: Literal["FR", "PR"] = "PR"
+    preconditioner: Kind = None
+    rtol: float = 1e-10
+    max_iterations: int = 10_000
+
+    def __post_init__(self) -> None:
+        remedy = '"FR" (Fletcher-Reeves) or "PR" (Polak-Ribiere)'
+        validation.keep(self, beta=validation.choice("ConjugateGradient beta", self.beta, ("FR", "PR"), remedy))
+        _check(self)
+
+    def prepare(self, problem: Problem) -> Solve:
+        """A function that brings a vector to equilibrium; it keeps its workspace between calls."""
+        return _Descent(self, fletcher_reeves if self.beta == "FR" else polak_ribiere, problem)
+
+
+class Gradient(NamedTuple):
+    """Gradient of the energy: the unbalanced forces g at the free components, and s = M^-1 g for a preconditioner M."""
+
+    g: PETSc.Vec
+    s: PETSc.Vec
+
+
+Beta = Callable[[Gradient, Gradient], float]
+
+
+def fletcher_reeves(now: Gradient, before: Gradient) -> float:
+    """Share of the direction before, the first of Gil (77); preconditioned, Nocedal & Wright (5.41a)."""
+    return float(now.g.dot(now.s) / before.g.dot(before.s))
+
+
+def polak_ribiere(now: Gradient, before: Gradient) -> float:
+    """Share of the direction before, the second of Gil (77); it may be negative."""
+    return float((now.g.dot(now.s) - before.g.dot(now.s)) / before.g.dot(before.s))
+
+
+def _no_memory(now: Gradient, before: Gradient) -> float:
+    return 0.0
+
+
+def _check(settings: SteepestDescent | ConjugateGradient) -> None:
+    name = type(settings).__name__
+    remedy = 'None, "jacobi" (the diagonal of the tangent) or "tangent"'
+    given = settings.preconditioner
+    preconditioner = validation.choice(f"{name} preconditioner", given, (None, "jacobi", "tangent"), remedy)
+    validation.keep(settings, preconditioner=preconditioner)
+    validation.store(settings, validation.tolerance, "rtol")
+    validation.store(settings, validation.whole, "max_iterations")
+
+
+class _Descent:
+    """The iteration.
+
+    Attributes:
+        now: Gradient at the last iterate.
+        before: Gradient at the iterate before.
+        direction: The last one.
+        anew: Whether the next does without it.
+        age: Number of directions since the last that did.
+        restart: That number at which the next does: as many directions as there are free components are conjugate.
+        noise: Difference of energies that means nothing along the last one [J].
+    """
+
+    def __init__(self, settings: SteepestDescent | ConjugateGradient, beta: Beta, problem: Problem):
+        self.settings, self.beta, self.problem = settings, beta, problem
+        self.size = problem.discretization.structure.size
+        self.preconditioner = preconditioner(problem, settings.preconditioner)
+        create = problem.discretization.create_vector
+        self.now, self.before = Gradient(create(), create()), Gradient(create(), create())
+        self.direction = create()
+
+    def __call__(self, x: PETSc.Vec, monitor: Monitor = silent, thorough: bool = True) -> Solution:
+        self.history: list[Iteration] = []
+        self.anew, self.age = True, 0
+        self.restart = self.free_components()
+        self.problem.bring(x)
+        if self.arrived(x, 0.0, monitor):
+            return Solution(True, "converged", tuple(self.history))
+        divide = self.preconditioner(x)
+        if divide is None:
+            return Solution(False, INDEFINITE, tuple(self.history))
+        for _ in range(self.settings.max_iterations):
+            divide(*self.now)
+            length = self.step(x)
+            if length is None:
+                return self.failure(x, slow=False)
+            if self.arrived(x, length, monitor):
+                return Solution(True, "converged", tuple(self.history))
+            if lost(self.problem, x, self.history[-1].residual):
+                return self.failure(x, slow=False)
+        return self.failure(x, slow=True)
+
+    def arrived(self, x: PETSc.Vec, length: float, monitor: Monitor) -> bool:
+        """Whether an iterate is the solution; notes it, and its gradient."""
+        b = self.now.g
+        self.problem.residual(x, b)
+        accepted = tolerance(self.problem, x, b, self.settings.rtol if self.history else ROUNDING)
+        self.problem.release(b)
+        largest = b.norm(PETSc.NormType.NORM_INFINITY)
+        self.history.append(Iteration(self.problem.energy(x), largest, length))
+        monitor(len(self.history) - 1, self.history[-1])
+        return self.problem.beyond_rounding(x, b) < accepted
+
+    def step(self, x: PETSc.Vec) -> float | None:
+        """Goes one step; its length, or None where no length lowers the energy."""
+        self.turn()
+        length = self.go(x, self.direction)
+        if length is None and self.age:
+            self.anew = True
+            self.turn()
+            length = self.go(x, self.direction)
+        self.anew = False
+        self.now, self.before = self.before, self.now  # the next gradient takes the place of the last but one
+        return length
+
+    def turn(self) -> None:
+        """Makes the direction the one from the last iterate."""
+        d, (g, s) = self.direction, self.now
+        if not self.anew and self.age + 1 < self.restart:
+            d.scale(self.beta(self.now, self.before))
+            d.axpy(-1.0, s)  # Gil (76)
+            if d.dot(g) < 0:
+                self.age += 1
+                return
+        self.age = 0
+        s.copy(d)
+        d.scale(-1.0)  # Gil (73), (75)
+
+    def go(self, x: PETSc.Vec, d: PETSc.Vec) -> float | None:
+        """Length of a step along a direction that is scaled so that one is where its quadratic model is least.
+
+        On a quadratic energy the full step is the exact one. The curvature is the difference of two gradients: a
+        product with the tangent would need that, which takes five times as long to assemble.
+        """
+        with self.problem.discretization.work(1) as (step,):
+            d.copy(step)
+            step.scale(self.full(x, d))
+            first = Point(0.0, self.history[-1].energy, float(self.now.g.dot(step)))
+            self.noise = rounding(self.problem, first, x, step)
+            alpha = search(line(self.problem, x, step, first), self.noise, FLATNESS)
+            if alpha is not None:
+                x.axpy(alpha, step)  # Gil (72)
+        return alpha
+
+    def full(self, x: PETSc.Vec, d: PETSc.Vec) -> float:
+        """Factor that makes a direction the full step; at most, displacements become as large as the structure."""
+        largest = d.norm(PETSc.NormType.NORM_INFINITY)
+        difference = DIFFERENCE * self.size / largest
+        slope = float(self.now.g.dot(d))
+        with self.problem.discretization.work(2) as (near, b):
+            near.waxpy(difference, d, x)
+            self.problem.residual(near, b)
+            curvature = (float(b.dot(d)) - slope) / difference
+        most = self.size / largest
+        return min(-slope / curvature, most) if curvature > 0 else most
+
+    def free_components(self) -> int:
+        """Number of components that are not held."""
+        with self.problem.discretization.work(1) as (free,):
+            free.set(1.0)
+            self.problem.release(free)
+            return int(free.sum())
+
+    def stands_still(self) -> bool:
+        """Whether in the last half of the iterates steps changed the energy by rounding, and the residual no more."""
+        half = len(self.history) // 2
+        fallen = abs(self.history[half].energy - self.history[-1].energy)
+        before, after = (min(entry.residual for entry in part) for part in (self.history[:half], self.history[half:]))
+        return fallen <= self.noise * (len(self.history) - half) and after > STUCK * before
+
+    def failure(self, x: PETSc.Vec, slow: bool) -> Solution:
+        """Why there is no solution after the last iterate; slow where the iterations were too few.
+
+        Smaller increments of load would hardly need less, and are no remedy for that.
+        """
+        name, last = type(self.settings).__name__, self.history[-1].residual
+        at_rounding = slow and self.stands_still()
+        reason = stalled(self.problem, x, len(self.history) - 1, last, at_rounding, solver=name)
+        if at_rounding:
+            reason += " The energy, which first-order methods go by, falls by rounding only; Newton() may get closer."
+        elif slow:
+            steepest = ["ConjugateGradient()"] * isinstance(self.settings, SteepestDescent)
+            divided = ['preconditioner="tangent"'] * (self.settings.preconditioner != "tangent")
+            perhaps = " or ".join([*steepest, *divided])
+            reason += " First-order methods are slow; Newton() needs fewer iterations as a rule" + (
+                f", and {perhaps} may." if perhaps else "."
+            )
+        return Solution(False, reason, tuple(self.history), retry=not slow)

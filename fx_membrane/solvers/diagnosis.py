@@ -1,0 +1,180 @@
+"""Why a solve failed, in words, and what to try."""
+
+from typing import NamedTuple
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from ..assembly.problem import Problem
+from ..geometry.grids import measures
+from ..model.parts import Cable, Mast, Membrane
+from ..model.structure import Structure
+from .base import largest
+from .lowest_mode import WEAK, softest
+
+NOTHING = 1e-6  # of its size, left of a cell
+
+
+def linear_failure(problem: Problem, A: PETSc.Mat) -> str:
+    """Why the tangent could not be solved with."""
+    loose = loose_nodes(problem, A)
+    if loose:
+        node, direction = loose[0]
+        also = f" (and {len(loose) - 1} more nodes)" if len(loose) > 1 else ""
+        axis = ", ".join(f"{component + 0.0:.3g}" for component in direction)
+        return (
+            f"the tangent stiffness is singular: nothing holds node {node}{also} in the direction ({axis}). "
+            + _why_loose(problem.discretization.structure, node)
+        )
+    less = "" if problem.unloaded() else ", or apply less load per step (steps=...)"
+    return (
+        "the tangent stiffness is singular: parts of the structure can move without resistance (a mechanism, or the "
+        f"point where it buckles). Add prestress, supports or members{less}."
+    )
+
+
+def _why_loose(structure: Structure, node: int) -> str:
+    """What has no stiffness at a node, by the parts that meet there, and what to do about it."""
+    here = {type(part) for part in structure.parts.values() if (part.cells == node).any()}
+    if here == {Mast}:
+        return (
+            "A joint between masts in line, or of a frame without bracing, has no stiffness across; add masts or "
+            "cables that brace it, or supports."
+        )
+    kinds = {Membrane: "a flat membrane", Cable: "a straight cable"}
+    what = " or ".join(words for kind, words in kinds.items() if kind in here)
+    return (
+        f"{what[0].upper()}{what[1:]} without prestress has no stiffness across; give it a small prestress to begin "
+        "with (prescribed displacements can bring the rest), a curved shape, or supports."
+    )
+
+
+class Mechanism(NamedTuple):
+    """A motion without resistance.
+
+    Attributes:
+        motion: Displacements of the nodes, the largest of size one, shape (n, 3).
+        words: Which nodes move, where, and what to do about it.
+    """
+
+    motion: NDArray[np.float64]
+    words: str
+
+
+def mechanism(problem: Problem, x: PETSc.Vec) -> Mechanism | None:
+    """The free motion of a structure in a state; None where every motion meets with resistance."""
+    found = softest(problem, x, WEAK)
+    # Written so that a number that is not one is no mechanism.
+    if not abs(found.stiffness) < WEAK:
+        return None
+    return _mechanism(problem.discretization.gather(found.motion))
+
+
+def slack_mechanism(problem: Problem, x: PETSc.Vec) -> Mechanism | None:
+    """The free motion of masts that only the kept stiffness of slack parts resists; None where there is none."""
+    structure = problem.discretization.structure
+    masts = [part.cells.ravel() for part in structure.parts.values() if isinstance(part, Mast)]
+    if not masts:
+        return None
+    with problem.without_kept_stiffness():
+        found = softest(problem, x, WEAK, idle=False)
+    motion = problem.discretization.gather(found.motion)
+    # Fabric that is slack here and there is not the structure.
+    if not found.stiffness < WEAK or np.linalg.norm(motion, axis=1).argmax() not in np.concatenate(masts):
+        return None
+    return _mechanism(motion, " but for the small stiffness that slack parts keep")
+
+
+def _mechanism(motion: NDArray[np.float64], but: str = "") -> Mechanism:
+    """A motion, of any size, and words for it."""
+    sizes = np.linalg.norm(motion, axis=1)
+    most = int(sizes.argmax())
+    motion /= sizes[most]
+    direction = ", ".join(f"{component + 0.0:.3g}" for component in motion[most])
+    also = int((sizes > 0.1 * sizes[most]).sum()) - 1
+    words = (
+        f"the structure is a mechanism{but}: node {most} moves freely in the direction ({direction})"
+        + (f", and {also} more nodes with it" if also else "")
+        + ". Add supports, members or prestress that hold it."
+    )
+    return Mechanism(motion, words)
+
+
+def collapsed(problem: Problem, x: PETSc.Vec) -> bool:
+    """Whether a cell has shrunk to nothing: where nothing else holds a structure, artificial tension does that."""
+    structure = problem.discretization.structure
+    shape = structure.points + problem.discretization.gather(x)
+    cells = [part.cells for part in structure.parts.values()]
+    return any((measures(shape, c) < NOTHING * measures(structure.points, c)).any() for c in cells)
+
+
+def unlikely_units(problem: Problem, x: PETSc.Vec) -> str:
+    """Words where the loads would strain the structure out of all proportion."""
+    share = problem.load_norm(x) / (problem.stiffness * problem.discretization.structure.size)
+    if not share > 1:
+        return ""
+    return (
+        f" The loads are {share:.2g} times what doubles its length: check that loads, stiffness and lengths are in the "
+        "same system of units."
+    )
+
+
+def stalled(
+    problem: Problem, x: PETSc.Vec, iterations: int, residual: float, at_rounding: bool, solver: str = "Newton"
+) -> str:
+    """Why the iteration did not come to an end.
+
+    Args:
+        problem: The problem.
+        x: The last iterate.
+        iterations: Their number.
+        residual: The largest unbalanced force [N].
+        at_rounding: Whether the residual is small, but above the tolerance.
+        solver: Name of its settings.
+    """
+    if at_rounding:
+        return (
+            f"the unbalanced forces ({residual:.3g}) are small but do not fall below the tolerance, which may ask for "
+            f"more digits than rounding leaves; allow a larger one ({solver}(rtol=...)) or more iterations "
+            f"({solver}(max_iterations=...))."
+        )
+    size = problem.discretization.structure.size
+    displacement = largest(x)
+    if problem.unloaded():
+        advice = (
+            "nothing is applied that could come in more steps: give a prestress that the shape and its supports can "
+            "balance (force_density and updated_reference find such shapes), or a load that slack parts can hang by"
+        )
+    else:
+        advice = (
+            "apply the loads in more steps (steps=...), give more prestress, start from a shape in which the prestress "
+            "is nearer to balance"
+        )
+    advice += f", or allow more iterations ({solver}(max_iterations=...))"
+    if not displacement <= 10 * size:
+        return (
+            f"the iteration diverged: displacements of {displacement:.3g} in a structure of size {size:.3g}. "
+            f"Check that loads, stiffness and lengths are in the same system of units; then {advice}."
+        )
+    return f"after {iterations} iterations the largest unbalanced force is still {residual:.3g}; {advice}."
+
+
+def loose_nodes(problem: Problem, A: PETSc.Mat) -> list[tuple[int, list[float]]]:
+    """Nodes that have no stiffness of their own in some direction, and that direction, in the user's numbering."""
+    discretization = problem.discretization
+    first = A.getOwnershipRange()[0]
+    pointers, columns, values = A.getValuesCSR()
+    rows = np.repeat(np.arange(len(pointers) - 1), np.diff(pointers))
+    same_node = (columns - first) // 3 == rows // 3
+    blocks = np.zeros((len(discretization.owned), 3, 3))
+    blocks[rows[same_node] // 3, rows[same_node] % 3, (columns[same_node] - first) % 3] = values[same_node]
+    if not discretization.comm.allreduce(bool(np.isfinite(blocks).all()), MPI.LAND):
+        return []  # together: eigh would fail on some processes only
+    stiffness, directions = np.linalg.eigh(blocks)
+    limit = 1e-13 * np.minimum(np.abs(blocks).max(axis=(1, 2)), problem.stiffness)  # no other node, nor a support
+    weakest = np.argmin(np.abs(stiffness), axis=1)
+    loose = np.flatnonzero(np.abs(stiffness).min(axis=1) <= limit)
+    found = [(int(discretization.owned[i]), directions[i, :, weakest[i]].tolist()) for i in loose]
+    return sorted(entry for part in discretization.comm.allgather(found) for entry in part)

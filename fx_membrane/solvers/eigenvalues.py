@@ -1,0 +1,200 @@
+"""Lowest eigenvalues of K phi = lambda M phi by SLEPc: Krylov-Schur with shift-invert, factorized by MUMPS.
+
+The signs of the pivots of K - shift M count the eigenvalues below the shift (Sylvester's law of inertia). That is used
+twice. The shift is put where there are none, so that negative eigenvalues come first and none is lost. Afterwards those
+below the highest found are counted (the Sturm sequence check): where one was missed, as copies of a multiple eigenvalue
+may be, the search goes on across those found. Massless components have infinite eigenvalues, which come last.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import NamedTuple
+
+from petsc4py import PETSc
+from slepc4py import SLEPc
+
+from . import factorization
+from .base import ROUNDING
+
+PREFIX = "fx_membrane_eigenvalues_"
+FIRST_SHIFT, LAST_SHIFT = 1e-12, 1e8  # below zero, as shares of a typical eigenvalue
+SPREAD = 1e4  # most by which distances from the shift differ; the larger ones lose as many digits
+SAME = 1e-9  # eigenvalues nearer to each other than this share of their distance from the shift are not told apart
+TOLERANCE = 1e-12  # error of an eigenvalue, estimated, relative
+
+
+class Eigenpair(NamedTuple):
+    """One eigenvalue and its vector, of unit norm in M; the imaginary part is zero where K is symmetric.
+
+    An eigenvalue that is rounding is zero.
+    """
+
+    value: complex
+    real: PETSc.Vec
+    imaginary: PETSc.Vec
+
+
+def lowest(K: PETSc.Mat, M: PETSc.Mat | None, count: int) -> tuple[list[Eigenpair], int]:
+    """The lowest eigenvalues of a symmetric K, ascending, and the number of negative ones, found or not.
+
+    Args:
+        K: Symmetric.
+        M: Symmetric and positive semi-definite; the identity if None.
+        count: How many; at most the rank of M.
+
+    Raises:
+        ValueError: K is singular or negative where M is zero.
+        RuntimeError: SLEPc did not converge.
+    """
+    with _solver(K, M, symmetric=True) as eps:
+        shift, negative = _below_all(eps)
+        found = _solve(eps, count)
+        low, high = found[0].value.real, found[-1].value.real
+        if high - shift > SPREAD * (low - shift):  # the shift is too near to the lowest
+            shift = low - 10 * (high - low) / SPREAD
+            _move(eps, shift)
+            found = _solve(eps, count)
+        while (missing := _missing(eps, found, shift)) > 0:
+            _move(eps, shift)
+            eps.setDeflationSpace([pair.real for pair in found])
+            more = _solve(eps, min(missing, count))
+            new = [pair for pair in more if pair.value.real < _limit(found, shift)]
+            found = _sorted(found + more)[:count]
+            if not new:  # what the count and the search do not agree on is rounding
+                break
+    return found, negative
+
+
+def zeros(K: PETSc.Mat) -> int:
+    """Number of eigenvalues of a symmetric K that are zero but for rounding."""
+    with _solver(K, None, symmetric=True) as eps:
+        eps.setUp()
+        negative, _ = _inertia(eps)
+        _move(eps, -eps.getTarget())
+        below, _ = _inertia(eps)
+        return below - negative
+
+
+def lowest_unsymmetric(K: PETSc.Mat, M: PETSc.Mat, count: int) -> list[Eigenpair]:
+    """Eigenvalues of an unsymmetric K nearest to a shift below all, ascending in their real part.
+
+    No real part is below the lowest eigenvalue of the symmetric part of K (Bendixson): the shift is found with that.
+    Args and Raises as for `lowest`.
+    """
+    part = factorization.symmetric_part(K)
+    with _solver(part, M, symmetric=True) as eps:
+        shift, _ = _below_all(eps)
+    part.destroy()
+    with _solver(K, M, symmetric=False) as eps:
+        eps.setTarget(shift)
+        return _solve(eps, count)
+
+
+@contextmanager
+def _solver(K: PETSc.Mat, M: PETSc.Mat | None, symmetric: bool) -> Iterator[SLEPc.EPS]:
+    """Shift-invert Krylov-Schur with a shift close below zero; freed by all processes together."""
+    eps = SLEPc.EPS().create(K.comm)
+    try:
+        kinds = SLEPc.EPS.ProblemType
+        eps.setOperators(K, M)
+        eps.setProblemType((kinds.HEP if M is None else kinds.GHEP) if symmetric else kinds.GNHEP)
+        eps.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
+        eps.setTarget(-FIRST_SHIFT * K.norm() / (K.getSize()[0] ** 0.5 if M is None else M.norm()))
+        _factorize_by_mumps(eps, "cholesky" if symmetric else "lu")
+        yield eps
+    finally:
+        eps.destroy()
+
+
+def _factorize_by_mumps(eps: SLEPc.EPS, kind: str) -> None:
+    options = PETSc.Options(PREFIX)
+    options["st_mat_mumps_icntl_13"] = 1  # no ScaLAPACK at the root, which does not count pivots
+    options["st_mat_mumps_icntl_14"] = 100  # twice the memory that is estimated without pivoting
+    options["st_mat_mumps_icntl_24"] = 1  # counts null pivots
+    eps.setOptionsPrefix(PREFIX)
+    spectral = eps.getST()
+    spectral.setType(SLEPc.ST.Type.SINVERT)
+    spectral.setMatStructure(PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+    ksp = spectral.getKSP()
+    ksp.setType(PETSc.KSP.Type.PREONLY)
+    ksp.getPC().setType(kind)
+    ksp.getPC().setFactorSolverType("mumps")
+
+
+def _below_all(eps: SLEPc.EPS) -> tuple[float, int]:
+    """Moves the shift below all eigenvalues; returns it, and the number of negative eigenvalues."""
+    eps.setUp()
+    first = shift = eps.getTarget()
+    negative, null = _inertia(eps)
+    below = negative
+    while below and not null and shift > first / FIRST_SHIFT * LAST_SHIFT:
+        shift *= 100
+        _move(eps, shift)
+        below, null = _inertia(eps)
+    if below or null:
+        raise ValueError(
+            "The tangent stiffness is singular or negative where there is no mass; give mass to the parts without."
+        )
+    return shift, negative
+
+
+def _move(eps: SLEPc.EPS, shift: float) -> None:
+    """Factorizes K - shift M."""
+    eps.setTarget(shift)
+    spectral = eps.getST()
+    spectral.setShift(shift)
+    spectral.setUp()
+    spectral.getKSP().setUp()
+
+
+def _inertia(eps: SLEPc.EPS) -> tuple[int, int]:
+    """Number of negative and of null pivots: that of eigenvalues below the shift and at it."""
+    negative, null, _ = eps.getST().getKSP().getPC().getFactorMatrix().getInertia()
+    return negative, null
+
+
+def _solve(eps: SLEPc.EPS, count: int) -> list[Eigenpair]:
+    eps.setDimensions(count, PETSc.DECIDE, PETSc.DECIDE)
+    eps.setTolerances(tol=TOLERANCE)
+    eps.solve()
+    if eps.getConverged() < count:
+        raise RuntimeError(
+            f"The eigenvalue solver found {eps.getConverged()} of {count} modes in its {eps.getIterationNumber()} "
+            "iterations; ask for fewer."
+        )
+    return _sorted([_pair(eps, i) for i in range(count)])
+
+
+def _pair(eps: SLEPc.EPS, i: int) -> Eigenpair:
+    K, M = eps.getOperators()
+    real, imaginary = K.createVecRight(), K.createVecRight()
+    value = complex(eps.getEigenpair(i, real, imaginary))
+    work = real.duplicate()
+    square = 0.0
+    for part in (real, imaginary):
+        part.copy(work) if M is None else M.mult(part, work)
+        square += work.dot(part)
+    for part in (real, imaginary):
+        part.scale(square**-0.5)
+    # What is left of K phi where there is no stiffness; its sign means nothing.
+    if abs(value) <= ROUNDING * K.norm(PETSc.NormType.INFINITY) * (real.norm() ** 2 + imaginary.norm() ** 2):
+        value = 0j
+    return Eigenpair(value, real, imaginary)
+
+
+def _sorted(pairs: list[Eigenpair]) -> list[Eigenpair]:
+    return sorted(pairs, key=lambda pair: pair.value.real)
+
+
+def _limit(found: list[Eigenpair], shift: float) -> float:
+    """A little below the highest eigenvalue found."""
+    highest = found[-1].value.real
+    return highest - SAME * (highest - shift)
+
+
+def _missing(eps: SLEPc.EPS, found: list[Eigenpair], shift: float) -> int:
+    """Number of eigenvalues below the highest found that were not found."""
+    limit = _limit(found, shift)
+    _move(eps, limit)
+    below, _ = _inertia(eps)
+    return below - sum(pair.value.real < limit for pair in found)

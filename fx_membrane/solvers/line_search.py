@@ -1,0 +1,139 @@
+"""Backtracking line search by polynomial interpolation, the step length in (0, 1], for Gil (72).
+
+A full step is kept where it lowers the energy enough and does not end on a steep rise; otherwise the length is found
+between zero and one, first by a parabola, then by cubics through energies and slopes.
+
+Source: J. Nocedal, S. J. Wright, Numerical optimization (2006), algorithm 3.6, (3.57)-(3.59). Near the solution
+energies differ by rounding only, and slopes decide, as in W. W. Hager, H. Zhang, A new conjugate gradient method with
+guaranteed descent and an efficient line search, SIAM J. Optimization 16 (2005) 170-192.
+"""
+
+import math
+from collections.abc import Callable
+from functools import cache
+from typing import NamedTuple
+
+from petsc4py import PETSc
+
+from ..assembly.problem import Problem
+from .base import ROUNDING
+
+DECREASE = 1e-4  # least part of the linearly predicted decrease
+MARGIN = 0.05  # of an interval, at both ends, in which no trial is made
+SHORTEST = 1e-10
+
+
+class Point(NamedTuple):
+    """Energy [J] and its derivative by the length [J], at a length of step."""
+
+    length: float
+    energy: float
+    slope: float
+
+
+def search(along: Callable[[float], Point], rounding: float, flatness: float = 0.1) -> float | None:
+    """Length of a step along which an energy decreases.
+
+    Args:
+        along: What is found at a length of step; at zero the slope is negative. Energies that are not numbers count as
+            too high.
+        rounding: Difference of energies that means nothing [J].
+        flatness: Accepted slope at the end, as part of that at zero; a full step may also end on a descent. The default
+            has no source: it was chosen by trial on tests/benchmarks/hard_cases.py.
+
+    Returns:
+        The length; None where no length lowers the energy.
+    """
+    start = low = along(0.0)
+    trial = high = along(1.0)
+    interpolate = _parabola
+    while True:
+        limit = min(low.energy, start.energy + DECREASE * trial.length * start.slope) + rounding
+        # Written so that an energy that is not a number is too high.
+        if not trial.energy <= limit:
+            high = trial
+        elif abs(trial.slope) <= -flatness * start.slope or (trial.length == 1 and trial.slope < 0):
+            return trial.length
+        else:  # the minimum is where the slope leads down to, from the lower end
+            high = low if trial.slope * (high.length - low.length) >= 0 else high
+            low = trial
+        if abs(high.length - low.length) < SHORTEST:
+            return low.length or None
+        share = (interpolate(low, high) - low.length) / (high.length - low.length)
+        share = min(max(share, MARGIN), 1 - MARGIN) if math.isfinite(share) else 0.5
+        trial = along(low.length + share * (high.length - low.length))
+        interpolate = _cubic
+
+
+def line(problem: Problem, start: PETSc.Vec, step: PETSc.Vec, first: Point | None = None) -> Callable[[float], Point]:
+    """Energy and slope along a step from a start; first, if known, is at the start.
+
+    The slope is the residual along the step. Where a pressure has no potential the search is for a zero of that, as in
+    H. Matthies, G. Strang, Int. J. Numer. Methods Eng. 14 (1979) 1613-1626, and the energy, with the work of the
+    pressure since the start, is its integral.
+    """
+    energy = problem.energy_along(start, step)
+
+    @cache
+    def along(length: float) -> Point:
+        if first is not None and length == first.length:
+            return first
+        with problem.discretization.work(2) as (x, b):
+            x.waxpy(length, step, start)
+            problem.residual(x, b)
+            slope = float(b.dot(step))
+        return Point(length, energy(length), slope)
+
+    return along
+
+
+def rounding(problem: Problem, first: Point, start: PETSc.Vec, step: PETSc.Vec) -> float:
+    """Difference of energies that means nothing along a step [J]: the prestress does work along all of the way."""
+    way = float(start.norm() + step.norm())
+    return 10 * ROUNDING * (abs(first.energy) + problem.prestress_forces * way)
+
+
+def step_back(
+    problem: Problem, b: PETSc.Vec, energy: float, start: PETSc.Vec, dx: PETSc.Vec, moved: bool
+) -> float | None:
+    """Length of the step -dx from a start at which the held components are in place; None where none is good.
+
+    Where they were moved to it, the linear step was not meant for this start, and no step is better than a bad one.
+
+    Args:
+        problem: The problem.
+        b: Residual at the start.
+        energy: Energy at the start [J].
+        start: The start.
+        dx: The step, reversed.
+        moved: Whether held components were moved to it; residual and energy are those before.
+    """
+    with problem.discretization.work(1) as (downhill,):
+        dx.copy(downhill)
+        downhill.scale(-1.0)
+        here = None if moved else Point(0.0, energy, float(b.dot(downhill)))
+        along = line(problem, start, downhill, here)
+        first = along(0.0)
+        if moved and first.slope >= 0:
+            return 1.0 if along(1.0).energy <= first.energy else 0.0
+        length = search(along, rounding(problem, first, start, downhill))
+    return 0.0 if length is None and moved else length
+
+
+def _parabola(low: Point, high: Point) -> float:
+    """Where the parabola through two energies and the slope at the lower end is least."""
+    span = high.length - low.length
+    curvature = (high.energy - low.energy - low.slope * span) / span**2
+    return low.length - low.slope / (2 * curvature) if curvature > 0 else math.nan
+
+
+def _cubic(low: Point, high: Point) -> float:
+    """Where the cubic through two energies and two slopes is least, N&W (3.59)."""
+    span = high.length - low.length
+    d1 = low.slope + high.slope - 3 * (high.energy - low.energy) / span
+    radicand = d1 * d1 - low.slope * high.slope  # d1**2 would raise OverflowError
+    if not radicand >= 0:
+        return _parabola(low, high)
+    d2 = math.copysign(math.sqrt(radicand), span)
+    divisor = high.slope - low.slope + 2 * d2
+    return high.length - span * (high.slope + d2 - d1) / divisor if divisor else math.nan

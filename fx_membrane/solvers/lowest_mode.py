@@ -1,0 +1,126 @@
+"""The softest motion of a structure in a state, and whether the state is stable against it."""
+
+from typing import NamedTuple
+
+import numpy as np
+from petsc4py import PETSc
+
+from ..assembly.problem import Problem
+from ..model.parts import Mast
+from . import factorization
+
+WEAK = 1e-9  # stiffness, as a strain, below which a motion counts as free
+LARGEST = 1e4  # no motion is less stable than with this strain
+CRUSHED = 0.5  # Green's strain of what has no length left
+LEAST = 1e-4  # negative curvature, as a strain, below which none is seen between two states
+SECANTS = 8  # between two states
+STEPS = 4  # of inverse iteration
+
+
+class Softest(NamedTuple):
+    """The softest motion, as far as inverse iteration has come.
+
+    Attributes:
+        negative: Number of negative eigenvalues of the tangent with the artificial tension; of its symmetric part where
+            a pressure makes it unsymmetric.
+        motion: The displacement, of 2-norm 1; zero where held.
+        stiffness: Work that it does against the tangent over that against an artificial tension of strain one [-].
+    """
+
+    negative: int
+    motion: PETSc.Vec
+    stiffness: float
+
+
+def softest(problem: Problem, x: PETSc.Vec, tension: float, idle: bool = True) -> Softest:
+    """Softest motion in a state.
+
+    Args:
+        problem: The problem.
+        x: The state.
+        tension: Artificial tension that is added to the tangent, as a strain: what is softer counts as free.
+        idle: Whether nodes without any stiffness, as where all cells are slack and keep none, move too.
+    """
+    A, v = problem.discretization.create_matrix(), x.duplicate()
+    problem.tangent(x, A)
+    structure = problem.discretization.structure
+    at_rest = structure.used & ~problem.stiff_nodes(A) if not idle else np.zeros(len(structure.points), dtype=bool)
+    still = problem.discretization.dofs(np.repeat(at_rest[:, None], 3, axis=1))
+    with problem.discretization.work(1) as (b,):
+        problem.hold_tangent(x, A, b)
+        K = factorization.symmetric_part(A)
+        problem.stiffen(x, A, b, tension)
+    if not idle:
+        A.zeroRowsColumns(still, diag=problem.stiffness)
+    stiffened = factorization.symmetric_part(A)
+    stiffened.setOption(PETSc.Mat.Option.SYMMETRIC, True)
+    solver = PETSc.KSP().create(problem.discretization.comm)
+    factorization.choose(solver, stiffened, symmetric=True)
+    # The same numbers on any number of processes, and in every component: no motion is overlooked by symmetry.
+    problem.discretization.distribute(np.random.default_rng(0).normal(size=structure.points.shape), v)
+    v.array[still - v.getOwnershipRange()[0]] = 0.0
+    with problem.discretization.work(1) as (w,):
+        for _ in range(STEPS):
+            problem.release(v)
+            solver.solve(v, w)
+            w.scale(1 / (w.norm() or 1.0))
+            w.copy(v)
+        K.mult(v, w)
+        work = float(v.dot(w))
+    artificial = problem.tension_work(v)
+    found = Softest(factorization.pivots(solver).negative, v, work / artificial if artificial else np.inf)
+    for matrix in (A, K, stiffened):
+        matrix.destroy()
+    solver.destroy()
+    return found
+
+
+def downhill(problem: Problem, x: PETSc.Vec) -> Softest:
+    """The motion along which the energy of a state falls most readily; its `negative` is 0 where there is none.
+
+    The small stiffness that wrinkled and slack cells keep makes them buckle from node to node. That is no instability
+    of the structure, and is left out.
+    """
+    with problem.without_kept_stiffness():
+        found = softest(problem, x, tension := WEAK)
+        negative = found.negative
+        # Inverse iteration finds what is nearest to -tension: below the lowest of all it is the lowest.
+        while found.negative and tension < LARGEST:
+            tension *= 4
+            found.motion.destroy()
+            found = softest(problem, x, tension)
+    return found._replace(negative=negative)
+
+
+def explained(problem: Problem) -> float:
+    """Artificial tension, as a strain, above which wrinkled and slack cells have no negative curvature in any shape."""
+    return CRUSHED * _kept(problem)
+
+
+def negative_between(problem: Problem, start: PETSc.Vec, end: PETSc.Vec) -> bool:
+    """Whether on the straight way between two states, the unbalanced force along it falls: negative curvature.
+
+    That of wrinkled and slack cells does not count: there is none where there are neither masts nor pressures. Held
+    components are where they are at the end.
+    """
+    parts = problem.discretization.structure.parts.values()
+    if problem.symmetric and not any(isinstance(part, Mast) or part.compression_stiffness >= 1 for part in parts):
+        return False
+    forces = []
+    with problem.discretization.work(3) as (at, way, b):
+        start.copy(at)
+        problem.bring(at)
+        way.waxpy(-1.0, at, end)
+        for _ in range(SECANTS + 1):
+            problem.residual(at, b)
+            forces.append(float(b.dot(way)))
+            at.axpy(1 / SECANTS, way)
+        least = max(LEAST, explained(problem)) * problem.tension_work(way)
+    return bool((SECANTS * np.diff(forces) < -least).any())
+
+
+def _kept(problem: Problem) -> float:
+    """The largest share of its stiffness that a part keeps when it is wrinkled or slack; 0 where none can be."""
+    parts = problem.discretization.structure.parts.values()
+    kept = [part.compression_stiffness for part in parts if not isinstance(part, Mast)]
+    return max([share for share in kept if share < 1], default=0.0)

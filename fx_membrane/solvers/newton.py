@@ -1,0 +1,304 @@
+"""Newton-Raphson, Gil (74), that goes downhill: line search on the energy, artificial tension where that is not enough.
+
+Prestressed nets and membranes are stiff along themselves and soft across, they slacken and wrinkle, and a flat one
+without prestress has no stiffness across at all. Three things make Newton's method find its way all the same:
+
+- a line search on the total potential energy shortens steps that overshoot;
+- where the tangent has negative curvature or none (the signs of the pivots tell) or steps are short, an artificial
+  tension is added to it, as little as helps; it changes the way, not the goal, and falls with the residual: pseudo-
+  transient continuation (C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508-523) with a tension for a mass;
+- where that does not get there either, an artificial tension in the structure itself draws it smooth, and is faded out.
+"""
+
+import weakref
+from dataclasses import dataclass, replace
+from typing import cast
+
+from petsc4py import PETSc
+
+from .. import _dolfinx
+from ..assembly.problem import Problem
+from ..checks import validation
+from . import artificial_tension, factorization
+from .backends import by_dolfinx, by_snes
+from .base import FALLEN, FAR, ROUNDING, Iteration, Monitor, Solution, Solve, largest, lost, silent, tolerance
+from .convergence import at_rest, nearer
+from .diagnosis import collapsed, linear_failure, mechanism, slack_mechanism, stalled, unlikely_units
+from .line_search import step_back
+from .lowest_mode import downhill, explained, negative_between
+
+# The numbers from here on have no source: they were chosen by trial on tests/benchmarks/hard_cases.py.
+
+# Artificial tension in the structure, as a strain, from one solve to the next.
+FADING = tuple(10.0**-i for i in range(2, 9))
+ROUGH, FEW = 1e-3, 40  # tolerance and iterations of these solves
+PATIENCE, MORE = 5, 50  # times as many iterations, so many at a time while residuals fall: slack fabric crumples
+
+# Equilibrium at a saddle of the energy.
+NUDGE, NUDGES = 1e-3, 3  # step off it, in sizes of the structure, and how often it is tried
+
+REST = 1e-8  # share of all forces, below which a residual that falls no more is at rounding
+
+
+@dataclass(frozen=True)
+class Newton:
+    """Newton-Raphson, Gil (74), by dolfinx's `NewtonSolver` with a direct factorization (MUMPS).
+
+    Raises:
+        ValueError: rtol is out of range; max_iterations is not a whole number above zero.
+
+    Args:
+        rtol: Converged when the 2-norm of the unbalanced forces is below rtol times that of all nodal forces,
+            reactions and loads included, or at rounding: of the forces in
+            each node, or where they come to rest below 1e-8 of all forces. A start passes only at rounding.
+        max_iterations: Most iterations for one load increment; up to five times as many while residuals still fall.
+        line_search: False is the method of the textbook: each step in full, with the tangent as it is. For loads
+            without a potential (follower pressure in general) the energy is that of the work along the step, which is
+            known exactly.
+    """
+
+    rtol: float = 1e-10
+    max_iterations: int = 200
+    line_search: bool = True
+
+    def __post_init__(self) -> None:
+        validation.store(self, validation.tolerance, "rtol")
+        validation.store(self, validation.whole, "max_iterations")
+        validation.store(self, validation.truth, "line_search")
+
+    def prepare(self, problem: Problem) -> Solve:
+        """A function that brings a vector to equilibrium; it keeps matrix and symbolic factorization between calls."""
+        return _NewtonRaphson(self, problem)
+
+
+class _Stop(Exception):  # noqa: N818  (not an error but a message from callback to caller)
+    """Ends the iteration from inside a callback, with the reason in words."""
+
+
+class _NewtonRaphson:
+    """The iteration: callbacks for residual, tangent and step, and what drives them.
+
+    Attributes:
+        length: Length of the last step.
+        added: Tension added to the tangent for it, as a strain.
+        iterates: Their number since the solve began, whatever came of them.
+        first: Whether it is the first attempt since then.
+        from_stable: Whether the first tangent since then had no more negative curvature than slack cells have.
+        lost_stability: Whether a later one had more.
+    """
+
+    def __init__(self, settings: Newton, problem: Problem):
+        self.settings, self.problem = settings, problem
+        self.A = problem.discretization.create_matrix()
+        self.b = problem.discretization.create_vector()
+        create = problem.discretization.create_vector
+        self.work, self.begin, self.origin, self.before, self.here = (create() for _ in range(5))
+        self.history: list[Iteration] = []
+        self.monitor: Monitor = silent
+        self.rtol = self.tolerance = self.length = self.added = 0.0
+        self.balanced = False
+        self.most = settings.max_iterations
+        self.iterates, self.first = 0, True
+        self.symmetric, self.from_stable, self.lost_stability = True, False, False
+        self.size = problem.discretization.structure.size
+        self.newton = _dolfinx.newton_solver(problem.discretization.comm)
+        # The drivers hold their callbacks in C and C++, where Python's garbage collector does not look: a weak
+        # reference keeps the problem from living as long as the program.
+        owner = cast(_NewtonRaphson, weakref.proxy(self))
+        self.iterate, self.ksp = by_snes(owner) if self.newton is None else by_dolfinx(owner)
+        factorization.keep_until_all_are_done(self, problem.discretization.comm, self.ksp)
+
+    def __call__(self, x: PETSc.Vec, monitor: Monitor = silent, thorough: bool = True) -> Solution:
+        self.monitor, self.iterates = monitor, 0
+        self.from_stable = self.lost_stability = False
+        start = x.copy(self.begin)
+        solution = self.solve(x, thorough)
+        if solution.converged and self.from_stable and not self.lost_stability:
+            self.lost_stability = negative_between(self.problem, start, x)  # steps may pass over what snaps
+        unlisted = self.iterates - len(solution.iterations)
+        return replace(solution, unlisted=unlisted, lost_stability=self.lost_stability)
+
+    def solve(self, x: PETSc.Vec, thorough: bool) -> Solution:
+        """All that is tried, one after the other."""
+        start = x.copy(self.origin)
+        solution = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
+        if not self.settings.line_search:
+            return solution
+        free = None if solution.converged else mechanism(self.problem, start)
+        # What falls finds no way back, and is as free at the start of any shorter increment.
+        self.work.waxpy(-1.0, start, x)
+        thorough = thorough and not (free and largest(self.work) > FALLEN * self.size)
+        if thorough:
+            solution = self.onward(x, solution, unknown=False)
+        if solution.converged:
+            return self.made_stable(x, solution)
+        if thorough:
+            start.copy(x)
+            self.draw_smooth(x)
+            second = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
+            second = self.onward(x, second, unknown=True)
+            if second.converged and not collapsed(self.problem, x):
+                return replace(self.made_stable(x, second), drawn_smooth=True)
+        motion = free or slack_mechanism(self.problem, start)
+        reason = motion.words if motion else solution.reason
+        return replace(
+            solution,
+            reason=reason + unlikely_units(self.problem, start),
+            retry=solution.retry and not free,
+            motion=motion.motion if motion else None,
+        )
+
+    def onward(self, x: PETSc.Vec, solution: Solution, unknown: bool) -> Solution:
+        """Goes on from where an attempt ran out of iterations, while residuals fall, or where that is unknown yet."""
+        usual = self.settings.max_iterations
+        most = PATIENCE * usual
+        while not solution.converged and usual < len(self.history) <= most and nearer(self.history, usual, unknown):
+            self.history.pop()  # is evaluated anew
+            self.most = min(MORE, most - len(self.history))
+            solution = self.run(x)
+        return solution
+
+    def made_stable(self, x: PETSc.Vec, solution: Solution) -> Solution:
+        """Goes on from an equilibrium that is not stable, downhill along its softest motion, to one that is.
+
+        Where the last tangent did without artificial tension it had no negative curvature, and nothing is to be done.
+        """
+        for _ in range(NUDGES):
+            if len(solution.iterations) == 1 or (self.symmetric and self.added == 0):
+                return solution
+            found = downhill(self.problem, x)
+            if found.negative == 0:
+                return solution
+            self.lost_stability |= self.from_stable
+            before = x.copy(self.before)
+            step = found.motion
+            step.scale(NUDGE * self.size / step.norm(PETSc.NormType.NORM_INFINITY))
+            energy = self.problem.energy_along(x, step)
+            x.axpy(1.0 if energy(1.0) < energy(-1.0) else -1.0, step)
+            onward = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
+            if not onward.converged:
+                before.copy(x)
+                break
+            solution = replace(onward, iterations=solution.iterations + onward.iterations)
+        return replace(solution, unstable=True)
+
+    def draw_smooth(self, x: PETSc.Vec) -> None:
+        """Equilibrium under an artificial tension that is faded out."""
+        try:
+            for tension in FADING:
+                self.problem.tension = tension
+                before = x.copy(self.before)
+                self.attempt(x, ROUGH, FEW)
+                if not largest(x) <= FAR * self.size:
+                    before.copy(x)
+                    return
+        finally:
+            self.problem.tension = 0.0
+
+    def attempt(self, x: PETSc.Vec, rtol: float, most: int) -> Solution:
+        """Runs the iteration once."""
+        self.history, self.rtol, self.most = [], rtol, most
+        self.first = self.iterates == 0
+        self.length = self.added = 0.0
+        self.symmetric = self.problem.symmetric or self.conservative(x)
+        factorization.choose(self.ksp, self.A, self.symmetric)
+        return self.run(x)
+
+    def run(self, x: PETSc.Vec) -> Solution:
+        """Runs the iteration on from an iterate, by as much as `most` says."""
+        try:
+            with _dolfinx.quiet_log():
+                converged = self.iterate(x)
+        except _Stop as stop:
+            # A tangent that is singular at the start of the increment is so for any length of it.
+            retry = self.settings.line_search or len(self.history) > 1
+            return Solution(False, str(stop), tuple(self.history), retry)
+        reason = "converged" if converged else self.stalled(x)
+        return Solution(converged, reason, tuple(self.history), retry=True)
+
+    def conservative(self, x: PETSc.Vec) -> bool:
+        """Whether the pressures have a potential here, as within held edges: the tangent is symmetric all the same."""
+        self.problem.tangent(x, self.A)
+        self.problem.hold_tangent(x, self.A, self.b)
+        return factorization.is_symmetric(self.A)
+
+    def stalled(self, x: PETSc.Vec) -> str:
+        """Why there is no solution after the last iterate."""
+        last = self.history[-1].residual
+        # Small, and no longer falling.
+        at_rounding = len(self.history) > 2 and self.history[-2].residual < 10 * last < 1e4 * self.tolerance
+        return stalled(self.problem, x, len(self.history) - 1, last, at_rounding)
+
+    def residual(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
+        """Residual with held components; notes the iterate and the tolerance for its 2-norm."""
+        self.problem.residual(x, b)
+        self.tolerance = tolerance(self.problem, x, b, self.rtol if self.history else ROUNDING)
+        self.problem.hold(x, b)
+        beyond, unbalanced = self.problem.beyond_rounding(x, b), largest(b)
+        self.history.append(Iteration(self.problem.energy(x), unbalanced, self.length, self.added))
+        small = beyond < REST * self.tolerance / self.rtol
+        self.balanced = beyond < self.tolerance or (small and at_rest(self.history))
+        self.iterates += 1
+        self.monitor(len(self.history) - 1, self.history[-1])
+        if lost(self.problem, x, unbalanced):
+            raise _Stop(self.stalled(x))
+
+    def tangent(self, x: PETSc.Vec, A: PETSc.Mat) -> None:
+        """Tangent and right-hand side with held components."""
+        A.setOption(PETSc.Mat.Option.SYMMETRIC, self.symmetric)
+        self.problem.tangent(x, A)
+        self.problem.hold_tangent(x, A, self.b)
+        damping = artificial_tension.to_begin_with(self.length, self.added, self.history)
+        self.added = 0.0
+        if damping:
+            self.add_tension(x, damping)
+
+    def step(self, x: PETSc.Vec, dx: PETSc.Vec) -> None:
+        """Makes the solution dx of the linear system the step itself: the next iterate is x - dx."""
+        self.length = 1.0
+        if not self.settings.line_search:
+            if not factorization.solves(self.A, dx, self.b, self.work):
+                raise _Stop(linear_failure(self.problem, self.A))
+            return
+        start = x.copy(self.here)
+        moved = self.problem.bring(start)
+        length = None
+        while length is None:
+            while not self.descends(dx):
+                self.solve_with_more_tension(x, dx)
+            self.problem.release(dx)
+            length = step_back(self.problem, self.b, self.history[-1].energy, start, dx, moved)
+            if length is None:
+                self.solve_with_more_tension(x, dx)
+        if self.iterates == 1:
+            # The least tension there is makes up for slack cells; without such cells it would hide an unstable start.
+            self.from_stable = self.added <= (artificial_tension.FIRST if explained(self.problem) else 0.0)
+        self.length = length
+        dx.scale(length)
+        dx.axpy(1.0, x)
+        dx.axpy(-1.0, start)
+
+    def descends(self, dx: PETSc.Vec) -> bool:
+        """Whether dx solves the linear system, and -dx leads downhill for sure: there is no negative curvature."""
+        if not factorization.solves(self.A, dx, self.b, self.work):
+            return False
+        if self.symmetric:
+            negative, zero = factorization.pivots(self.ksp)
+        else:
+            negative, zero = int(float(self.b.dot(dx)) <= 0), 0
+        # Later attempts begin out of balance.
+        if negative and self.from_stable and self.first:
+            self.lost_stability |= self.added > explained(self.problem)
+        return (negative, zero) == (0, 0)
+
+    def solve_with_more_tension(self, x: PETSc.Vec, dx: PETSc.Vec) -> None:
+        """Adds more tension to the tangent than there is, and solves again."""
+        if self.added > artificial_tension.LARGEST:
+            raise _Stop(linear_failure(self.problem, self.A))
+        self.add_tension(x, artificial_tension.more(self.added))
+        self.ksp.solve(self.b, dx)
+
+    def add_tension(self, x: PETSc.Vec, tension: float) -> None:
+        """Brings the tension in the tangent to a value."""
+        self.problem.stiffen(x, self.A, self.b, tension - self.added)
+        self.added = tension

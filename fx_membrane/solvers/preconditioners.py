@@ -1,0 +1,65 @@
+"""Preconditioners of the first-order methods: the diagonal of the tangent, or the tangent itself, factored once."""
+
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Literal
+
+from petsc4py import PETSc
+
+from ..assembly.problem import Problem
+from . import factorization
+
+Kind = Literal["jacobi", "tangent"] | None
+Divide = Callable[[PETSc.Vec, PETSc.Vec], object]  # puts M^-1 g for the first, g, into the second
+
+# Artificial tension, as a strain, that is added until the tangent is positive definite.
+TENSIONS = (0.0, *(1e-4 * 8.0**i for i in range(10)))
+ZERO = 1e-13  # entries of the diagonal, in parts of the largest, that count as none
+
+
+def preconditioner(problem: Problem, kind: Kind) -> Callable[[PETSc.Vec], Divide | None]:
+    """A function that makes the preconditioner M of a state whose held components are in place.
+
+    It keeps its workspace from state to state; it returns None where M cannot be made positive definite.
+    """
+    if kind is None:
+        return lambda x: PETSc.Vec.copy
+    divide_by = _diagonal if kind == "jacobi" else _Factors(problem)
+    A, b = problem.discretization.create_matrix(), problem.discretization.create_vector()
+
+    def at(x: PETSc.Vec) -> Divide | None:
+        problem.tangent(x, A)
+        if not problem.symmetric:
+            factorization.symmetrize(A)
+        problem.hold_tangent(x, A, b)
+        divide = divide_by(A)
+        for less, more in pairwise(TENSIONS):
+            if divide is not None:
+                break
+            problem.stiffen(x, A, b, more - less)
+            divide = divide_by(A)
+        return divide
+
+    return at
+
+
+def _diagonal(A: PETSc.Mat) -> Divide | None:
+    """Divides by the diagonal; None if that is not positive."""
+    diagonal = A.getDiagonal()
+    if not diagonal.min()[1] > ZERO * diagonal.max()[1]:
+        return None
+    return lambda g, s: s.pointwiseDivide(g, diagonal)
+
+
+class _Factors:
+    """Divides by the tangent; None if that is not positive definite."""
+
+    def __init__(self, problem: Problem):
+        self.ksp = PETSc.KSP().create(problem.discretization.comm)
+        factorization.keep_until_all_are_done(self, problem.discretization.comm, self.ksp)
+
+    def __call__(self, A: PETSc.Mat) -> Divide | None:
+        factorization.choose(self.ksp, A, symmetric=True)
+        self.ksp.setOperators(A)  # or `setUp` would keep the last factorization
+        self.ksp.setUp()
+        return self.ksp.solve if factorization.pivots(self.ksp) == (0, 0) else None
