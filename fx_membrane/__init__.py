@@ -20,7 +20,8 @@ from .geometry.edges import edges_on
 from .analysis.equilibrium_path import EquilibriumPath, PathPoint
 from .solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
 from .form_finding.force_density import Net, force_density
-from .geometry.grids import boundary, polyline, rectangle
+from .geometry.grids import polyline, rectangle
+from .geometry.topology import boundary
 from .files.gmsh import structure_from_gmsh
 from .results.strain_limits import LargeStrainWarning
 from .model.loads import DeadLoad, PlanLoad, PointLoad, PrescribedDisplacement, Pressure, Stage

@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from .. import _dolfinx
+from ..geometry.topology import node_graph
 from ..model.parts import Part
 from ..model.structure import Structure
-from .partition import bisect, node_graph, number_nodes
+from .partition import bisect, number_nodes
 
 
 @dataclass(frozen=True, eq=False)

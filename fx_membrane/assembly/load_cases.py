@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..checks import validation
-from ..geometry.grids import normals
+from ..geometry.measures import normals
 from ..model.loads import PlanLoad, PointLoad, Pressure, Stage
 from ..model.structure import Structure
 from .problem import Actions, Problem

@@ -1,27 +1,9 @@
 """Who owns which node, and in what order: the one numbering of nodes that joins all parts of a structure."""
 
-from collections.abc import Iterable
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import reverse_cuthill_mckee
-
-
-def node_graph(cells: Iterable[NDArray[np.int64]], count: int) -> sparse.csr_array:
-    """Which nodes share a cell: sparse matrix (count, count), a node with itself included.
-
-    Args:
-        cells: For each part, rows of node numbers, shape (cells, nodes per cell).
-        count: Number of nodes.
-    """
-    graph = sparse.csr_matrix((count, count), dtype=np.int32)
-    for part in cells:
-        n, width = part.shape
-        ones = np.ones(part.size, dtype=np.int32)
-        incidence = sparse.csr_matrix((ones, part.ravel(), np.arange(0, part.size + 1, width)), shape=(n, count))
-        graph = graph + incidence.T @ incidence
-    return graph
 
 
 def bisect(points: NDArray[np.float64], size: int) -> NDArray[np.int32]:

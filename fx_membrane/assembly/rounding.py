@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.grids import measures
+from ..geometry.measures import measures
 from ..model.parts import Part
 from ..model.structure import Structure
 from .part_forms import stiffness

@@ -3,7 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.grids import boundary, measures, normals
+from ..geometry.measures import measures, normals
+from ..geometry.topology import boundary
 from ..model.parts import Bar, Mast
 from ..model.structure import Structure
 

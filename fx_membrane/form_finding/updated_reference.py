@@ -30,7 +30,7 @@ from petsc4py import PETSc
 from ..assembly import load_cases
 from ..assembly.problem import Actions, Problem
 from ..checks import validation
-from ..geometry.grids import measures, normals, projected
+from ..geometry.measures import measures, normals, projected
 from ..model import loads
 from ..model.fingerprints import of_settings
 from ..model.loads import DeadLoad, PointLoad, Pressure, Stage

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.grids import from_smallest
+from ..geometry.topology import from_smallest
 from .loads import Stage
 from .structure import Structure
 

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
-from ..assembly.partition import node_graph
+from ..geometry.topology import node_graph
 from .parts import Mast
 from .structure import Structure
 

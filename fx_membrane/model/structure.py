@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
-from ..geometry.grids import SLENDER, SLIVER, aspects, normals, projected, with_one_sense
+from ..geometry.measures import SLENDER, SLIVER, aspects, normals, projected
+from ..geometry.topology import with_one_sense
 from .coincidence import CoincidentNodesWarning, coincident_nodes
 from .parts import Cable, Kind, Mast, Membrane, Part
 

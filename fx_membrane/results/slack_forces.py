@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.part_forms import stiffness
-from ..geometry.grids import measures
+from ..geometry.measures import measures
 from ..model.parts import Cable, Mast, Membrane
 from ..solvers.lowest_mode import WEAK
 from .states import BarResult, MembraneResult, StageResult

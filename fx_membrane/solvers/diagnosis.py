@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from ..assembly.problem import Problem
-from ..geometry.grids import measures
+from ..geometry.measures import measures
 from ..model.parts import Cable, Mast, Membrane
 from ..model.structure import Structure
 from .base import largest

@@ -18,7 +18,7 @@ from fx_membrane import (
     Structure,
 )
 from fx_membrane.assembly.problem import Problem
-from fx_membrane.geometry.grids import normals
+from fx_membrane.geometry.measures import normals
 from taylor import remainders
 from wrinkled import (
     COLUMN,

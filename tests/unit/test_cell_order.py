@@ -28,7 +28,7 @@ from fx_membrane import (
     updated_reference,
 )
 from fx_membrane.analysis.checkpoint import fingerprints
-from fx_membrane.geometry.grids import normals
+from fx_membrane.geometry.measures import normals
 
 SEEDS = [1, 2]
 FABRIC = Fabric(Et=1e5, nu=0.3)

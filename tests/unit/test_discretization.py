@@ -5,7 +5,7 @@ import pytest
 
 from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, boundary, rectangle
 from fx_membrane.assembly.discretization import Discretization
-from fx_membrane.assembly.partition import node_graph
+from fx_membrane.geometry.topology import node_graph
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from fx_membrane import boundary, polyline, rectangle
-from fx_membrane.geometry.grids import from_smallest, measures, normals, orientation, with_one_sense
+from fx_membrane.geometry.measures import measures, normals
+from fx_membrane.geometry.topology import from_smallest, orientation, with_one_sense
 
 DIAGONALS = ["right", "left", "to centre"]
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from fx_membrane import rectangle
-from fx_membrane.assembly.partition import bisect, node_graph, number_nodes
+from fx_membrane.assembly.partition import bisect, number_nodes
+from fx_membrane.geometry.topology import node_graph
 
 
 def test_node_graph_is_the_union_of_all_parts():

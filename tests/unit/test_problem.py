@@ -5,7 +5,7 @@ import pytest
 
 from fx_membrane import Cable, Structure, Support
 from fx_membrane.assembly.problem import Actions, Problem
-from fx_membrane.geometry.grids import measures
+from fx_membrane.geometry.measures import measures
 from models import MIXED
 
 POINTS = MIXED.points

@@ -20,7 +20,7 @@ from fx_membrane import (
     boundary,
     rectangle,
 )
-from fx_membrane.geometry.grids import aspects
+from fx_membrane.geometry.measures import aspects
 from models import rotation
 
 

@@ -22,7 +22,7 @@ from fx_membrane import (
     rectangle,
     updated_reference,
 )
-from fx_membrane.geometry.grids import measures
+from fx_membrane.geometry.measures import measures
 
 FABRIC = Fabric(Et=5e5, nu=0.3)
 WOVEN = OrthotropicFabric(Et_warp=8e5, Et_weft=4e5, nu=0.2, Gt=3e4)

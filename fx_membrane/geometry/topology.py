@@ -1,0 +1,109 @@
+"""Edges, boundaries, the sense of triangles and the graph of nodes: what does not depend on positions."""
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+from ..checks import validation
+
+
+def boundary(triangles: ArrayLike) -> NDArray[np.int64]:
+    """Edges that belong to one triangle only, shape (edges, 2), in the sense of their triangle.
+
+    Args:
+        triangles: Cells, shape (cells, 3).
+
+    Raises:
+        ValueError: They are not triangles.
+    """
+    edges, edge, count = _edges(validation.cells("triangles", triangles, 3, distinct=False))
+    outer = count[edge] == 1
+    return np.asarray(edges[outer][np.argsort(edge[outer])])
+
+
+def orientation(triangles: NDArray[np.int64]) -> NDArray[np.float64] | None:
+    """Signs that give all triangles of a connected piece one sense, that of its first, shape (cells,); None if none do.
+
+    Pieces are connected through edges with two triangles; where more meet, each sheet has its own sense.
+    """
+    n = len(triangles)
+    edges, edge, count = _edges(triangles)
+    owner = np.tile(np.arange(n), 3)
+    forward = edges[:, 0] < edges[:, 1]
+    order = np.argsort(edge, kind="stable")
+    order = order[count[edge[order]] == 2].reshape(-1, 2)
+    (a, b), same = owner[order].T, forward[order[:, 0]] != forward[order[:, 1]]
+    # Two copies of each triangle, one for each sense: a piece is one-sided if both copies are connected.
+    rows = np.concatenate([a, a + n])
+    columns = np.concatenate([np.where(same, b, b + n), np.where(same, b + n, b)])
+    graph = sparse.coo_matrix((np.ones(len(rows), dtype=np.int8), (rows, columns)), shape=(2 * n, 2 * n))
+    label = connected_components(graph, directed=False)[1].reshape(2, n)
+    if (label[0] == label[1]).any():
+        return None
+    piece = np.minimum(label[0], label[1])
+    _, first, member = np.unique(piece, return_index=True, return_inverse=True)
+    return np.where(label[0] == label[0, first][member.ravel()], 1.0, -1.0)
+
+
+def with_one_sense(triangles: NDArray[np.int64]) -> tuple[NDArray[np.int64], str]:
+    """Triangles turned to the sense of the first of their connected piece, shape (cells, 3); why they have no sides.
+
+    The first node of a triangle stays its first; the other two change places where it is turned. The reason is the end
+    of a sentence that begins with the surface: it branches, or has one side only; empty where it has two sides.
+    """
+    signs, branch = orientation(triangles), branching_edge(triangles)
+    if signs is None:
+        return triangles, (
+            "has only one side, like a Moebius strip, so that a normal, a pressure and a shear have no direction on "
+            "it; cut it into parts along a line of edges."
+        )
+    turned = np.where(signs[:, None] > 0, triangles, triangles[:, [0, 2, 1]])
+    if branch is None:
+        return turned, ""
+    return turned, (
+        f"branches at the edge between nodes {branch[0]} and {branch[1]}, so that it has no two sides, and a normal, a "
+        "pressure and a shear no direction; make each sheet a part of its own."
+    )
+
+
+def branching_edge(triangles: NDArray[np.int64]) -> NDArray[np.int64] | None:
+    """An edge with three triangles or more, shape (2,); None if there is none."""
+    edges, edge, count = _edges(triangles)
+    return np.sort(edges[edge == np.argmax(count)][0]) if count.max() > 2 else None
+
+
+def from_smallest(cells: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Cells with their smallest node first, shape of cells: the sense of triangles stays, that of segments does not."""
+    order = np.argmin(cells, axis=1)[:, None] + np.arange(cells.shape[1])
+    return np.take_along_axis(cells, order % cells.shape[1], axis=1)
+
+
+def node_graph(cells: Iterable[NDArray[np.int64]], count: int) -> sparse.csr_array:
+    """Which nodes share a cell: sparse matrix (count, count), a node with itself included.
+
+    Args:
+        cells: For each part, rows of node numbers, shape (cells, nodes per cell).
+        count: Number of nodes.
+    """
+    graph = sparse.csr_matrix((count, count), dtype=np.int32)
+    for part in cells:
+        n, width = part.shape
+        ones = np.ones(part.size, dtype=np.int32)
+        incidence = sparse.csr_matrix((ones, part.ravel(), np.arange(0, part.size + 1, width)), shape=(n, count))
+        graph = graph + incidence.T @ incidence
+    return graph
+
+
+def _edges(triangles: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.intp], NDArray[np.intp]]:
+    """First all first edges, then all second, then all third ones, shape (3 cells, 2).
+
+    With them the number of each, the same for the two directions, shape (3 cells,), and how many have it.
+    """
+    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    low, high = edges.min(axis=1), edges.max(axis=1)
+    pair = low * (high.max() + 1) + high  # one whole number: sorting rows is many times slower
+    _, number, count = np.unique(pair, return_inverse=True, return_counts=True)
+    return edges, number.ravel(), count
