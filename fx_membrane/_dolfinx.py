@@ -12,6 +12,9 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from typing import Any
 
+from .runtime import petsc as _petsc  # noqa: F401  (before dolfinx is imported)
+
+# isort: split
 import basix
 import ffcx.codegeneration.jit
 import numpy as np

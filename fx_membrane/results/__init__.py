@@ -1,1 +1,3 @@
 """States of a structure: their evaluation, remarks and warnings, tables."""
+
+from ..runtime import petsc as _petsc  # noqa: F401  (before any module imports PETSc)

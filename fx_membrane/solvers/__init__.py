@@ -1,1 +1,3 @@
 """From a problem and a start to a solution: Newton's method, first-order methods, eigenvalues, diagnosis."""
+
+from ..runtime import petsc as _petsc  # noqa: F401  (before any module imports PETSc)

@@ -1,0 +1,96 @@
+"""Public names and their modules; `__init__.py` loads each from here on first use."""
+
+from . import plot
+from .analysis.arc_length import ContinuationError, trace
+from .analysis.checkpoint import CheckpointWarning
+from .analysis.equilibrium_path import EquilibriumPath, PathPoint
+from .analysis.modes import Modes, Stability, natural_frequencies, stability
+from .analysis.stages import Analysis, ConvergenceError
+from .analysis.wave_speed import MassUnitWarning
+from .analysis.work import WorkLimit
+from .files.gmsh import structure_from_gmsh
+from .form_finding.force_density import Net, force_density
+from .form_finding.updated_reference import Form, UnsettledFormWarning, updated_reference
+from .geometry.edges import edges_on
+from .geometry.grids import polyline, rectangle
+from .geometry.topology import boundary
+from .model.coincidence import CoincidentNodesWarning
+from .model.loads import DeadLoad, PlanLoad, PointLoad, PrescribedDisplacement, Pressure, Stage
+from .model.materials import Fabric, OrthotropicFabric
+from .model.parts import Cable, Mast, Membrane
+from .model.structure import SliverWarning, Structure, Support
+from .results.balance import UnbalancedStateWarning
+from .results.report import report
+from .results.states import (
+    BarResult,
+    Equilibrium,
+    Increment,
+    LostPrestressWarning,
+    MembraneResult,
+    StageResult,
+    StageResults,
+    UnstableStateWarning,
+)
+from .results.strain_limits import LargeStrainWarning
+from .solvers.base import Iteration
+from .solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
+from .solvers.newton import Newton
+
+__all__ = [
+    "Analysis",
+    "BarResult",
+    "Cable",
+    "CheckpointWarning",
+    "CoincidentNodesWarning",
+    "ConjugateGradient",
+    "ContinuationError",
+    "ConvergenceError",
+    "DeadLoad",
+    "Equilibrium",
+    "EquilibriumPath",
+    "Fabric",
+    "Form",
+    "Increment",
+    "Iteration",
+    "LargeStrainWarning",
+    "LostPrestressWarning",
+    "MassUnitWarning",
+    "Mast",
+    "Membrane",
+    "MembraneResult",
+    "Modes",
+    "Net",
+    "Newton",
+    "OrthotropicFabric",
+    "PathPoint",
+    "PlanLoad",
+    "PointLoad",
+    "PrescribedDisplacement",
+    "Pressure",
+    "SliverWarning",
+    "Stability",
+    "Stage",
+    "StageResult",
+    "StageResults",
+    "SteepestDescent",
+    "Structure",
+    "Support",
+    "UnbalancedStateWarning",
+    "UnsettledFormWarning",
+    "UnstableStateWarning",
+    "WorkLimit",
+    "boundary",
+    "edges_on",
+    "force_density",
+    "natural_frequencies",
+    "plot",
+    "polyline",
+    "rectangle",
+    "report",
+    "stability",
+    "structure_from_gmsh",
+    "trace",
+    "updated_reference",
+]
+
+__version__: str

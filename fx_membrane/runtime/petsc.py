@@ -1,0 +1,21 @@
+"""PETSc, loaded after MPI and without a signal handler of its own where a pipe closes.
+
+dolfinx's wheel needs the MPI library to be loaded before it. PETSc takes a pipe that is closed at its other end,
+`script.py | head`, for a crash; to Python it is an exception: the handler that was there is put back.
+"""
+
+import signal
+import threading
+
+from mpi4py import MPI  # noqa: F401
+
+
+def _load() -> None:
+    handler = signal.getsignal(signal.SIGPIPE)
+    from petsc4py import PETSc  # noqa: F401, PLC0415  (between the two)
+
+    if handler is not None and threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGPIPE, handler)
+
+
+_load()

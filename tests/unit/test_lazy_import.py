@@ -1,0 +1,63 @@
+"""What `import fx_membrane` loads and changes, in processes of their own."""
+
+import subprocess
+import sys
+
+import pytest
+
+import fx_membrane
+
+pytestmark = pytest.mark.serial
+
+
+def output(script):
+    return subprocess.run([sys.executable, "-c", script], check=True, capture_output=True, text=True).stdout.split()
+
+
+def test_nothing_is_loaded_before_it_is_used():
+    heavy = ["numpy", "scipy", "mpi4py", "petsc4py", "dolfinx", "ufl", "matplotlib", "pyvista"]
+    script = f"import sys, fx_membrane; print(*(name for name in {heavy} if name in sys.modules))"
+    assert output(script) == []
+
+
+def test_command_shows_its_help_without_dolfinx():
+    script = (
+        "import sys; from click.testing import CliRunner; from fx_membrane.cli import main; "
+        "print('Usage' in CliRunner().invoke(main, ['--help']).output, 'dolfinx' in sys.modules)"
+    )
+    assert output(script) == ["True", "False"]
+
+
+def test_signal_handlers_stay_those_of_the_process():
+    """PETSc puts one of its own on closed pipes."""
+    script = (
+        "import signal; before = signal.signal(signal.SIGPIPE, lambda *_: None), signal.getsignal(signal.SIGPIPE); "
+        "import fx_membrane; fx_membrane.Analysis; print(signal.getsignal(signal.SIGPIPE) is before[1])"
+    )
+    assert output(script) == ["True"]
+
+
+def test_one_environment_variable_is_set_unless_the_user_did():
+    script = (
+        "import os; {} before = dict(os.environ); import fx_membrane; fx_membrane.Analysis; "
+        "print(*(f'{{name}}={{value}}' for name, value in os.environ.items() if before.get(name) != value))"
+    )
+    mpi = ("OMPI_", "PMIX_", "PRTE_", "OPAL_", "ORTE_")  # what the MPI library sets
+    assert [
+        entry for entry in output(script.format("os.environ.pop('OMP_NUM_THREADS', 0);")) if not entry.startswith(mpi)
+    ] == ["OMP_NUM_THREADS=1"]
+    assert not [
+        entry for entry in output(script.format("os.environ['OMP_NUM_THREADS'] = '2';")) if not entry.startswith(mpi)
+    ]
+
+
+def test_each_public_name_is_there():
+    assert sorted(fx_membrane.__all__) == list(fx_membrane.__all__)
+    for name in fx_membrane.__all__:
+        assert getattr(fx_membrane, name).__name__.rpartition(".")[2] == name
+    with pytest.raises(AttributeError, match="Membrain"):
+        _ = fx_membrane.Membrain
+
+
+def test_version():
+    assert fx_membrane.__version__.count(".") == 2
