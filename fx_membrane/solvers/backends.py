@@ -1,4 +1,4 @@
-"""What runs Newton's iteration: dolfinx's NewtonSolver, or PETSc's SNES with the same callbacks where there is none."""
+"""Backends of Newton's iteration: dolfinx's NewtonSolver, or PETSc's SNES with the same callbacks."""
 
 import math
 from collections.abc import Callable
@@ -9,18 +9,18 @@ from petsc4py import PETSc
 from ..assembly.problem import Problem
 from ..runtime.decimal_point import decimal_point
 
-Driver = tuple[Callable[[PETSc.Vec], bool], PETSc.KSP]  # runs the iteration; its linear solver
+Driver = tuple[Callable[[PETSc.Vec], bool], PETSc.KSP]  # backend: the iteration and its linear solver
 
 
 class Owner(Protocol):
-    """The callbacks, and what they work on.
+    """Callbacks and workspace of the iteration.
 
     Attributes:
         problem: The problem.
         A: The tangent.
         b: The right-hand side.
-        balanced: Whether the last residual is within the tolerance.
-        most: Most iterations.
+        balanced: True if the last residual is within the tolerance.
+        most: Maximum number of iterations.
         newton: dolfinx's NewtonSolver, or None.
     """
 
@@ -38,11 +38,11 @@ class Owner(Protocol):
         """Tangent with held components; sets b to match."""
 
     def step(self, x: PETSc.Vec, dx: PETSc.Vec) -> None:
-        """Makes the solution dx of the linear system the step: the next iterate is x - dx."""
+        """Replace the solution dx of the linear system by the step: the next iterate is x - dx."""
 
 
 def by_dolfinx(owner: Owner) -> Driver:
-    """dolfinx's NewtonSolver drives the iteration."""
+    """Drive the iteration by dolfinx's NewtonSolver."""
     newton = owner.newton
 
     def residual(x: PETSc.Vec, b: PETSc.Vec) -> None:
@@ -59,7 +59,7 @@ def by_dolfinx(owner: Owner) -> Driver:
     newton.set_update(update)
     newton.convergence_criterion = "residual"
     newton.error_on_nonconvergence = False
-    newton.rtol = 0.0  # `atol` tells what `residual` found
+    newton.rtol = 0.0  # `atol` returns the verdict of `residual`
 
     def solve(x: PETSc.Vec) -> bool:
         owner.newton.max_it = owner.most
@@ -70,7 +70,7 @@ def by_dolfinx(owner: Owner) -> Driver:
 
 @decimal_point()
 def by_snes(owner: Owner) -> Driver:
-    """PETSc's SNES drives the same iteration, where dolfinx has no NewtonSolver."""
+    """Drive the same iteration by PETSc's SNES, for versions of dolfinx without NewtonSolver."""
     reasons = PETSc.SNES.ConvergedReason
 
     def shorten(x: PETSc.Vec, dx: PETSc.Vec) -> bool:
@@ -96,7 +96,7 @@ def by_snes(owner: Owner) -> Driver:
     def solve(x: PETSc.Vec) -> bool:
         try:
             snes.solve(None, x)
-        except PETSc.Error as error:  # PETSc 3.25 wraps what a callback raises
+        except PETSc.Error as error:  # PETSc 3.25 wraps exceptions of callbacks
             raise (error.__cause__ or error) from None
         return bool(snes.getConvergedReason() > 0)
 

@@ -1,4 +1,4 @@
-"""What every solver keeps to: a problem and a start go in; the state, its history and a reason in words come out."""
+"""The solver interface: a problem and a start go in, a state with its history and reason comes out."""
 
 import math
 from collections.abc import Callable
@@ -12,9 +12,9 @@ from petsc4py import PETSc
 from ..assembly.problem import Problem
 
 ROUNDING = 1e-14
-MOST = 1e3  # forces, as a multiple of the loads, that a relative tolerance refers to
-FALLEN = 0.5  # displacement, in sizes of the structure, beyond which it is in quite another shape
-FAR = 1e3  # displacements beyond so many sizes of the structure are no solution
+MOST = 1e3  # maximum force scale of a relative tolerance, as a multiple of the loads
+FALLEN = 0.5  # displacement, in sizes of the structure, that leaves the original shape
+FAR = 1e3  # displacement, in sizes of the structure, that counts as divergence
 
 
 class Iteration(NamedTuple):
@@ -22,11 +22,11 @@ class Iteration(NamedTuple):
 
     Attributes:
         energy: Total potential energy [J].
-        residual: Largest unbalanced nodal force [N], infinity norm; at components whose prescribed displacement is
-            not reached yet, the error times a typical stiffness.
+        residual: Largest unbalanced nodal force [N], infinity norm; at constrained components short of their prescribed
+            displacement, the error times a typical stiffness.
         step: Length of the step that led here, in (0, 1]; 0 at the start.
-        tension: Artificial tension that the tangent was given for that step, as a strain: times the stiffness of each
-            part; 0 where it did without.
+        tension: Shift of the tangent for that step: an artificial tension, as a strain, times the stiffness of each
+            part; 0 without a shift.
     """
 
     energy: float
@@ -37,23 +37,21 @@ class Iteration(NamedTuple):
 
 @dataclass(frozen=True)
 class Solution:
-    """How a solve ended; the state itself is in the vector given to it.
+    """Outcome of a solve; the state itself is in the vector given to it.
 
     Attributes:
-        converged: Whether the residual met the tolerance.
-        reason: In words, why it stopped, and what to try where it failed.
+        converged: True if the residual met the tolerance.
+        reason: Sentence on why the solve stopped and, after a failure, on the remedy.
         iterations: The iterates, the start first.
-        retry: Whether a smaller load increment may succeed where this one failed.
-        drawn_smooth: Whether the start of the iterates is not the one given, but what an artificial tension in the
-            structure came to while it was faded out.
-        unstable: Whether the equilibrium found is not stable, and no stable one was found from there.
-        unlisted: Number of iterates that are not among `iterations`: of tries that came to nothing, and of those that
-            drew the structure smooth.
-        lost_stability: Whether there was no negative curvature at the start, but there was some on the way, more than
-            wrinkled and slack cells have: that of masts or a pressure. As iterates can be far off, smaller increments
-            of the load may yet do without.
-        motion: Where it failed because the structure is a mechanism, the free motion, its largest displacement of size
-            one, shape (n, 3).
+        retry: True if a smaller load increment may succeed after this failure.
+        drawn_smooth: True if the iterates start from the result of the homotopy in a fading stabilization, not from the
+            given start.
+        unstable: True if the equilibrium is unstable and no stable one was found from there.
+        unlisted: Number of iterates missing from `iterations`: those of rejected attempts and of the homotopy.
+        lost_stability: True if the start was stable, but negative curvature appeared during the iteration, beyond that
+            of wrinkled and slack cells: that of masts or a pressure. Iterates can be far off, so smaller load
+            increments may avoid it.
+        motion: Free motion of a mechanism that made the solve fail, its largest displacement of size one, shape (n, 3).
     """
 
     converged: bool
@@ -71,10 +69,10 @@ Monitor = Callable[[int, Iteration], None]
 
 
 class Solve(Protocol):
-    """Brings a vector to equilibrium; tells the monitor the number of each iterate and the iterate."""
+    """Function that brings a vector to equilibrium and reports each iterate, with its number, to the monitor."""
 
     def __call__(self, x: PETSc.Vec, monitor: Monitor = ..., thorough: bool = ...) -> Solution:
-        """How it ended; the state is in x. What takes long and finds states far away is left out if not thorough."""
+        """Return the outcome; the state is in x. Unless thorough, omit the slow fallbacks that find distant states."""
         ...
 
 
@@ -82,25 +80,25 @@ class Solver(Protocol):
     """Settings of a solver."""
 
     def prepare(self, problem: Problem) -> Solve:
-        """A function that brings a vector to equilibrium; it keeps its workspace between calls."""
+        """Return a function that brings a vector to equilibrium and keeps its workspace between calls."""
         ...
 
 
 def silent(number: int, iterate: Iteration) -> None:
-    """A monitor that does nothing."""
+    """Monitor that does nothing."""
 
 
 def tolerance(problem: Problem, x: PETSc.Vec, b: PETSc.Vec, rtol: float) -> float:
-    """What the 2-norm of the unbalanced forces, rounding set aside, must be below [N], for the residual b in x.
+    """Upper limit of the 2-norm of the unbalanced forces, rounding set aside [N], for the residual b in x.
 
-    Where prestress is far above the loads it is a share of the loads: what they cause is to be found, too.
+    With prestress far above the loads it is a fraction of the loads, so that their effect is found, too.
 
     Args:
         problem: The problem.
         x: The iterate.
-        b: Its residual, with the reactions at held components.
-        rtol: Part of the norm of all nodal forces, or of `MOST` times that of the loads where it is smaller; at the
-            start `ROUNDING`, so that loads far below the prestress take their step too.
+        b: Its residual, with the reactions at constrained components.
+        rtol: Fraction of the norm of all nodal forces, or of `MOST` times that of the loads if smaller. At the start
+            pass `ROUNDING`, so that loads far below the prestress take their step too.
     """
     loads = problem.load_norm(x)
     forces = float(b.norm()) + loads
@@ -108,13 +106,13 @@ def tolerance(problem: Problem, x: PETSc.Vec, b: PETSc.Vec, rtol: float) -> floa
 
 
 def lost(problem: Problem, x: PETSc.Vec, residual: float) -> bool:
-    """Whether an iterate is so far off, or no number at all, that there is no way back."""
+    """Return True if the iterate has diverged or is not a number."""
     return not (math.isfinite(residual) and largest(x) <= FAR * problem.discretization.structure.size)
 
 
 def largest(vector: PETSc.Vec) -> float:
-    """Largest absolute value; not a number where there is one that is not a number, on every process.
+    """Largest absolute value; NaN on every process if an entry is NaN.
 
-    MPI's maximum leaves open what becomes of them: some processes get the largest of the others, and go on.
+    MPI_MAX does not define the result for NaN, so that processes could disagree.
     """
     return math.nan if math.isnan(vector.sum()) else float(vector.norm(PETSc.NormType.NORM_INFINITY))

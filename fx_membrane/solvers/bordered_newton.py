@@ -1,11 +1,10 @@
-"""Newton's method for displacement and load factor together: the point of an equilibrium path that lies in a plane.
+"""Newton's method for displacement and load factor together: a point of an equilibrium path in a plane.
 
     R(u, factor) = 0,    across . u + share factor = distance
 
-The two are solved by elimination. An iteration takes one factorization of K and two solutions with it: of R, and of
-its derivative by the factor, which is minus the stage's own loads, those of pressures in the present shape. It
-converges quadratically wherever the path is smooth and crosses the plane, also at limit points of the load, where K
-is singular.
+Elimination solves the two equations. Each iteration takes one factorization of K and two solutions: for R, and for the
+derivative of R by the load factor. That derivative is minus the stage's own loads, pressures in the present shape.
+Convergence is quadratic where a smooth path crosses the plane, also at limit points of the load, where K is singular.
 
 Source: E. Ramm, Strategies for tracing the nonlinear response near limit points, in: W. Wunderlich, E. Stein,
 K.-J. Bathe (eds.), Nonlinear finite element analysis in structural mechanics, Springer (1981) 63-89.
@@ -22,9 +21,9 @@ from . import factorization
 from .base import Iteration, tolerance
 from .progress import Pulse
 
-MOST = 12  # iterations
-SOLVED = 1e-3  # error of a linear solution: near a limit point as few digits are left, in a singular system none
-FAR = 1e3  # displacements beyond so many sizes of the structure are no solution
+MOST = 12  # maximum number of iterations
+SOLVED = 1e-3  # error of a linear solution: few digits remain near a limit point, none in a singular system
+FAR = 1e3  # displacement, in sizes of the structure, that counts as divergence
 
 
 class Step(NamedTuple):
@@ -35,44 +34,44 @@ class Step(NamedTuple):
 
 
 class Point(NamedTuple):
-    """A point of a path, or a guess at one, and how it was found."""
+    """A point of a path, or an estimate of one, with its iteration count."""
 
     x: PETSc.Vec
     factor: float
     iterations: tuple[Iteration, ...] = ()
 
     def moved(self, step: Step, length: float) -> "Point":
-        """What lies a step away, times a length."""
+        """Return the point after a step times a length."""
         x = self.x.copy()
         x.axpy(length, step.x)
         return Point(x, self.factor + length * step.factor)
 
     def since(self, start: "Point") -> Step:
-        """The step from another point to this one."""
+        """Step from another point to this one."""
         x = self.x.copy()
         x.axpy(-1.0, start.x)
         return Step(x, self.factor - start.factor)
 
 
 class Plane(NamedTuple):
-    """All (u, factor) with across . u + share factor = distance."""
+    """Set of all (u, factor) with across . u + share factor = distance."""
 
     across: PETSc.Vec
     share: float
     distance: float
 
     def beyond(self, point: Point) -> float:
-        """How far a point is beyond the plane, in the unit of the distance."""
+        """Signed distance of a point beyond the plane, in the unit of the distance."""
         return float(self.across.dot(point.x)) + self.share * point.factor - self.distance
 
 
 class BorderedNewton:
-    """The method, for load factors between two actions; it keeps matrix and symbolic factorization between calls.
+    """Newton's method for load factors between two actions; it keeps matrix and symbolic factorization between calls.
 
     Attributes:
         A: The tangent that was factored last.
         along: Derivative of the displacement by the load factor with that tangent.
-        symmetric: Whether the tangent is symmetric at every load factor.
+        symmetric: True if the tangent is symmetric at every load factor.
     """
 
     def __init__(self, problem: Problem, start: Actions, end: Actions, x: PETSc.Vec, rtol: float):
@@ -88,12 +87,12 @@ class BorderedNewton:
         factorization.choose(self.ksp, self.A, self.symmetric)
 
     def free(self) -> None:
-        """By all processes together; Python's garbage collector lets go at another moment on each."""
+        """Free PETSc objects on all processes together; Python's garbage collector acts at a different time on each."""
         self.ksp.destroy()
         self.A.destroy()
 
     def has_potential(self, x: PETSc.Vec) -> bool:
-        """Whether pressures leave the tangent symmetric: uniform ones on closed surfaces or within held edges do."""
+        """Return True if pressures keep the tangent symmetric, as uniform ones on closed surfaces or in held edges."""
         for actions in (self.start, self.end):
             self.problem.apply(actions)
             if not self.problem.symmetric:
@@ -104,7 +103,7 @@ class BorderedNewton:
         return True
 
     def find(self, guess: Point, plane: Plane) -> Point | None:
-        """The point in a plane, from a guess in it; None if there is none to be found."""
+        """Return the point of the path in a plane, from an initial guess in it, or None."""
         x, factor = guess.x.copy(), guess.factor
         iterations: list[Iteration] = []
         while True:
@@ -124,7 +123,7 @@ class BorderedNewton:
             factor += move.factor
 
     def correction(self, guess: Point, plane: Plane) -> Step | None:
-        """One iteration into a plane, from the residual of a guess, with the tangent factored last; None: singular."""
+        """Step of one iteration into a plane, by the tangent factored last; None if it is singular."""
         if not self.solve(self.b, self.back):
             return None
         slope = float(plane.across.dot(self.along)) + plane.share
@@ -135,7 +134,7 @@ class BorderedNewton:
         return Step(move, change)
 
     def residual(self, x: PETSc.Vec, factor: float) -> bool:
-        """Applies a load factor; whether the unbalanced forces are below the tolerance."""
+        """Apply a load factor; return True if the unbalanced forces are below the tolerance."""
         self.problem.apply(load_cases.between(self.start, self.end, factor))
         self.problem.residual(x, self.b)
         accepted = tolerance(self.problem, x, self.b, self.rtol)
@@ -143,24 +142,24 @@ class BorderedNewton:
         return self.problem.beyond_rounding(x, self.b) < accepted
 
     def linearize(self, x: PETSc.Vec) -> bool:
-        """Factors the tangent under the actions that `residual` applied; solves for `along`; whether it is regular."""
+        """Factor the tangent under the actions of `residual`, solve for `along`; return True if it is regular."""
         self.A.setOption(PETSc.Mat.Option.SYMMETRIC, self.symmetric)
         self.problem.tangent(x, self.A)
         self.problem.apply(self.rate)
         with self.problem.discretization.work(1) as (gain,):
             self.problem.loads(x, gain)
             gain.scale(-1.0)
-            self.problem.hold_tangent(self.zero, self.A, gain)  # held components move at their rate
+            self.problem.hold_tangent(self.zero, self.A, gain)  # constrained components move at their rate
             gain.scale(-1.0)
             return self.solve(gain, self.along)
 
     def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> bool:
-        """Solves A x = b; whether x is a solution."""
+        """Solve A x = b; return True if x is a solution."""
         self.ksp.solve(b, x)
         self.A.mult(x, self.work)
         self.work.axpy(-1.0, b)
         return bool(self.work.norm() <= SOLVED * b.norm())
 
     def negative_pivots(self) -> int | None:
-        """Number of negative eigenvalues of the tangent that was factored last; None if it is not symmetric."""
+        """Count of negative eigenvalues of the tangent factored last; None if it is not symmetric."""
         return factorization.pivots(self.ksp).negative if self.symmetric else None

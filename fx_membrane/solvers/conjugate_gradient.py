@@ -1,7 +1,7 @@
 """First-order methods, steepest descent and nonlinear conjugate gradients, Gil (72), (73), (75)-(77).
 
-They ask for unbalanced forces only, never for a tangent, and go downhill from any start; but of the softest and the
-stiffest motion of a structure they learn no more than the gradient tells, and need many iterations.
+They need unbalanced forces only, never a tangent, and descend from any start. They converge slowly where stiffnesses
+differ.
 
 Source: J. Nocedal, S. J. Wright, Numerical optimization (2006), section 5.2.
 """
@@ -19,35 +19,35 @@ from .diagnosis import stalled
 from .line_search import Point, line, rounding, search
 from .preconditioners import Kind, preconditioner
 
-FLATNESS = 0.1  # accepted slope at the end of a step: directions are conjugate only to steps that end at the minimum
-STUCK = 0.5  # share of its least value before, which the residual does not fall below where it stands still
+FLATNESS = 0.1  # accepted slope at the end of a step: conjugate directions need line searches close to the minimum
+STUCK = 0.5  # stagnation: residual above this fraction of its earlier minimum
 INDEFINITE = (
     "the tangent at the start cannot be made positive definite, not even by artificial tension, and is no "
     "preconditioner; do without (preconditioner=None)."
 )
-DIFFERENCE = 1e-7  # displacement, in sizes of the structure, from which the curvature of the energy is taken
+DIFFERENCE = 1e-7  # displacement, in sizes of the structure, for the difference quotient of the curvature
 
 
 @dataclass(frozen=True)
 class SteepestDescent:
     """Steepest descent, Gil (73): each step along the unbalanced forces.
 
-    Supports and prescribed displacements are brought to their values at once; the iterates begin there.
+    Constrained components take their prescribed values at once; the iterates begin there.
 
     Raises:
-        ValueError: preconditioner is none of the three; rtol is out of range; max_iterations is not a whole
-            number above zero.
+        ValueError: preconditioner is none of the three; rtol is out of range; max_iterations is not a positive whole
+            number.
 
     Args:
-        preconditioner: What the unbalanced forces are divided by: None, nothing; "jacobi", the diagonal of the tangent
-            at the start of each load increment; "tangent", that tangent, factored once. Where it is not positive
-            definite, artificial tension is added to it; with pressure it is the symmetric part. The diagonal helps
-            where stiffness differs from node to node, as in meshes of cells of very different sizes or with stiff
-            cables in soft fabric; the tangent, where that at the end is much like it. Neither is a sure gain: on a flat
-            disc that is inflated the diagonal took two to four times as many iterations as nothing.
-        rtol: Converged when the 2-norm of the unbalanced forces is below rtol times that of all nodal forces,
-            reactions and loads included, or at rounding. A start passes only at rounding.
-        max_iterations: Most iterations for one load increment.
+        preconditioner: Divisor of the unbalanced forces: None, no preconditioner; "jacobi", the diagonal of the tangent
+            at the start of each load increment; "tangent", that tangent, factored once. A tangent that is not positive
+            definite is shifted by an artificial tension; with pressure, its symmetric part is used. The diagonal helps
+            where stiffness differs from node to node, as in graded meshes or with stiff cables in soft fabric. The
+            tangent helps where it changes little. Neither always helps: on an inflated flat disc the diagonal took two
+            to four times as many iterations as none.
+        rtol: Converged when the 2-norm of the unbalanced forces is below rtol times that of all nodal forces, reactions
+            and loads included, or at rounding. A start converges only at rounding.
+        max_iterations: Maximum number of iterations for one load increment.
     """
 
     preconditioner: Kind = None
@@ -58,7 +58,7 @@ class SteepestDescent:
         _check(self)
 
     def prepare(self, problem: Problem) -> Solve:
-        """A function that brings a vector to equilibrium; it keeps its workspace between calls."""
+        """Return a function that brings a vector to equilibrium and keeps its workspace between calls."""
         return _Descent(self, _no_memory, problem)
 
 
@@ -66,19 +66,19 @@ class SteepestDescent:
 class ConjugateGradient:
     """Nonlinear conjugate gradients, Gil (75)-(77).
 
-    Each direction remembers the one before by a share beta. It starts anew along the unbalanced forces where it would
-    not lead downhill, and after as many steps as there are free components. Supports and prescribed displacements are
-    brought to their values at once; the iterates begin there.
+    Each direction adds a fraction beta of the previous one. It restarts along the unbalanced forces where it would not
+    descend, and after as many steps as there are free components. Constrained components take their prescribed values
+    at once; the iterates begin there.
 
     Raises:
-        ValueError: beta is none of the two; preconditioner is none of the three; rtol is out of range;
-            max_iterations is not a whole number above zero.
+        ValueError: beta is none of the two; preconditioner is none of the three; rtol is out of range; max_iterations
+            is not a positive whole number.
 
     Args:
         beta: "PR", Polak-Ribiere, or "FR", Fletcher-Reeves, Gil (77).
         preconditioner: As of `SteepestDescent`; beta is then that of the preconditioned forces.
         rtol: As of `SteepestDescent`.
-        max_iterations: Most iterations for one load increment.
+        max_iterations: Maximum number of iterations for one load increment.
     """
 
     beta: Literal["FR", "PR"] = "PR"
@@ -92,7 +92,7 @@ class ConjugateGradient:
         _check(self)
 
     def prepare(self, problem: Problem) -> Solve:
-        """A function that brings a vector to equilibrium; it keeps its workspace between calls."""
+        """Return a function that brings a vector to equilibrium and keeps its workspace between calls."""
         return _Descent(self, fletcher_reeves if self.beta == "FR" else polak_ribiere, problem)
 
 
@@ -107,12 +107,12 @@ Beta = Callable[[Gradient, Gradient], float]
 
 
 def fletcher_reeves(now: Gradient, before: Gradient) -> float:
-    """Share of the direction before, the first of Gil (77); preconditioned, Nocedal & Wright (5.41a)."""
+    """Fraction beta of the previous direction, the first of Gil (77); preconditioned, Nocedal & Wright (5.41a)."""
     return float(now.g.dot(now.s) / before.g.dot(before.s))
 
 
 def polak_ribiere(now: Gradient, before: Gradient) -> float:
-    """Share of the direction before, the second of Gil (77); it may be negative."""
+    """Fraction beta of the previous direction, the second of Gil (77); it may be negative."""
     return float((now.g.dot(now.s) - before.g.dot(now.s)) / before.g.dot(before.s))
 
 
@@ -135,12 +135,12 @@ class _Descent:
 
     Attributes:
         now: Gradient at the last iterate.
-        before: Gradient at the iterate before.
-        direction: The last one.
-        anew: Whether the next does without it.
-        age: Number of directions since the last that did.
-        restart: That number at which the next does: as many directions as there are free components are conjugate.
-        noise: Difference of energies that means nothing along the last one [J].
+        before: Gradient at the previous iterate.
+        direction: Last search direction.
+        anew: True if the next direction restarts along the unbalanced forces.
+        age: Number of directions since the last restart.
+        restart: Value of `age` that forces a restart: as many directions as there are free components are conjugate.
+        noise: Rounding of energy differences along the last direction [J].
     """
 
     def __init__(self, settings: SteepestDescent | ConjugateGradient, beta: Beta, problem: Problem):
@@ -173,7 +173,7 @@ class _Descent:
         return self.failure(x, slow=True)
 
     def arrived(self, x: PETSc.Vec, length: float, monitor: Monitor) -> bool:
-        """Whether an iterate is the solution; notes it, and its gradient."""
+        """Record an iterate and its gradient; return True if it is the solution."""
         b = self.now.g
         self.problem.residual(x, b)
         accepted = tolerance(self.problem, x, b, self.settings.rtol if self.history else ROUNDING)
@@ -184,7 +184,7 @@ class _Descent:
         return self.problem.beyond_rounding(x, b) < accepted
 
     def step(self, x: PETSc.Vec) -> float | None:
-        """Goes one step; its length, or None where no length lowers the energy."""
+        """Take one step; return its length, or None if no length lowers the energy."""
         self.turn()
         length = self.go(x, self.direction)
         if length is None and self.age:
@@ -192,11 +192,11 @@ class _Descent:
             self.turn()
             length = self.go(x, self.direction)
         self.anew = False
-        self.now, self.before = self.before, self.now  # the next gradient takes the place of the last but one
+        self.now, self.before = self.before, self.now  # the next gradient replaces the last but one
         return length
 
     def turn(self) -> None:
-        """Makes the direction the one from the last iterate."""
+        """Set the search direction from the last iterate."""
         d, (g, s) = self.direction, self.now
         if not self.anew and self.age + 1 < self.restart:
             d.scale(self.beta(self.now, self.before))
@@ -209,10 +209,10 @@ class _Descent:
         d.scale(-1.0)  # Gil (73), (75)
 
     def go(self, x: PETSc.Vec, d: PETSc.Vec) -> float | None:
-        """Length of a step along a direction that is scaled so that one is where its quadratic model is least.
+        """Length of a step along a direction scaled to the minimum of its quadratic model.
 
-        On a quadratic energy the full step is the exact one. The curvature is the difference of two gradients: a
-        product with the tangent would need that, which takes five times as long to assemble.
+        On a quadratic energy the full step is exact. The curvature is a difference of two gradients: a product with the
+        tangent would take its assembly, which costs five times as much.
         """
         with self.problem.discretization.work(1) as (step,):
             d.copy(step)
@@ -225,7 +225,7 @@ class _Descent:
         return alpha
 
     def full(self, x: PETSc.Vec, d: PETSc.Vec) -> float:
-        """Factor that makes a direction the full step; at most, displacements become as large as the structure."""
+        """Factor that scales a direction to the full step, limited to displacements of the structure's size."""
         largest = d.norm(PETSc.NormType.NORM_INFINITY)
         difference = DIFFERENCE * self.size / largest
         slope = float(self.now.g.dot(d))
@@ -237,23 +237,23 @@ class _Descent:
         return min(-slope / curvature, most) if curvature > 0 else most
 
     def free_components(self) -> int:
-        """Number of components that are not held."""
+        """Count of unconstrained components."""
         with self.problem.discretization.work(1) as (free,):
             free.set(1.0)
             self.problem.release(free)
             return int(free.sum())
 
     def stands_still(self) -> bool:
-        """Whether in the last half of the iterates steps changed the energy by rounding, and the residual no more."""
+        """Return True if later iterates changed the energy by rounding only and did not lower the residual."""
         half = len(self.history) // 2
         fallen = abs(self.history[half].energy - self.history[-1].energy)
         before, after = (min(entry.residual for entry in part) for part in (self.history[:half], self.history[half:]))
         return fallen <= self.noise * (len(self.history) - half) and after > STUCK * before
 
     def failure(self, x: PETSc.Vec, slow: bool) -> Solution:
-        """Why there is no solution after the last iterate; slow where the iterations were too few.
+        """Outcome of a failure after the last iterate; slow if the iterations ran out.
 
-        Smaller increments of load would hardly need less, and are no remedy for that.
+        Smaller load increments would hardly need fewer iterations, so they are no remedy for slow convergence.
         """
         name, last = type(self.settings).__name__, self.history[-1].residual
         at_rounding = slow and self.stands_still()

@@ -1,4 +1,4 @@
-"""How the residuals of an iteration go on: whether they still fall, or have come to rest on rounding."""
+"""Trend of the residuals of an iteration: still falling, or at rest at rounding."""
 
 from collections.abc import Sequence
 
@@ -8,16 +8,16 @@ from .base import Iteration
 
 # The numbers have no source: they were chosen by trial on tests/benchmarks/hard_cases.py.
 
-FALL = 0.8  # from the middle of one quarter of the iterations to that of the next, which counts as coming nearer
-FEW = 25  # iterations are too few to tell
-REST = 20  # iterations in which nothing is gained, at rest
-GAIN = 0.5  # of the least residual before
+FALL = 0.8  # fraction from the median of one quarter of the iterations to that of the next, that counts as progress
+FEW = 25  # too few iterations for a trend
+REST = 20  # number of iterations without progress that counts as at rest
+GAIN = 0.5  # fraction of the earlier minimum that counts as progress
 
 
 def nearer(history: Sequence[Iteration], most: int, unknown: bool) -> bool:
-    """Whether residuals still fall, by the middle ones of the last quarter of so many iterations and that before.
+    """Return True if residuals still fall, by the medians of the last quarter of `most` iterations and the one before.
 
-    Where these are too few to tell, it is unknown.
+    With too few iterations for a trend, return `unknown`.
     """
     quarter = max(most // 4, FEW)
     residuals = [entry.residual for entry in history[-2 * quarter :]]
@@ -29,6 +29,6 @@ def nearer(history: Sequence[Iteration], most: int, unknown: bool) -> bool:
 
 
 def at_rest(history: Sequence[Iteration]) -> bool:
-    """Whether the last iterations have brought nothing."""
+    """Return True if the last iterations made no progress."""
     before, last = history[:-REST], history[-REST:]
     return bool(before) and min(entry.residual for entry in last) > GAIN * min(entry.residual for entry in before)

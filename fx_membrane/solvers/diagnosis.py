@@ -1,4 +1,4 @@
-"""Why a solve failed, in words, and what to try."""
+"""Diagnosis of a failed solve: sentences on its cause and remedy."""
 
 from typing import NamedTuple
 
@@ -14,11 +14,11 @@ from ..model.structure import Structure
 from .base import largest
 from .lowest_mode import WEAK, softest
 
-NOTHING = 1e-6  # of its size, left of a cell
+NOTHING = 1e-6  # fraction of its size to which a collapsed cell has shrunk
 
 
 def linear_failure(problem: Problem, A: PETSc.Mat) -> str:
-    """Why the tangent could not be solved with."""
+    """Sentence on why the linear system could not be solved."""
     loose = loose_nodes(problem, A)
     if loose:
         node, direction = loose[0]
@@ -36,7 +36,7 @@ def linear_failure(problem: Problem, A: PETSc.Mat) -> str:
 
 
 def _why_loose(structure: Structure, node: int) -> str:
-    """What has no stiffness at a node, by the parts that meet there, and what to do about it."""
+    """Sentence on the parts without stiffness at a node, and on the remedy."""
     here = {type(part) for part in structure.parts.values() if (part.cells == node).any()}
     if here == {Mast}:
         return (
@@ -52,11 +52,11 @@ def _why_loose(structure: Structure, node: int) -> str:
 
 
 class Mechanism(NamedTuple):
-    """A motion without resistance.
+    """Motion without resistance.
 
     Attributes:
         motion: Displacements of the nodes, the largest of size one, shape (n, 3).
-        words: Which nodes move, where, and what to do about it.
+        words: Sentence on the nodes that move, their places and the remedy.
     """
 
     motion: NDArray[np.float64]
@@ -64,16 +64,16 @@ class Mechanism(NamedTuple):
 
 
 def mechanism(problem: Problem, x: PETSc.Vec) -> Mechanism | None:
-    """The free motion of a structure in a state; None where every motion meets with resistance."""
+    """Free motion of a structure in a state; None if every motion meets resistance."""
     found = softest(problem, x, WEAK)
-    # Written so that a number that is not one is no mechanism.
+    # Written so that NaN is not taken for a mechanism.
     if not abs(found.stiffness) < WEAK:
         return None
     return _mechanism(problem.discretization.gather(found.motion))
 
 
 def slack_mechanism(problem: Problem, x: PETSc.Vec) -> Mechanism | None:
-    """The free motion of masts that only the kept stiffness of slack parts resists; None where there is none."""
+    """Free motion of masts that only the compression stiffness of slack parts resists, or None."""
     structure = problem.discretization.structure
     masts = [part.cells.ravel() for part in structure.parts.values() if isinstance(part, Mast)]
     if not masts:
@@ -81,14 +81,14 @@ def slack_mechanism(problem: Problem, x: PETSc.Vec) -> Mechanism | None:
     with problem.without_kept_stiffness():
         found = softest(problem, x, WEAK, idle=False)
     motion = problem.discretization.gather(found.motion)
-    # Fabric that is slack here and there is not the structure.
+    # Motions of slack fabric are no mechanism of the structure.
     if not found.stiffness < WEAK or np.linalg.norm(motion, axis=1).argmax() not in np.concatenate(masts):
         return None
     return _mechanism(motion, " but for the small stiffness that slack parts keep")
 
 
 def _mechanism(motion: NDArray[np.float64], but: str = "") -> Mechanism:
-    """A motion, of any size, and words for it."""
+    """Mechanism from a motion of any size, with its sentence."""
     sizes = np.linalg.norm(motion, axis=1)
     most = int(sizes.argmax())
     motion /= sizes[most]
@@ -103,7 +103,7 @@ def _mechanism(motion: NDArray[np.float64], but: str = "") -> Mechanism:
 
 
 def collapsed(problem: Problem, x: PETSc.Vec) -> bool:
-    """Whether a cell has shrunk to nothing: where nothing else holds a structure, artificial tension does that."""
+    """Return True if a cell has shrunk to nothing: stabilization collapses an unsupported structure."""
     structure = problem.discretization.structure
     shape = structure.points + problem.discretization.gather(x)
     cells = [part.cells for part in structure.parts.values()]
@@ -111,7 +111,7 @@ def collapsed(problem: Problem, x: PETSc.Vec) -> bool:
 
 
 def unlikely_units(problem: Problem, x: PETSc.Vec) -> str:
-    """Words where the loads would strain the structure out of all proportion."""
+    """Sentence on loads that would strain the structure far too much, as with wrong units; else empty."""
     share = problem.load_norm(x) / (problem.stiffness * problem.discretization.structure.size)
     if not share > 1:
         return ""
@@ -124,15 +124,15 @@ def unlikely_units(problem: Problem, x: PETSc.Vec) -> str:
 def stalled(
     problem: Problem, x: PETSc.Vec, iterations: int, residual: float, at_rounding: bool, solver: str = "Newton"
 ) -> str:
-    """Why the iteration did not come to an end.
+    """Sentence on why the iteration did not converge.
 
     Args:
         problem: The problem.
         x: The last iterate.
-        iterations: Their number.
+        iterations: Number of iterations.
         residual: The largest unbalanced force [N].
-        at_rounding: Whether the residual is small, but above the tolerance.
-        solver: Name of its settings.
+        at_rounding: True if the residual is small, but above the tolerance.
+        solver: Name of the solver's settings.
     """
     if at_rounding:
         return (
@@ -162,7 +162,7 @@ def stalled(
 
 
 def loose_nodes(problem: Problem, A: PETSc.Mat) -> list[tuple[int, list[float]]]:
-    """Nodes that have no stiffness of their own in some direction, and that direction, in the user's numbering."""
+    """Nodes, in the user's numbering, without stiffness in some direction, and that direction."""
     discretization = problem.discretization
     first = A.getOwnershipRange()[0]
     pointers, columns, values = A.getValuesCSR()
@@ -171,9 +171,9 @@ def loose_nodes(problem: Problem, A: PETSc.Mat) -> list[tuple[int, list[float]]]
     blocks = np.zeros((len(discretization.owned), 3, 3))
     blocks[rows[same_node] // 3, rows[same_node] % 3, (columns[same_node] - first) % 3] = values[same_node]
     if not discretization.comm.allreduce(bool(np.isfinite(blocks).all()), MPI.LAND):
-        return []  # together: eigh would fail on some processes only
+        return []  # all processes return together: eigh would fail on some only
     stiffness, directions = np.linalg.eigh(blocks)
-    limit = 1e-13 * np.minimum(np.abs(blocks).max(axis=(1, 2)), problem.stiffness)  # no other node, nor a support
+    limit = 1e-13 * np.minimum(np.abs(blocks).max(axis=(1, 2)), problem.stiffness)  # neither another node nor a support
     weakest = np.argmin(np.abs(stiffness), axis=1)
     loose = np.flatnonzero(np.abs(stiffness).min(axis=1) <= limit)
     found = [(int(discretization.owned[i]), directions[i, :, weakest[i]].tolist()) for i in loose]

@@ -1,9 +1,10 @@
 """Lowest eigenvalues of K phi = lambda M phi by SLEPc: Krylov-Schur with shift-invert, factorized by MUMPS.
 
-The signs of the pivots of K - shift M count the eigenvalues below the shift (Sylvester's law of inertia). That is used
-twice. The shift is put where there are none, so that negative eigenvalues come first and none is lost. Afterwards those
-below the highest found are counted (the Sturm sequence check): where one was missed, as copies of a multiple eigenvalue
-may be, the search goes on across those found. Massless components have infinite eigenvalues, which come last.
+By Sylvester's law of inertia, the negative pivots of K - shift M count the eigenvalues below the shift. The count
+serves twice. First, the shift is lowered until the count is zero, so that negative eigenvalues come first and none is
+lost. Second, eigenvalues below the highest one found are counted (Sturm sequence check). If one was missed, such as a
+copy of a multiple eigenvalue, the search continues orthogonally to those found. Massless components have infinite
+eigenvalues, which come last.
 """
 
 from collections.abc import Iterator
@@ -17,16 +18,16 @@ from . import factorization
 from .base import ROUNDING
 
 PREFIX = "fx_membrane_eigenvalues_"
-FIRST_SHIFT, LAST_SHIFT = 1e-12, 1e8  # below zero, as shares of a typical eigenvalue
-SPREAD = 1e4  # most by which distances from the shift differ; the larger ones lose as many digits
-SAME = 1e-9  # eigenvalues nearer to each other than this share of their distance from the shift are not told apart
-TOLERANCE = 1e-12  # error of an eigenvalue, estimated, relative
+FIRST_SHIFT, LAST_SHIFT = 1e-12, 1e8  # below zero, as fractions of a typical eigenvalue
+SPREAD = 1e4  # maximum ratio of distances from the shift; the larger ones lose as many digits
+SAME = 1e-9  # eigenvalues closer than this fraction of their distance from the shift count as equal
+TOLERANCE = 1e-12  # estimated relative error of an eigenvalue
 
 
 class Eigenpair(NamedTuple):
-    """One eigenvalue and its vector, of unit norm in M; the imaginary part is zero where K is symmetric.
+    """Eigenvalue and its vector, of unit norm in M; the imaginary part is zero for a symmetric K.
 
-    An eigenvalue that is rounding is zero.
+    Eigenvalues at rounding are set to zero.
     """
 
     value: complex
@@ -35,12 +36,12 @@ class Eigenpair(NamedTuple):
 
 
 def lowest(K: PETSc.Mat, M: PETSc.Mat | None, count: int) -> tuple[list[Eigenpair], int]:
-    """The lowest eigenvalues of a symmetric K, ascending, and the number of negative ones, found or not.
+    """Lowest eigenvalues of a symmetric K, ascending, and the number of negative ones, found or not.
 
     Args:
         K: Symmetric.
         M: Symmetric and positive semi-definite; the identity if None.
-        count: How many; at most the rank of M.
+        count: Number of eigenvalues; at most the rank of M.
 
     Raises:
         ValueError: K is singular or negative where M is zero.
@@ -50,7 +51,7 @@ def lowest(K: PETSc.Mat, M: PETSc.Mat | None, count: int) -> tuple[list[Eigenpai
         shift, negative = _below_all(eps)
         found = _solve(eps, count)
         low, high = found[0].value.real, found[-1].value.real
-        if high - shift > SPREAD * (low - shift):  # the shift is too near to the lowest
+        if high - shift > SPREAD * (low - shift):  # the shift is too close to the lowest
             shift = low - 10 * (high - low) / SPREAD
             _move(eps, shift)
             found = _solve(eps, count)
@@ -60,13 +61,13 @@ def lowest(K: PETSc.Mat, M: PETSc.Mat | None, count: int) -> tuple[list[Eigenpai
             more = _solve(eps, min(missing, count))
             new = [pair for pair in more if pair.value.real < _limit(found, shift)]
             found = _sorted(found + more)[:count]
-            if not new:  # what the count and the search do not agree on is rounding
+            if not new:  # differences between count and search are rounding
                 break
     return found, negative
 
 
 def zeros(K: PETSc.Mat) -> int:
-    """Number of eigenvalues of a symmetric K that are zero but for rounding."""
+    """Count of zero eigenvalues of a symmetric K, up to rounding."""
     with _solver(K, None, symmetric=True) as eps:
         eps.setUp()
         negative, _ = _inertia(eps)
@@ -78,8 +79,8 @@ def zeros(K: PETSc.Mat) -> int:
 def lowest_unsymmetric(K: PETSc.Mat, M: PETSc.Mat, count: int) -> list[Eigenpair]:
     """Eigenvalues of an unsymmetric K nearest to a shift below all, ascending in their real part.
 
-    No real part is below the lowest eigenvalue of the symmetric part of K (Bendixson): the shift is found with that.
-    Args and Raises as for `lowest`.
+    No real part is below the lowest eigenvalue of the symmetric part of K (Bendixson), which gives the shift. Args and
+    Raises as for `lowest`.
     """
     part = factorization.symmetric_part(K)
     with _solver(part, M, symmetric=True) as eps:
@@ -92,7 +93,7 @@ def lowest_unsymmetric(K: PETSc.Mat, M: PETSc.Mat, count: int) -> list[Eigenpair
 
 @contextmanager
 def _solver(K: PETSc.Mat, M: PETSc.Mat | None, symmetric: bool) -> Iterator[SLEPc.EPS]:
-    """Shift-invert Krylov-Schur with a shift close below zero; freed by all processes together."""
+    """Shift-invert Krylov-Schur with a shift just below zero; freed by all processes together."""
     eps = SLEPc.EPS().create(K.comm)
     try:
         kinds = SLEPc.EPS.ProblemType
@@ -122,7 +123,7 @@ def _factorize_by_mumps(eps: SLEPc.EPS, kind: str) -> None:
 
 
 def _below_all(eps: SLEPc.EPS) -> tuple[float, int]:
-    """Moves the shift below all eigenvalues; returns it, and the number of negative eigenvalues."""
+    """Move the shift below all eigenvalues; return it and the number of negative eigenvalues."""
     eps.setUp()
     first = shift = eps.getTarget()
     negative, null = _inertia(eps)
@@ -139,7 +140,7 @@ def _below_all(eps: SLEPc.EPS) -> tuple[float, int]:
 
 
 def _move(eps: SLEPc.EPS, shift: float) -> None:
-    """Factorizes K - shift M."""
+    """Factorize K - shift M."""
     eps.setTarget(shift)
     spectral = eps.getST()
     spectral.setShift(shift)
@@ -148,7 +149,7 @@ def _move(eps: SLEPc.EPS, shift: float) -> None:
 
 
 def _inertia(eps: SLEPc.EPS) -> tuple[int, int]:
-    """Number of negative and of null pivots: that of eigenvalues below the shift and at it."""
+    """Numbers of negative and null pivots: of eigenvalues below the shift and at it."""
     negative, null, _ = eps.getST().getKSP().getPC().getFactorMatrix().getInertia()
     return negative, null
 
@@ -176,7 +177,7 @@ def _pair(eps: SLEPc.EPS, i: int) -> Eigenpair:
         square += work.dot(part)
     for part in (real, imaginary):
         part.scale(square**-0.5)
-    # What is left of K phi where there is no stiffness; its sign means nothing.
+    # Rounding of K phi where there is no stiffness; its sign is meaningless.
     if abs(value) <= ROUNDING * K.norm(PETSc.NormType.INFINITY) * (real.norm() ** 2 + imaginary.norm() ** 2):
         value = 0j
     return Eigenpair(value, real, imaginary)
@@ -187,13 +188,13 @@ def _sorted(pairs: list[Eigenpair]) -> list[Eigenpair]:
 
 
 def _limit(found: list[Eigenpair], shift: float) -> float:
-    """A little below the highest eigenvalue found."""
+    """Value just below the highest eigenvalue found."""
     highest = found[-1].value.real
     return highest - SAME * (highest - shift)
 
 
 def _missing(eps: SLEPc.EPS, found: list[Eigenpair], shift: float) -> int:
-    """Number of eigenvalues below the highest found that were not found."""
+    """Count of eigenvalues below the highest found that the search missed."""
     limit = _limit(found, shift)
     _move(eps, limit)
     below, _ = _inertia(eps)

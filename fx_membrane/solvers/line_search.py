@@ -1,10 +1,10 @@
 """Backtracking line search by polynomial interpolation, the step length in (0, 1], for Gil (72).
 
-A full step is kept where it lowers the energy enough and does not end on a steep rise; otherwise the length is found
+A full step is kept if it lowers the energy enough and does not end on a steep rise. Otherwise the length is found
 between zero and one, first by a parabola, then by cubics through energies and slopes.
 
-Source: J. Nocedal, S. J. Wright, Numerical optimization (2006), algorithm 3.6, (3.57)-(3.59). Near the solution
-energies differ by rounding only, and slopes decide, as in W. W. Hager, H. Zhang, A new conjugate gradient method with
+Source: J. Nocedal, S. J. Wright, Numerical optimization (2006), algorithm 3.6, (3.57)-(3.59). Near the solution, where
+energies differ by rounding only, slopes decide, as in W. W. Hager, H. Zhang, A new conjugate gradient method with
 guaranteed descent and an efficient line search, SIAM J. Optimization 16 (2005) 170-192.
 """
 
@@ -18,13 +18,13 @@ from petsc4py import PETSc
 from ..assembly.problem import Problem
 from .base import ROUNDING
 
-DECREASE = 1e-4  # least part of the linearly predicted decrease
-MARGIN = 0.05  # of an interval, at both ends, in which no trial is made
+DECREASE = 1e-4  # minimum fraction of the linearly predicted decrease
+MARGIN = 0.05  # fraction of an interval, at both ends, without trials
 SHORTEST = 1e-10
 
 
 class Point(NamedTuple):
-    """Energy [J] and its derivative by the length [J], at a length of step."""
+    """Energy [J] and its derivative by the length [J], at a step length."""
 
     length: float
     energy: float
@@ -35,26 +35,25 @@ def search(along: Callable[[float], Point], rounding: float, flatness: float = 0
     """Length of a step along which an energy decreases.
 
     Args:
-        along: What is found at a length of step; at zero the slope is negative. Energies that are not numbers count as
-            too high.
-        rounding: Difference of energies that means nothing [J].
-        flatness: Accepted slope at the end, as part of that at zero; a full step may also end on a descent. The default
-            has no source: it was chosen by trial on tests/benchmarks/hard_cases.py.
+        along: Point at a step length; at zero the slope is negative. Energies that are not numbers count as too high.
+        rounding: Rounding of energy differences [J].
+        flatness: Accepted slope at the end, as a fraction of that at zero; a full step may also end on a descent. The
+            default has no source: it was chosen by trial on tests/benchmarks/hard_cases.py.
 
     Returns:
-        The length; None where no length lowers the energy.
+        The length; None if no length lowers the energy.
     """
     start = low = along(0.0)
     trial = high = along(1.0)
     interpolate = _parabola
     while True:
         limit = min(low.energy, start.energy + DECREASE * trial.length * start.slope) + rounding
-        # Written so that an energy that is not a number is too high.
+        # Written so that an energy that is NaN is too high.
         if not trial.energy <= limit:
             high = trial
         elif abs(trial.slope) <= -flatness * start.slope or (trial.length == 1 and trial.slope < 0):
             return trial.length
-        else:  # the minimum is where the slope leads down to, from the lower end
+        else:  # the minimum lies downhill from the lower end
             high = low if trial.slope * (high.length - low.length) >= 0 else high
             low = trial
         if abs(high.length - low.length) < SHORTEST:
@@ -66,10 +65,10 @@ def search(along: Callable[[float], Point], rounding: float, flatness: float = 0
 
 
 def line(problem: Problem, start: PETSc.Vec, step: PETSc.Vec, first: Point | None = None) -> Callable[[float], Point]:
-    """Energy and slope along a step from a start; first, if known, is at the start.
+    """Energy and slope along a step from a start; first, if known, is the point at the start.
 
-    The slope is the residual along the step. Where a pressure has no potential the search is for a zero of that, as in
-    H. Matthies, G. Strang, Int. J. Numer. Methods Eng. 14 (1979) 1613-1626, and the energy, with the work of the
+    The slope is the residual along the step. For a pressure without a potential the search finds a zero of the slope,
+    as in H. Matthies, G. Strang, Int. J. Numer. Methods Eng. 14 (1979) 1613-1626. The energy, with the work of the
     pressure since the start, is its integral.
     """
     energy = problem.energy_along(start, step)
@@ -88,7 +87,7 @@ def line(problem: Problem, start: PETSc.Vec, step: PETSc.Vec, first: Point | Non
 
 
 def rounding(problem: Problem, first: Point, start: PETSc.Vec, step: PETSc.Vec) -> float:
-    """Difference of energies that means nothing along a step [J]: the prestress does work along all of the way."""
+    """Error of energy differences by rounding along a step [J]: the prestress works over the whole displacement."""
     way = float(start.norm() + step.norm())
     return 10 * ROUNDING * (abs(first.energy) + problem.prestress_forces * way)
 
@@ -96,9 +95,9 @@ def rounding(problem: Problem, first: Point, start: PETSc.Vec, step: PETSc.Vec) 
 def step_back(
     problem: Problem, b: PETSc.Vec, energy: float, start: PETSc.Vec, dx: PETSc.Vec, moved: bool
 ) -> float | None:
-    """Length of the step -dx from a start at which the held components are in place; None where none is good.
+    """Length of the step -dx from a start that meets the constraints; None if no length is accepted.
 
-    Where they were moved to it, the linear step was not meant for this start, and no step is better than a bad one.
+    After imposing displacements the step may not descend; then length 0 is allowed.
 
     Args:
         problem: The problem.
@@ -106,7 +105,7 @@ def step_back(
         energy: Energy at the start [J].
         start: The start.
         dx: The step, reversed.
-        moved: Whether held components were moved to it; residual and energy are those before.
+        moved: True if displacements were imposed at the start; residual and energy are those before.
     """
     with problem.discretization.work(1) as (downhill,):
         dx.copy(downhill)
@@ -121,14 +120,14 @@ def step_back(
 
 
 def _parabola(low: Point, high: Point) -> float:
-    """Where the parabola through two energies and the slope at the lower end is least."""
+    """Length at the minimum of the parabola through two energies and the slope at the lower end."""
     span = high.length - low.length
     curvature = (high.energy - low.energy - low.slope * span) / span**2
     return low.length - low.slope / (2 * curvature) if curvature > 0 else math.nan
 
 
 def _cubic(low: Point, high: Point) -> float:
-    """Where the cubic through two energies and two slopes is least, N&W (3.59)."""
+    """Length at the minimum of the cubic through two energies and two slopes, N&W (3.59)."""
     span = high.length - low.length
     d1 = low.slope + high.slope - 3 * (high.energy - low.energy) / span
     radicand = d1 * d1 - low.slope * high.slope  # d1**2 would raise OverflowError

@@ -1,4 +1,4 @@
-"""The softest motion of a structure in a state, and whether the state is stable against it."""
+"""The lowest mode of a structure in a state, and the stability of the state."""
 
 from typing import NamedTuple
 
@@ -9,22 +9,23 @@ from ..assembly.problem import Problem
 from ..model.parts import Mast
 from . import factorization
 
-WEAK = 1e-9  # stiffness, as a strain, below which a motion counts as free
-LARGEST = 1e4  # no motion is less stable than with this strain
-CRUSHED = 0.5  # Green's strain of what has no length left
-LEAST = 1e-4  # negative curvature, as a strain, below which none is seen between two states
-SECANTS = 8  # between two states
-STEPS = 4  # of inverse iteration
+WEAK = 1e-9  # stiffness of a mode, as a strain, below which it is a free motion
+LARGEST = 1e4  # upper bound of the negative curvature, as a strain
+CRUSHED = 0.5  # Green's strain of a cell that has shrunk to nothing
+LEAST = 1e-4  # negative curvature, as a strain, that is ignored between two states
+SECANTS = 8  # number of secants between two states
+STEPS = 4  # number of inverse iterations
 
 
 class Softest(NamedTuple):
-    """The softest motion, as far as inverse iteration has come.
+    """Lowest mode, to the accuracy of the inverse iteration.
 
     Attributes:
-        negative: Number of negative eigenvalues of the tangent with the artificial tension; of its symmetric part where
-            a pressure makes it unsymmetric.
-        motion: The displacement, of 2-norm 1; zero where held.
-        stiffness: Work that it does against the tangent over that against an artificial tension of strain one [-].
+        negative: Number of negative eigenvalues of the shifted tangent; of its symmetric part if a pressure makes it
+            unsymmetric.
+        motion: The displacement, of 2-norm 1; zero at constrained components.
+        stiffness: Rayleigh quotient: work against the tangent over work against an artificial tension of strain one
+            [-].
     """
 
     negative: int
@@ -33,13 +34,14 @@ class Softest(NamedTuple):
 
 
 def softest(problem: Problem, x: PETSc.Vec, tension: float, idle: bool = True) -> Softest:
-    """Softest motion in a state.
+    """Lowest mode in a state by inverse iteration.
 
     Args:
         problem: The problem.
         x: The state.
-        tension: Artificial tension that is added to the tangent, as a strain: what is softer counts as free.
-        idle: Whether nodes without any stiffness, as where all cells are slack and keep none, move too.
+        tension: Shift of the tangent: an artificial tension, as a strain; softer modes count as free.
+        idle: False to leave out nodes without any stiffness, such as those of slack cells without compression
+            stiffness.
     """
     A, v = problem.discretization.create_matrix(), x.duplicate()
     problem.tangent(x, A)
@@ -56,7 +58,7 @@ def softest(problem: Problem, x: PETSc.Vec, tension: float, idle: bool = True) -
     stiffened.setOption(PETSc.Mat.Option.SYMMETRIC, True)
     solver = PETSc.KSP().create(problem.discretization.comm)
     factorization.choose(solver, stiffened, symmetric=True)
-    # The same numbers on any number of processes, and in every component: no motion is overlooked by symmetry.
+    # Random numbers, equal for any number of processes: symmetry hides no mode.
     problem.discretization.distribute(np.random.default_rng(0).normal(size=structure.points.shape), v)
     v.array[still - v.getOwnershipRange()[0]] = 0.0
     with problem.discretization.work(1) as (w,):
@@ -76,15 +78,15 @@ def softest(problem: Problem, x: PETSc.Vec, tension: float, idle: bool = True) -
 
 
 def downhill(problem: Problem, x: PETSc.Vec) -> Softest:
-    """The motion along which the energy of a state falls most readily; its `negative` is 0 where there is none.
+    """Direction of the most negative curvature; its `negative` is 0 if there is none.
 
-    The small stiffness that wrinkled and slack cells keep makes them buckle from node to node. That is no instability
-    of the structure, and is left out.
+    The small compression stiffness of wrinkled and slack cells lets them buckle from node to node. That is no
+    instability of the structure, so it is left out.
     """
     with problem.without_kept_stiffness():
         found = softest(problem, x, tension := WEAK)
         negative = found.negative
-        # Inverse iteration finds what is nearest to -tension: below the lowest of all it is the lowest.
+        # Inverse iteration finds the mode nearest to -tension: the lowest, once the shift is below all.
         while found.negative and tension < LARGEST:
             tension *= 4
             found.motion.destroy()
@@ -93,15 +95,15 @@ def downhill(problem: Problem, x: PETSc.Vec) -> Softest:
 
 
 def explained(problem: Problem) -> float:
-    """Artificial tension, as a strain, above which wrinkled and slack cells have no negative curvature in any shape."""
+    """Upper bound of the negative curvature of wrinkled and slack cells in any shape, as a strain."""
     return CRUSHED * _kept(problem)
 
 
 def negative_between(problem: Problem, start: PETSc.Vec, end: PETSc.Vec) -> bool:
-    """Whether on the straight way between two states, the unbalanced force along it falls: negative curvature.
+    """Return True if the energy is concave somewhere on the straight line between two states.
 
-    That of wrinkled and slack cells does not count: there is none where there are neither masts nor pressures. Held
-    components are where they are at the end.
+    Hill's second-order work on the chord, by differences of the residual. Negative curvature of wrinkled and slack
+    cells is ignored; without masts and pressures there is none. Constrained components keep their end values.
     """
     parts = problem.discretization.structure.parts.values()
     if problem.symmetric and not any(isinstance(part, Mast) or part.compression_stiffness >= 1 for part in parts):
@@ -120,7 +122,7 @@ def negative_between(problem: Problem, start: PETSc.Vec, end: PETSc.Vec) -> bool
 
 
 def _kept(problem: Problem) -> float:
-    """The largest share of its stiffness that a part keeps when it is wrinkled or slack; 0 where none can be."""
+    """Largest compression stiffness of a part, as a fraction of its stiffness; 0 if none can wrinkle or slacken."""
     parts = problem.discretization.structure.parts.values()
     kept = [part.compression_stiffness for part in parts if not isinstance(part, Mast)]
     return max([share for share in kept if share < 1], default=0.0)

@@ -1,13 +1,15 @@
-"""Newton-Raphson, Gil (74), that goes downhill: line search on the energy, artificial tension where that is not enough.
+"""Globalized Newton-Raphson, Gil (74): line search on the energy, then inertia correction, then homotopy.
 
-Prestressed nets and membranes are stiff along themselves and soft across, they slacken and wrinkle, and a flat one
-without prestress has no stiffness across at all. Three things make Newton's method find its way all the same:
+Prestressed nets and membranes are stiff in their surface and soft across, they slacken and wrinkle, and a flat one
+without prestress has no stiffness across at all. Three strategies make Newton's method converge:
 
-- a line search on the total potential energy shortens steps that overshoot;
-- where the tangent has negative curvature or none (the signs of the pivots tell) or steps are short, an artificial
-  tension is added to it, as little as helps; it changes the way, not the goal, and falls with the residual: pseudo-
-  transient continuation (C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508-523) with a tension for a mass;
-- where that does not get there either, an artificial tension in the structure itself draws it smooth, and is faded out.
+- A line search on the total potential energy shortens steps that overshoot.
+- A shift of the tangent, an artificial tension, corrects its inertia after negative curvature or a short step. The
+  signs of the pivots show the curvature. The shift decays with the residual and vanishes at the solution. Sources:
+  A. Waechter, L. T. Biegler, Math. Program. 106 (2006) 25-57 (inertia correction in Ipopt); TAO's Newton line search
+  (TAONLS); C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508-523 (pseudo-transient continuation).
+- A natural-parameter homotopy finds a start if both fail: stabilization by an artificial tension in the structure
+  itself, reduced from solve to solve.
 """
 
 import weakref
@@ -29,15 +31,15 @@ from .lowest_mode import downhill, explained, negative_between
 
 # The numbers from here on have no source: they were chosen by trial on tests/benchmarks/hard_cases.py.
 
-# Artificial tension in the structure, as a strain, from one solve to the next.
+# Levels of the homotopy: artificial tension in the structure, as a strain.
 FADING = tuple(10.0**-i for i in range(2, 9))
-ROUGH, FEW = 1e-3, 40  # tolerance and iterations of these solves
-PATIENCE, MORE = 5, 50  # times as many iterations, so many at a time while residuals fall: slack fabric crumples
+ROUGH, FEW = 1e-3, 40  # tolerance and iterations of each level
+PATIENCE, MORE = 5, 50  # factor of max_iterations, and batch, while residuals fall: slack fabric converges slowly
 
-# Equilibrium at a saddle of the energy.
-NUDGE, NUDGES = 1e-3, 3  # step off it, in sizes of the structure, and how often it is tried
+# Escape from a saddle of the energy.
+NUDGE, NUDGES = 1e-3, 3  # size of the step, in sizes of the structure, and number of attempts
 
-REST = 1e-8  # share of all forces, below which a residual that falls no more is at rounding
+REST = 1e-8  # fraction of all forces below which a stagnant residual is at rounding
 
 
 @dataclass(frozen=True)
@@ -45,16 +47,16 @@ class Newton:
     """Newton-Raphson, Gil (74), by dolfinx's `NewtonSolver` with a direct factorization (MUMPS).
 
     Raises:
-        ValueError: rtol is out of range; max_iterations is not a whole number above zero.
+        ValueError: rtol is out of range; max_iterations is not a positive whole number.
 
     Args:
-        rtol: Converged when the 2-norm of the unbalanced forces is below rtol times that of all nodal forces,
-            reactions and loads included, or at rounding: of the forces in
-            each node, or where they come to rest below 1e-8 of all forces. A start passes only at rounding.
-        max_iterations: Most iterations for one load increment; up to five times as many while residuals still fall.
-        line_search: False is the method of the textbook: each step in full, with the tangent as it is. For loads
-            without a potential (follower pressure in general) the energy is that of the work along the step, which is
-            known exactly.
+        rtol: Converged when the 2-norm of the unbalanced forces is below rtol times that of all nodal forces, reactions
+            and loads included, or at rounding. Rounding is that of the forces in each node, or stagnation below 1e-8 of
+            all forces. A start converges only at rounding.
+        max_iterations: Maximum number of iterations for one load increment; up to five times as many while residuals
+            fall.
+        line_search: False gives the method of the textbook: full steps, with the tangent as it is. For loads without a
+            potential (follower pressure in general) the energy includes their work along the step, which is exact.
     """
 
     rtol: float = 1e-10
@@ -67,24 +69,24 @@ class Newton:
         validation.store(self, validation.truth, "line_search")
 
     def prepare(self, problem: Problem) -> Solve:
-        """A function that brings a vector to equilibrium; it keeps matrix and symbolic factorization between calls."""
+        """Return a function that brings a vector to equilibrium; it keeps matrix and symbolic factorization."""
         return _NewtonRaphson(self, problem)
 
 
 class _Stop(Exception):  # noqa: N818  (not an error but a message from callback to caller)
-    """Ends the iteration from inside a callback, with the reason in words."""
+    """Exception that ends the iteration from inside a callback, with the reason as a sentence."""
 
 
 class _NewtonRaphson:
-    """The iteration: callbacks for residual, tangent and step, and what drives them.
+    """The iteration: callbacks for residual, tangent and step, and their backend.
 
     Attributes:
         length: Length of the last step.
-        added: Tension added to the tangent for it, as a strain.
-        iterates: Their number since the solve began, whatever came of them.
-        first: Whether it is the first attempt since then.
-        from_stable: Whether the first tangent since then had no more negative curvature than slack cells have.
-        lost_stability: Whether a later one had more.
+        added: Shift of the tangent for that step, as a strain.
+        iterates: Number of iterates since the solve began, rejected ones included.
+        first: True in the first attempt of the solve.
+        from_stable: True if the first tangent of the solve had no more negative curvature than slack cells have.
+        lost_stability: True if a later tangent had more.
     """
 
     def __init__(self, settings: Newton, problem: Problem):
@@ -102,8 +104,8 @@ class _NewtonRaphson:
         self.symmetric, self.from_stable, self.lost_stability = True, False, False
         self.size = problem.discretization.structure.size
         self.newton = _dolfinx.newton_solver(problem.discretization.comm)
-        # The drivers hold their callbacks in C and C++, where Python's garbage collector does not look: a weak
-        # reference keeps the problem from living as long as the program.
+        # The backends hold their callbacks in C and C++, invisible to Python's garbage collector: a weak reference lets
+        # the problem be freed before the program ends.
         owner = cast(_NewtonRaphson, weakref.proxy(self))
         self.iterate, self.ksp = by_snes(owner) if self.newton is None else by_dolfinx(owner)
         factorization.keep_until_all_are_done(self, problem.discretization.comm, self.ksp)
@@ -114,18 +116,18 @@ class _NewtonRaphson:
         start = x.copy(self.begin)
         solution = self.solve(x, thorough)
         if solution.converged and self.from_stable and not self.lost_stability:
-            self.lost_stability = negative_between(self.problem, start, x)  # steps may pass over what snaps
+            self.lost_stability = negative_between(self.problem, start, x)  # a step may pass over a snap-through
         unlisted = self.iterates - len(solution.iterations)
         return replace(solution, unlisted=unlisted, lost_stability=self.lost_stability)
 
     def solve(self, x: PETSc.Vec, thorough: bool) -> Solution:
-        """All that is tried, one after the other."""
+        """Run the strategies one after the other."""
         start = x.copy(self.origin)
         solution = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
         if not self.settings.line_search:
             return solution
         free = None if solution.converged else mechanism(self.problem, start)
-        # What falls finds no way back, and is as free at the start of any shorter increment.
+        # A mechanism stays one in a smaller increment.
         self.work.waxpy(-1.0, start, x)
         thorough = thorough and not (free and largest(self.work) > FALLEN * self.size)
         if thorough:
@@ -149,19 +151,19 @@ class _NewtonRaphson:
         )
 
     def onward(self, x: PETSc.Vec, solution: Solution, unknown: bool) -> Solution:
-        """Goes on from where an attempt ran out of iterations, while residuals fall, or where that is unknown yet."""
+        """Resume an attempt that ran out of iterations, while residuals fall or their trend is unknown."""
         usual = self.settings.max_iterations
         most = PATIENCE * usual
         while not solution.converged and usual < len(self.history) <= most and nearer(self.history, usual, unknown):
-            self.history.pop()  # is evaluated anew
+            self.history.pop()  # evaluated again
             self.most = min(MORE, most - len(self.history))
             solution = self.run(x)
         return solution
 
     def made_stable(self, x: PETSc.Vec, solution: Solution) -> Solution:
-        """Goes on from an equilibrium that is not stable, downhill along its softest motion, to one that is.
+        """Escape from an unstable equilibrium along its lowest mode to a stable one.
 
-        Where the last tangent did without artificial tension it had no negative curvature, and nothing is to be done.
+        A last tangent without shift had no negative curvature, so that the equilibrium is stable.
         """
         for _ in range(NUDGES):
             if len(solution.iterations) == 1 or (self.symmetric and self.added == 0):
@@ -183,7 +185,7 @@ class _NewtonRaphson:
         return replace(solution, unstable=True)
 
     def draw_smooth(self, x: PETSc.Vec) -> None:
-        """Equilibrium under an artificial tension that is faded out."""
+        """Solve a homotopy in a fading artificial tension."""
         try:
             for tension in FADING:
                 self.problem.tension = tension
@@ -196,7 +198,7 @@ class _NewtonRaphson:
             self.problem.tension = 0.0
 
     def attempt(self, x: PETSc.Vec, rtol: float, most: int) -> Solution:
-        """Runs the iteration once."""
+        """Run the iteration once."""
         self.history, self.rtol, self.most = [], rtol, most
         self.first = self.iterates == 0
         self.length = self.added = 0.0
@@ -205,32 +207,32 @@ class _NewtonRaphson:
         return self.run(x)
 
     def run(self, x: PETSc.Vec) -> Solution:
-        """Runs the iteration on from an iterate, by as much as `most` says."""
+        """Resume the iteration from an iterate, for `most` iterations."""
         try:
             with _dolfinx.quiet_log():
                 converged = self.iterate(x)
         except _Stop as stop:
-            # A tangent that is singular at the start of the increment is so for any length of it.
+            # A tangent that is singular at the start of an increment stays so for any smaller one.
             retry = self.settings.line_search or len(self.history) > 1
             return Solution(False, str(stop), tuple(self.history), retry)
         reason = "converged" if converged else self.stalled(x)
         return Solution(converged, reason, tuple(self.history), retry=True)
 
     def conservative(self, x: PETSc.Vec) -> bool:
-        """Whether the pressures have a potential here, as within held edges: the tangent is symmetric all the same."""
+        """Return True if pressures have a potential here, as within held edges: the tangent is symmetric."""
         self.problem.tangent(x, self.A)
         self.problem.hold_tangent(x, self.A, self.b)
         return factorization.is_symmetric(self.A)
 
     def stalled(self, x: PETSc.Vec) -> str:
-        """Why there is no solution after the last iterate."""
+        """Sentence on why the last iterate is no solution."""
         last = self.history[-1].residual
         # Small, and no longer falling.
         at_rounding = len(self.history) > 2 and self.history[-2].residual < 10 * last < 1e4 * self.tolerance
         return stalled(self.problem, x, len(self.history) - 1, last, at_rounding)
 
     def residual(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
-        """Residual with held components; notes the iterate and the tolerance for its 2-norm."""
+        """Residual with constraints; record the iterate and the tolerance for its 2-norm."""
         self.problem.residual(x, b)
         self.tolerance = tolerance(self.problem, x, b, self.rtol if self.history else ROUNDING)
         self.problem.hold(x, b)
@@ -244,7 +246,7 @@ class _NewtonRaphson:
             raise _Stop(self.stalled(x))
 
     def tangent(self, x: PETSc.Vec, A: PETSc.Mat) -> None:
-        """Tangent and right-hand side with held components."""
+        """Tangent and right-hand side with constraints."""
         A.setOption(PETSc.Mat.Option.SYMMETRIC, self.symmetric)
         self.problem.tangent(x, A)
         self.problem.hold_tangent(x, A, self.b)
@@ -254,7 +256,7 @@ class _NewtonRaphson:
             self.add_tension(x, damping)
 
     def step(self, x: PETSc.Vec, dx: PETSc.Vec) -> None:
-        """Makes the solution dx of the linear system the step itself: the next iterate is x - dx."""
+        """Replace the solution dx of the linear system by the step: the next iterate is x - dx."""
         self.length = 1.0
         if not self.settings.line_search:
             if not factorization.solves(self.A, dx, self.b, self.work):
@@ -271,7 +273,7 @@ class _NewtonRaphson:
             if length is None:
                 self.solve_with_more_tension(x, dx)
         if self.iterates == 1:
-            # The least tension there is makes up for slack cells; without such cells it would hide an unstable start.
+            # The least shift makes up for slack cells; without slack cells it would hide an unstable start.
             self.from_stable = self.added <= (artificial_tension.FIRST if explained(self.problem) else 0.0)
         self.length = length
         dx.scale(length)
@@ -279,7 +281,7 @@ class _NewtonRaphson:
         dx.axpy(-1.0, start)
 
     def descends(self, dx: PETSc.Vec) -> bool:
-        """Whether dx solves the linear system, and -dx leads downhill for sure: there is no negative curvature."""
+        """Return True if dx solves the linear system and -dx is a descent direction, without negative curvature."""
         if not factorization.solves(self.A, dx, self.b, self.work):
             return False
         if self.symmetric:
@@ -292,13 +294,13 @@ class _NewtonRaphson:
         return (negative, zero) == (0, 0)
 
     def solve_with_more_tension(self, x: PETSc.Vec, dx: PETSc.Vec) -> None:
-        """Adds more tension to the tangent than there is, and solves again."""
+        """Correct the inertia: increase the shift of the tangent and solve again."""
         if self.added > artificial_tension.LARGEST:
             raise _Stop(linear_failure(self.problem, self.A))
         self.add_tension(x, artificial_tension.more(self.added))
         self.ksp.solve(self.b, dx)
 
     def add_tension(self, x: PETSc.Vec, tension: float) -> None:
-        """Brings the tension in the tangent to a value."""
+        """Set the shift of the tangent."""
         self.problem.stiffen(x, self.A, self.b, tension - self.added)
         self.added = tension

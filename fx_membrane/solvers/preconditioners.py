@@ -10,17 +10,17 @@ from ..assembly.problem import Problem
 from . import factorization
 
 Kind = Literal["jacobi", "tangent"] | None
-Divide = Callable[[PETSc.Vec, PETSc.Vec], object]  # puts M^-1 g for the first, g, into the second
+Divide = Callable[[PETSc.Vec, PETSc.Vec], object]  # writes M^-1 g, for the first argument g, into the second
 
-# Artificial tension, as a strain, that is added until the tangent is positive definite.
+# Shifts, as artificial tension in strains, tried until the tangent is positive definite.
 TENSIONS = (0.0, *(1e-4 * 8.0**i for i in range(10)))
-ZERO = 1e-13  # entries of the diagonal, in parts of the largest, that count as none
+ZERO = 1e-13  # fraction of the largest entry below which a diagonal entry is zero
 
 
 def preconditioner(problem: Problem, kind: Kind) -> Callable[[PETSc.Vec], Divide | None]:
-    """A function that makes the preconditioner M of a state whose held components are in place.
+    """Return a function that makes the preconditioner M of a state that meets the constraints.
 
-    It keeps its workspace from state to state; it returns None where M cannot be made positive definite.
+    It keeps its workspace from state to state. It returns None if M cannot be made positive definite.
     """
     if kind is None:
         return lambda x: PETSc.Vec.copy
@@ -44,7 +44,7 @@ def preconditioner(problem: Problem, kind: Kind) -> Callable[[PETSc.Vec], Divide
 
 
 def _diagonal(A: PETSc.Mat) -> Divide | None:
-    """Divides by the diagonal; None if that is not positive."""
+    """Divide by the diagonal; None if it is not positive."""
     diagonal = A.getDiagonal()
     if not diagonal.min()[1] > ZERO * diagonal.max()[1]:
         return None
@@ -52,7 +52,7 @@ def _diagonal(A: PETSc.Mat) -> Divide | None:
 
 
 class _Factors:
-    """Divides by the tangent; None if that is not positive definite."""
+    """Division by the tangent; None if it is not positive definite."""
 
     def __init__(self, problem: Problem):
         self.ksp = PETSc.KSP().create(problem.discretization.comm)
@@ -60,6 +60,6 @@ class _Factors:
 
     def __call__(self, A: PETSc.Mat) -> Divide | None:
         factorization.choose(self.ksp, A, symmetric=True)
-        self.ksp.setOperators(A)  # or `setUp` would keep the last factorization
+        self.ksp.setOperators(A)  # without this `setUp` keeps the last factorization
         self.ksp.setUp()
         return self.ksp.solve if factorization.pivots(self.ksp) == (0, 0) else None
