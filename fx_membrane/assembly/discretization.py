@@ -1,9 +1,9 @@
 """A structure as dolfinx meshes, one for each part, joined by one displacement vector.
 
-Every process knows the whole structure (plain arrays) and makes meshes of its own share of the cells only. What the
-meshes have in common is the numbering of nodes: a node is known by its row in the user's `points`, and `number` maps
-that row to a 3-block of the PETSc vectors and matrices. So cables, masts and membranes, also sheets that branch, meet
-in one system, and a process may have no cell of a part.
+Every process knows the whole structure (plain arrays) and makes meshes of its own cells only. The meshes share the
+numbering of nodes. A node is known by its row in the user's `points`, and `number` maps that row to a 3-block of the
+PETSc vectors and matrices. So cables, masts and membranes, also sheets that branch, meet in one system. A process may
+have no cell of a part.
 """
 
 from collections.abc import Iterator
@@ -30,7 +30,7 @@ class PartMesh:
 
     Attributes:
         name: Name of the part.
-        part: The part, all of it.
+        part: The whole part.
         mesh: dolfinx mesh of the cells of this process.
         cells: Row in `part.cells` of each cell of the mesh.
         nodes: Position in `Discretization.local` of each node of the mesh, in the order of the displacement's dofs.
@@ -47,11 +47,11 @@ class PartMesh:
     numbering: PETSc.LGMap
 
     def move(self, points: NDArray[np.float64]) -> None:
-        """Makes positions of the nodes of this mesh, shape (nodes, 3) [m], the reference shape."""
+        """Set the reference positions of the nodes of this mesh, shape (nodes, 3) [m]."""
         self.mesh.geometry.x[_dolfinx.geometry_order(self.u.function_space)] = points
 
     def cell_field(self, values: NDArray[np.float64]) -> fem.Function:
-        """Piecewise constant function of values for all cells of the part, shape (cells, ...), flattened per cell."""
+        """Piecewise constant function from values for all cells of the part, shape (cells, ...), flattened per cell."""
         flat = np.reshape(values, (len(self.part.cells), -1))
         field = fem.Function(_dolfinx.functionspace(self.mesh, "DG", 0, flat.shape[1]))
         field.x.array[:] = flat[self.cells].ravel()
@@ -125,9 +125,10 @@ class Discretization:
 
     @contextmanager
     def work(self, count: int) -> Iterator[list[PETSc.Vec]]:
-        """Vectors for what is needed in a block only, of any values, which the next block gets again.
+        """Temporary vectors with arbitrary entries, reused by the next block.
 
-        PETSc keeps what Python drops until all processes have been asked: a new vector for each use fills the memory.
+        PETSc keeps vectors that Python drops until all processes have been asked: a new vector for each use fills the
+        memory.
         """
         taken = [self._spare.pop() if self._spare else self.create_vector() for _ in range(count)]
         try:
@@ -136,7 +137,7 @@ class Discretization:
             self._spare += taken
 
     def create_matrix(self) -> PETSc.Mat:
-        """Matrix with the pattern of all parts together, exactly preallocated."""
+        """Matrix with the sparsity pattern of all parts together, exactly preallocated."""
         first = int(self.comm.exscan(len(self.owned)) or 0)
         own = (self._rows.indices >= first) & (self._rows.indices < first + len(self.owned))
         before = np.concatenate([[0], np.cumsum(own)])[self._rows.indptr]
@@ -145,24 +146,25 @@ class Discretization:
         counts = tuple(np.repeat(count, 3).astype(PETSc.IntType) for count in (diagonal, other))
         A = PETSc.Mat().createAIJ((self._size, self._size), bsize=3, nnz=counts, comm=self.comm)
         A.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
-        # petsc4py sets it from the counts; a process without rows has none, and options must agree between processes.
+        # petsc4py derives it from the counts; a process without rows has none, and options must agree between
+        # processes.
         A.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, True)
         return A
 
     def dofs(self, mask: NDArray[np.bool_]) -> NDArray[np.int32]:
-        """Numbers in the PETSc system of the components chosen by a mask (n, 3); those that this process owns."""
+        """System numbers of the components chosen by a mask (n, 3) that this process owns."""
         return np.asarray((3 * self.number[:, None] + np.arange(3))[self.owned][mask[self.owned]], dtype=PETSc.IntType)
 
     # Transfer of nodal values
 
     def distribute(self, values: NDArray[np.float64], vector: PETSc.Vec | None = None) -> PETSc.Vec:
-        """PETSc vector of the user's nodal values, shape (n, 3): a new one, or the one given."""
+        """PETSc vector of the user's nodal values, shape (n, 3): a new one, or the given one."""
         vector = self.create_vector() if vector is None else vector
         vector.array[:] = values[self.owned].ravel()
         return vector
 
     def gather(self, vector: PETSc.Vec) -> NDArray[np.float64]:
-        """The user's nodal values on every process, shape (n, 3); zero at nodes that no part uses."""
+        """Nodal values in the user's order on every process, shape (n, 3); zero at nodes that no part uses."""
         blocks = np.concatenate(self.comm.allgather(vector.array_r)).reshape(-1, 3)
         return np.where(self.structure.used[:, None], blocks[self.number], 0.0)
 
@@ -175,19 +177,19 @@ class Discretization:
         return result
 
     def to_meshes(self, vector: PETSc.Vec) -> None:
-        """Sets the displacement `u` of every mesh from a PETSc vector."""
+        """Set the displacement `u` of every mesh from a PETSc vector."""
         self._scatter.scatter(vector, self._local_values, PETSc.InsertMode.INSERT, PETSc.ScatterMode.FORWARD)
         values = self._local_values.array_r.reshape(-1, 3)
         for mesh in self.parts.values():
             mesh.u.x.array[:] = values[mesh.nodes].ravel()
 
     def move(self, points: NDArray[np.float64]) -> None:
-        """Makes other positions of the user's nodes, shape (n, 3) [m], the reference shape of all meshes."""
+        """Set the reference positions of all meshes from the user's nodes, shape (n, 3) [m]."""
         for mesh in self.parts.values():
             mesh.move(points[self.local[mesh.nodes]])
 
     def add_from_meshes(self, shares: Iterator[tuple[PartMesh, NDArray[np.float64]]], vector: PETSc.Vec) -> None:
-        """Adds nodal vectors that belong to meshes, in the order of their dofs, to a PETSc vector."""
+        """Add nodal vectors of meshes, in the order of their dofs, to a PETSc vector."""
         sums = self._local_values.array.reshape(-1, 3)
         sums[:] = 0
         for mesh, values in shares:

@@ -1,4 +1,4 @@
-"""What the loads and prescribed displacements of a stage come to, as actions on nodes and cells."""
+"""Conversion of a stage to nodal and cell actions."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,13 +16,13 @@ Array = NDArray[np.float64]
 
 
 def unloaded(structure: Structure) -> Actions:
-    """Nothing but the supports."""
+    """Actions of the supports alone."""
     zero = np.zeros(structure.points.shape)
     return Actions(loads=zero, held=structure.supported, displacement=zero)
 
 
 def target(problem: Problem, stage: Stage, start: Actions) -> Actions:
-    """Actions at the end of a stage: those at its start, and its own."""
+    """Actions at the end of a stage: those at its start plus its own."""
     structure = problem.discretization.structure
     point_loads = np.zeros(structure.points.shape)
     dead_loads: dict[str, Array] = {}
@@ -77,17 +77,17 @@ def prescribed(stage: Stage, structure: Structure) -> tuple[NDArray[np.bool_], A
 
 
 def taking_hold(start: Actions, end: Actions, displacement: Array) -> Actions:
-    """The start of a stage with what it holds at its end; what it takes hold of is still where it is."""
+    """Actions at the start of a stage with the constraints of its end; new ones keep their displacement."""
     return replace(start, held=end.held, displacement=np.where(start.held, start.displacement, displacement))
 
 
 def between(start: Actions, end: Actions, factor: float) -> Actions:
-    """Actions between start and end."""
+    """Actions at a load factor between start and end."""
     return _combined(start, end, lambda a, b: a + factor * (b - a))
 
 
 def change(start: Actions, end: Actions) -> Actions:
-    """What comes on top of the actions at the start, for a factor of one."""
+    """Actions at the end minus those at the start, for a load factor of one."""
     return _combined(start, end, lambda a, b: b - a)
 
 

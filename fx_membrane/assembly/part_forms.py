@@ -1,4 +1,4 @@
-"""Which energy a part has, its derivatives, and their compiled forms on the cells of this process."""
+"""The energy of a part, its derivatives, and their compiled forms on the cells of this process."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -24,9 +24,9 @@ class PartForms:
     Attributes:
         mesh: The cells.
         T, F, E, S: Tangent frame, deformation gradient, Green-Lagrange strain, 2nd Piola-Kirchhoff stress, in UFL.
-        state: Taut, wrinkled or slack, as `forms.wrinkling` numbers them, in UFL; taut where all stiffness is kept.
-        follow: Brings what the energy must be told of the strain up to date with the displacement.
-        kept: Share of the stiffness that is kept in compression; None where a part has no other energy.
+        state: Taut, wrinkled or slack, numbered as in `forms.wrinkling`, in UFL; taut where all stiffness is kept.
+        follow: Updates the wrinkling direction to the displacement.
+        kept: Compression stiffness, as a fraction of the stiffness; None for a part with one energy only.
         q: Dead load per reference area or length, piecewise constant [N/m2 or N/m].
         p: Pressure along `Structure.normals`, piecewise constant [Pa]; without meaning in cables and masts.
         energy: Compiled strain energy.
@@ -54,7 +54,7 @@ class PartForms:
 
 
 class _Energy(NamedTuple):
-    """Energy density and state of a part, in UFL; what keeps it up to date; the share that is kept in compression."""
+    """Energy density and state of a part in UFL, update of its wrinkling direction, compression stiffness."""
 
     density: Any
     state: Any
@@ -63,7 +63,7 @@ class _Energy(NamedTuple):
 
 
 def part_forms(mesh: PartMesh, structure: Structure, elastic: bool) -> PartForms:
-    """Forms of a part; what distinguishes parts of a kind is data, so that they share one compiled form."""
+    """Forms of a part; parts of a kind differ by data only, so that they share one compiled form."""
     part, u, d = mesh.part, mesh.u, mesh.part.dimension
     J = ufl.Jacobian(mesh.mesh)
     if isinstance(part, Membrane):
@@ -123,7 +123,7 @@ def tension_form(part: PartForms) -> Any:
 
 
 def stiffness(part: Part) -> float:
-    """Stiffness of a part: of fabric Et, the larger one [N/m]; of cables and masts EA [N]."""
+    """Stiffness of a part: for fabric the larger Et [N/m]; for cables and masts EA [N]."""
     if not isinstance(part, Membrane):
         return part.axial_stiffness
     material = part.material

@@ -1,4 +1,4 @@
-"""Who owns which node, and in what order: the one numbering of nodes that joins all parts of a structure."""
+"""Ownership and order of the nodes: one numbering joins all parts of a structure."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +31,7 @@ def bisect(points: NDArray[np.float64], size: int) -> NDArray[np.int32]:
 
 
 def number_nodes(owner: NDArray[np.int32], graph: sparse.csr_array) -> NDArray[np.int64]:
-    """Number of each node: those of an owner are consecutive, and neighbours close together, shape (n,)."""
+    """Position of each node in the system, shape (n,): consecutive for an owner, close together for neighbours."""
     order = reverse_cuthill_mckee(graph, symmetric_mode=True)
     order = order[np.argsort(owner[order], kind="stable")]
     number = np.empty(len(owner), dtype=np.int64)

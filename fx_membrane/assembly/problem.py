@@ -2,8 +2,8 @@
 
     Pi(u) = sum of strain energies - f . u,    R = dPi/du - f_p(u),    K = dR/du        Gil (50), (51), (68)-(71)
 
-with dead loads f and follower pressures f_p, which in general have no potential. What changes from stage to stage
-(loads, held components and their displacements) is data: nothing is compiled twice.
+with dead loads f and follower pressures f_p, which in general have no potential. Loads, constraints and their
+displacements change from stage to stage as data: nothing is compiled twice.
 """
 
 import math
@@ -30,12 +30,12 @@ from .rounding import UNIT, Scales, prestress_force, scales, typical_stiffness
 
 @dataclass(frozen=True, eq=False)
 class Actions:
-    """What acts on a structure at one instant, in the user's order of nodes.
+    """Actions on a structure at one instant, in the user's order of nodes.
 
     Attributes:
         loads: Dead loads on the nodes, shape (n, 3) [N].
-        held: Components whose displacement is given, shape (n, 3).
-        displacement: The given displacements, shape (n, 3) [m]; without meaning where not held.
+        held: Components with a given displacement, shape (n, 3).
+        displacement: The given displacements, shape (n, 3) [m]; without meaning at free components.
         pressures: For membranes by name, pressure along `Structure.normals`, shape (cells,) [Pa].
     """
 
@@ -51,7 +51,7 @@ class Problem:
     Args:
         structure: The structure.
         comm: The processes that share the work; each must give the same structure.
-        elastic: False leaves the prestress as the only stress, whatever the strain: for form finding.
+        elastic: False keeps the prestress as the only stress at any strain: for form finding.
 
     Raises:
         ValueError: The structure is not the same on all processes.
@@ -59,11 +59,12 @@ class Problem:
     Attributes:
         discretization: The meshes and their common numbering.
         parts: Forms of the parts of which this process has cells.
-        symmetric: Whether the tangent is symmetric: without follower pressure.
-        prestress_forces: 2-norm of the prestress forces of all cells, before they balance each other [N].
-        stiffness: A typical stiffness [N/m], the diagonal entry of held components: it makes their error a force.
-        tension: Artificial tension in all parts, as a strain: times the stiffness of each. It is in the energy, the
-            residual and the tangent, and draws everything smooth; zero but where a solver looks for a start.
+        symmetric: True if the tangent is symmetric: without follower pressure.
+        prestress_forces: 2-norm of the prestress forces of all cells, before they balance [N].
+        stiffness: A typical stiffness [N/m], the diagonal entry of constrained components: it scales their error to a
+            force.
+        tension: Stabilization: artificial tension in all parts, as a strain, times the stiffness of each. It is in the
+            energy, the residual and the tangent; nonzero only during a homotopy.
     """
 
     def __init__(self, structure: Structure, comm: MPI.Intracomm = MPI.COMM_WORLD, elastic: bool = True):
@@ -82,7 +83,7 @@ class Problem:
         self.apply(Actions(np.zeros(structure.points.shape), structure.supported, np.zeros(structure.points.shape)))
 
     def apply(self, actions: Actions) -> None:
-        """Sets loads, held components and their displacements."""
+        """Set loads, constrained components and their displacements."""
         self.symmetric = not any(p.any() for p in actions.pressures.values())
         for name, part in self.parts.items():
             part.p.x.array[:] = actions.pressures[name][part.mesh.cells] if name in actions.pressures else 0.0
@@ -92,7 +93,7 @@ class Problem:
         self._held_here = self._held - self._loads.getOwnershipRange()[0]
 
     def nodal_loads(self, dead_loads: Mapping[str, NDArray[np.float64]]) -> NDArray[np.float64]:
-        """Nodal forces of dead loads on parts, shape (n, 3) [N].
+        """Convert dead loads on parts to nodal forces, shape (n, 3) [N].
 
         Args:
             dead_loads: For each loaded part, load per reference area or length of each cell, shape (cells, 3).
@@ -103,18 +104,18 @@ class Problem:
             return self.discretization.gather(self._assemble(lambda part: part.load, total))
 
     def pressure_loads(self, x: PETSc.Vec) -> NDArray[np.float64]:
-        """Nodal forces of the applied pressures in the shape x, shape (n, 3) [N]."""
+        """Convert the applied pressures to nodal forces in the shape x, shape (n, 3) [N]."""
         self._set(x)
         with self.discretization.work(1) as (total,):
             return self.discretization.gather(self._assemble(lambda part: part.pressure, total))
 
     def loads(self, x: PETSc.Vec, total: PETSc.Vec) -> None:
-        """Nodal loads in the shape x, dead loads and pressures [N]."""
+        """Set a vector to the nodal loads in the shape x, dead loads and pressures [N]."""
         self._set(x)
         self._assemble(lambda part: part.pressure, total).axpy(1.0, self._loads)
 
     def unloaded(self) -> bool:
-        """Whether there are neither loads nor prescribed displacements, but supports and prestress alone."""
+        """Return True if there are supports and prestress alone, without loads or prescribed displacements."""
         moved = bool(self._prescribed.array_r[self._held_here].any())
         return self.symmetric and not self._loads.norm() and not self.discretization.comm.allreduce(moved, MPI.LOR)
 
@@ -128,7 +129,7 @@ class Problem:
             return dead + float(self._assemble(lambda part: part.pressure, total).norm())
 
     def energy(self, x: PETSc.Vec) -> float:
-        """Strain energy less the work of the dead loads [J], Gil (70); pressures are not in it."""
+        """Strain energy less the work of the dead loads [J], Gil (70); without pressures."""
         self._set(x)
         stored = sum(float(fem.assemble_scalar(part.energy)) for part in self.parts.values())
         energy = float(self.discretization.comm.allreduce(stored)) - float(self._loads.dot(x))
@@ -139,10 +140,10 @@ class Problem:
         return energy
 
     def energy_along(self, x: PETSc.Vec, step: PETSc.Vec) -> Callable[[float], float]:
-        """Energy at x + length step, as a function of the length, pressures included: their work along the step [J].
+        """Energy at x + length step as a function of the length, with the work of pressures along the step [J].
 
-        The force of a pressure is quadratic in the displacement, so that its power along a straight line is known from
-        three points, and its work is exact, whether it has a potential or not.
+        The force of a pressure is quadratic in the displacement. Three points give its power along a straight line, so
+        that its work is exact with or without a potential.
         """
 
         def energy(length: float) -> float:
@@ -168,7 +169,7 @@ class Problem:
         return lambda length: energy(length) - work(length)
 
     def residual(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
-        """Internal minus external nodal forces [N], Gil (50); at held components, the reaction."""
+        """Residual: internal minus external nodal forces [N], Gil (50); at constrained components, the reaction."""
         self._set(x)
         self._assemble(lambda part: part.residual, b).axpy(-1.0, self._loads)
         if self.tension:
@@ -178,7 +179,7 @@ class Problem:
                 b.axpy(self.tension, forces)
 
     def tangent(self, x: PETSc.Vec, A: PETSc.Mat) -> None:
-        """Derivative of the residual [N/m], Gil (51)-(53), (57)."""
+        """Tangent: derivative of the residual [N/m], Gil (51)-(53), (57)."""
         self._set(x)
         self._assemble_matrix(lambda part: part.tangent, A)
         if self.tension:
@@ -186,10 +187,10 @@ class Problem:
 
     @contextmanager
     def without_kept_stiffness(self, left: float = 0.0) -> Iterator[None]:
-        """Sets aside what wrinkled and slack cells keep of their stiffness: they carry no compression at all.
+        """Set aside the compression stiffness of wrinkled and slack cells.
 
         Args:
-            left: Share of the kept stiffness that is left [-].
+            left: Fraction of the compression stiffness that remains [-].
         """
         shares = [part.kept for part in self.parts.values() if part.kept is not None and part.kept.value < 1]
         values = [float(share.value) for share in shares]
@@ -202,7 +203,7 @@ class Problem:
                 share.value = value
 
     def stiff_nodes(self, A: PETSc.Mat) -> NDArray[np.bool_]:
-        """Nodes with an entry in a tangent, shape (n,): all but those of which no cell has any stiffness."""
+        """Nodes with an entry in a tangent, shape (n,): all except those where no cell has stiffness."""
         here = self.discretization.create_vector()
         pointers, _, values = A.getValuesCSR()
         entries = np.repeat(np.arange(len(pointers) - 1), np.diff(pointers))
@@ -210,16 +211,16 @@ class Problem:
         return np.any(self.discretization.gather(here), axis=1)
 
     def mass(self, A: PETSc.Mat) -> None:
-        """Consistent mass matrix [kg]; it does not depend on the state."""
+        """Consistent mass matrix [kg], independent of the state."""
         self._assemble_matrix(lambda part: mass_form(part.mesh), A)
 
     def hold(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
-        """Replaces reactions in the residual by the error of the held components times `stiffness` [N]."""
+        """Replace reactions in the residual by the error of the constrained components times `stiffness` [N]."""
         gap = x.array_r[self._held_here] - self._prescribed.array_r[self._held_here]
         b.array[self._held_here] = self.stiffness * gap
 
     def beyond_rounding(self, x: PETSc.Vec, b: PETSc.Vec) -> float:
-        """2-norm of what a residual with held components has in the state x beyond the rounding of each entry [N]."""
+        """Norm (2-norm) of a constrained residual in the state x beyond the rounding of each entry [N]."""
         displacement = float(x.norm(PETSc.NormType.NORM_INFINITY))
         rounding = self._scales.rounding(displacement)
         rounding[self._held_here] = UNIT * self.stiffness * displacement
@@ -227,35 +228,37 @@ class Problem:
         return math.sqrt(self.discretization.comm.allreduce(float(beyond @ beyond)))
 
     def bring(self, x: PETSc.Vec) -> bool:
-        """Sets the held components to their prescribed displacements; whether any of them was elsewhere."""
+        """Impose the prescribed displacements; return True if a component was elsewhere."""
         prescribed = self._prescribed.array_r[self._held_here]
         elsewhere = bool((x.array_r[self._held_here] != prescribed).any())
         x.array[self._held_here] = prescribed
         return bool(self.discretization.comm.allreduce(elsewhere, MPI.LOR))
 
     def release(self, v: PETSc.Vec) -> None:
-        """Sets the entries of held components to zero."""
+        """Set the entries of constrained components to zero."""
         v.array[self._held_here] = 0.0
 
     def hold_tangent(self, x: PETSc.Vec, A: PETSc.Mat, b: PETSc.Vec) -> None:
-        """Makes A dx = b close the error of the held components exactly, and b hold its effect on the others."""
+        """Constrain A dx = b: dx closes the error of constrained components exactly, b gets its effect on the
+        others.
+        """
         with self.discretization.work(1) as (gap,):
             gap.waxpy(-1.0, self._prescribed, x)
             A.zeroRowsColumns(self._held, diag=self.stiffness, x=gap, b=b)
 
     def stiffen(self, x: PETSc.Vec, A: PETSc.Mat, b: PETSc.Vec, tension: float) -> None:
-        """Adds the stiffness of an artificial tension, given as a strain, to a tangent that is held."""
+        """Add a shift, an artificial tension given as a strain, to a constrained tangent."""
         A.axpy(tension, self._tension(), PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
         self.hold_tangent(x, A, b)
 
     def tension_work(self, v: PETSc.Vec) -> float:
-        """Twice the work of a displacement against an artificial tension of strain one [J]."""
+        """Double the work of a displacement against an artificial tension of strain one [J]."""
         with self.discretization.work(1) as (forces,):
             self._tension().mult(v, forces)
             return float(v.dot(forces))
 
     def _tension(self) -> PETSc.Mat:
-        """Stiffness of an artificial tension of strain one; made when it is first asked for."""
+        """Stiffness of an artificial tension of strain one, made on first use."""
         if self._tension_stiffness is None:
             self._tension_stiffness = self.discretization.create_matrix()
             self._assemble_matrix(tension_form, self._tension_stiffness)
@@ -267,19 +270,19 @@ class Problem:
             part.follow()
 
     def _assemble_matrix(self, form: Callable[[PartForms], Any], A: PETSc.Mat) -> None:
-        """Sum of a bilinear form over the parts, in A."""
+        """Sum a bilinear form over the parts, into A."""
         A.zeroEntries()
         for name in self.discretization.structure.parts:
             if name in self.parts:
                 part = self.parts[name]
                 A.setLGMap(part.mesh.numbering, part.mesh.numbering)
                 fem_petsc.assemble_matrix(A, form(part))
-            else:  # what assemble_matrix does at its end, together on all processes
+            else:  # end of assemble_matrix, together on all processes
                 A.assemble(PETSc.Mat.AssemblyType.FLUSH)
         A.assemble()
 
     def _assemble(self, form: Callable[[PartForms], Any], b: PETSc.Vec) -> PETSc.Vec:
-        """Sum of a linear form over the parts that have it, in b."""
+        """Sum a linear form over the parts that have it, into b."""
         b.set(0.0)
         having = (part for part in self.parts.values() if form(part) is not None)
         shares = ((part.mesh, _assemble_vector(part, form(part))) for part in having)

@@ -1,4 +1,4 @@
-"""Nodal forces that are nothing but rounding, node by node: a stiff part does not excuse the others."""
+"""Rounding of nodal forces, node by node, so that a stiff part does not loosen the tolerance of others."""
 
 from typing import NamedTuple
 
@@ -10,27 +10,27 @@ from ..model.parts import Part
 from ..model.structure import Structure
 from .part_forms import stiffness
 
-UNIT = 1e-15  # rounding of a cell's forces, relative to them
+UNIT = 1e-15  # rounding of a cell's forces, relative to these forces
 
 
 class Scales(NamedTuple):
-    """Sizes of the forces that meet at each node, of all cells there, before they balance each other.
+    """Sizes of the forces of all cells at each node, before they balance.
 
     Attributes:
         prestress: Prestress forces, shape (n,) [N].
-        stiffness: Forces for each length that a node is displaced, shape (n,) [N/m].
+        stiffness: Force per displacement of a node, shape (n,) [N/m].
     """
 
     prestress: NDArray[np.float64]
     stiffness: NDArray[np.float64]
 
     def rounding(self, displacement: float) -> NDArray[np.float64]:
-        """Force at each node that means nothing, for the largest displacement [m], shape (n,) [N]."""
+        """Force at each node at rounding, for the largest displacement [m], shape (n,) [N]."""
         return UNIT * (self.prestress + displacement * self.stiffness)
 
 
 def scales(structure: Structure, elastic: bool) -> Scales:
-    """Sizes of the nodal forces of a structure; the stiffness is that of prestress alone where it is not elastic."""
+    """Sizes of the nodal forces of a structure; if not elastic, the stiffness is that of prestress alone."""
     found = Scales(np.zeros(len(structure.points)), np.zeros(len(structure.points)))
     for part in structure.parts.values():
         stress = np.linalg.norm(part.prestress_tensors(), axis=(1, 2))
@@ -43,7 +43,7 @@ def scales(structure: Structure, elastic: bool) -> Scales:
 
 
 def prestress_force(structure: Structure) -> float:
-    """2-norm of the prestress forces of all cells, before they balance each other [N]."""
+    """Sum (2-norm) of the prestress forces of all cells, before they balance [N]."""
     squares = 0.0
     for part in structure.parts.values():
         width = _width(part, measures(structure.points, part.cells))
@@ -52,7 +52,7 @@ def prestress_force(structure: Structure) -> float:
 
 
 def typical_stiffness(structure: Structure) -> float:
-    """Stiffness of the cell in the middle, of all sorted by it [N/m]: no single part sets it."""
+    """Median of the stiffnesses of the cells [N/m]: no single part sets it."""
     values = [
         stiffness(part) / _length(part, measures(structure.points, part.cells)) for part in structure.parts.values()
     ]
@@ -60,7 +60,7 @@ def typical_stiffness(structure: Structure) -> float:
 
 
 def _width(part: Part, size: NDArray[np.float64]) -> NDArray[np.float64]:
-    """What the stress of a cell acts on: a length [m]; for bars, whose stress is a force, one."""
+    """Width on which the stress of a cell acts [m]; one for bars, whose stress is a force."""
     return size ** (1 - 1 / part.dimension)
 
 

@@ -6,19 +6,19 @@ from numpy.typing import NDArray
 from ..model.materials import OrthotropicFabric
 
 SAMPLES = 48
-MAXIMA = 3  # that are looked at: a fabric of strongly negative nu has several
+MAXIMA = 3  # number of maxima compared: a fabric of strongly negative nu has several
 STEPS = 20
-MARGIN = 1e-6  # of taut and slack, beyond the rounding in which the forms may decide otherwise
+MARGIN = 1e-6  # margin for taut and slack, beyond the rounding in which the forms may decide otherwise
 
 
 def direction(e: NDArray[np.float64], fabric: OrthotropicFabric) -> NDArray[np.float64]:
-    """Angle from the warp that makes <e_tt>^2 / (2 H_tt) largest, shape (n,) [rad].
+    """Angle from the warp that maximizes <e_tt>^2 / (2 H_tt), shape (n,) [rad].
 
-    The largest values at equally spaced angles are refined to rounding; the best of them counts.
+    The largest values at equally spaced angles are refined to rounding; the best one is returned.
 
     Args:
-        e: Total elastic strains e11, e22, e12 in the warp/weft frame, shape (n, 3) [-]. Where no direction is
-            extended the angle has no meaning.
+        e: Total elastic strains e11, e22, e12 in the warp/weft frame, shape (n, 3) [-]. Without any extended direction
+            the angle has no meaning.
         fabric: The fabric.
     """
     angles = np.arange(SAMPLES) * (np.pi / SAMPLES)
@@ -37,7 +37,7 @@ def direction(e: NDArray[np.float64], fabric: OrthotropicFabric) -> NDArray[np.f
 
 
 def may_wrinkle(e: NDArray[np.float64], fabric: OrthotropicFabric) -> NDArray[np.bool_]:
-    """Cells that are neither clearly taut nor clearly slack, shape (n,): those whose direction matters.
+    """Cells that are neither clearly taut nor clearly slack, shape (n,): those that need a direction.
 
     Args:
         e: Total elastic strains as for `direction`, shape (n, 3) [-].
@@ -59,7 +59,7 @@ def _refined(
     e: NDArray[np.float64],
     fabric: OrthotropicFabric,
 ) -> NDArray[np.float64]:
-    """The maximum beside a sample, by Newton's method within a bracket that bisection narrows."""
+    """Refine the maximum beside a sample by Newton's method within a bracket that bisection narrows."""
     low, high = angle - np.pi / SAMPLES, angle + np.pi / SAMPLES
     for _ in range(STEPS):
         f, slope = _stationarity(angle, e, fabric)
@@ -75,7 +75,7 @@ def _energy(
     e: NDArray[np.float64],
     fabric: OrthotropicFabric,
 ) -> NDArray[np.float64]:
-    """Twice the energy of a tension along t, e_tt^2 / H_tt; negative where t is shortened."""
+    """Double the energy of a tension along t, e_tt^2 / H_tt; negative where t is shortened."""
     (e11, e22, e12), c, s = e.T, np.cos(angle), np.sin(angle)
     e_tt = c**2 * e11 + s**2 * e22 + 2 * c * s * e12
     return np.asarray(np.sign(e_tt) * e_tt**2 / _compliance(c, s, fabric))
