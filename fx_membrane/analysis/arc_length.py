@@ -1,14 +1,14 @@
 """Continuation by arc length: equilibrium paths past limit points, as in snap-through, snap-back and inflation.
 
-The load factor is one more unknown. One more equation says how far along the path the next point is: it lies in the
-plane across the tangent of the path at the last point, at a given length from it,
+The load factor is an additional unknown. An additional equation sets the distance of the next point along the
+path: it lies in a plane across the tangent of the path at the last point, at a given length from it,
 
     t_u . (u - u_n) + psi^2 t_f (factor - factor_n) = length.
 
 psi, the weight of the load factor, is the norm of the first du/dfactor: at the start displacement and load count alike.
-The path goes on in the sense of the last step. Steps become shorter where Newton's method takes many iterations or the
-path turns, and longer elsewhere. A step that may have passed limit points unseen, or jumped to another branch, is taken
-back and halved (`path_check`).
+The path continues in the sense of the last step. Steps become shorter where Newton's method takes many iterations or
+the path turns, and longer elsewhere. A step that may have missed limit points, or jumped to another branch, is rejected
+and halved (`path_check`).
 
 Source: E. Riks, An incremental approach to the solution of snapping and buckling problems, Int. J. Solids Structures
 15 (1979) 529-551.
@@ -44,10 +44,10 @@ from .step_control import StepControl
 
 
 class ContinuationError(RuntimeError):
-    """A path has no start, or no further point was found.
+    """Failure to start a path or to find its next point.
 
     Attributes:
-        path: The path as far as it was found.
+        path: The path up to the failure.
     """
 
     def __init__(self, message: str, path: EquilibriumPath):
@@ -64,24 +64,25 @@ def trace(
     rtol: float = 1e-10,
     comm: MPI.Intracomm = MPI.COMM_WORLD,
 ) -> EquilibriumPath:
-    """Equilibrium states of a stage in the order in which they follow from each other, by arc length.
+    """Equilibrium path of a stage by arc length: a sequence of neighbouring states, the start first.
 
-    The load factor, which multiplies the stage's own loads and prescribed displacements, grows from 0, falls where the
-    structure snaps through, and so on. From point to point it changes by 1 / `stage.steps`, seldom by up to half as
-    much more; where the path turns, points are closer, and where the load factor turns is a point: a limit point. The
-    path between points is looked at, and steps that are too long to follow it are halved, so that the limit points
-    hardly depend on `stage.steps`. At a bifurcation the path goes straight on, and only `negative_pivots` tells; where
-    small loads or imperfections bend it aside there, long steps can go straight on too, and more `steps` tell.
+    The load factor multiplies the stage's own loads and prescribed displacements. It grows from 0, falls after a limit
+    point of the load, and so on. From point to point it changes by 1 / `stage.steps`, seldom by up to half as much
+    more; points are closer where the path turns. Each limit point, where the load factor turns, is a point of the path.
+    The path between points is checked, and steps that are too long are halved, so that the limit points hardly depend
+    on `stage.steps`. At a bifurcation the path continues straight on, and only `negative_pivots` shows it. Small loads
+    or
+    imperfections may bend it aside there, and long steps may miss that: compare with more `steps`.
 
     Args:
-        start: The structure, if its reference shape is in equilibrium or nearly so; or the final state of the stage
-            that this one comes after.
-        stage: What is applied.
-        load_factor: Where the path ends, whatever way it takes there, above 0; None: nowhere. For the other sense, turn
-            the loads.
-        displacement: A node, one of the components "x", "y" and "z", and its displacement [m]: where the path ends too.
-            The component must be free, or one that the stage moves.
-        max_points: Most points, the start included.
+        start: The structure, if its reference shape is nearly or exactly in equilibrium; or the final state of the
+            stage before this one.
+        stage: Loads and prescribed displacements to apply.
+        load_factor: Load factor above 0 at which the path ends, however it gets there; None for no end. For the other
+            sense, reverse the loads.
+        displacement: Node, component "x", "y" or "z", and displacement [m] at which the path ends, too. The component
+            must be free, or one that the stage moves.
+        max_points: Maximum number of points, the start included.
         rtol: Converged when the 2-norm of the unbalanced forces is below rtol times that of all nodal forces,
             reactions and loads included, or at rounding.
         comm: The processes that share the work; each must give the same start and stage.
@@ -89,8 +90,8 @@ def trace(
     Raises:
         ValueError: The stage does not fit the structure or the start, or moves nothing; the structure is not
             supported; an argument is out of its range.
-        ContinuationError: The start is not in equilibrium or has a singular tangent, or no next point was found; what
-            was found is on the exception.
+        ContinuationError: The start is not in equilibrium or has a singular tangent, or no next point was found; the
+            exception has the path up to there.
 
     Warns:
         UnstableStateWarning: The start is not stable.
@@ -118,7 +119,7 @@ def trace(
     path = EquilibriumPath(stage.name, structure, begin, after, (), False, reason="")
     x = problem.discretization.distribute(shape)
     with together(comm):
-        if isinstance(start, Structure) and comm.rank == 0:  # a state has been remarked on
+        if isinstance(start, Structure) and comm.rank == 0:  # a state already has its remarks
             warn_of_large_prestress(structure, stacklevel=3)
     newton = BorderedNewton(problem, path.start, path.end, x, rtol)
     try:
@@ -139,11 +140,11 @@ def _check_stage(structure: Structure, start: Structure | StageResult, stage: St
 
 
 class _Tracer:
-    """Follows a path.
+    """Continuation of a path.
 
     Attributes:
-        path: What was found.
-        share: Largest change of the load factor from point to point, as predicted.
+        path: The points found.
+        share: Predicted maximum change of the load factor from point to point.
     """
 
     def __init__(self, newton: BorderedNewton, path: EquilibriumPath, share: float):
@@ -151,7 +152,7 @@ class _Tracer:
         self.control = StepControl()
 
     def run(self, x: PETSc.Vec, ends: list[Plane], max_points: int) -> EquilibriumPath:
-        """The path from a shape on."""
+        """Follow the path from a shape on."""
         here = self.start(x)
         self.record(here)
         self.warn_of_unstable_start(here)
@@ -170,13 +171,13 @@ class _Tracer:
         return replace(self.path, reason="complete" if self.path.complete else self.too_few_points())
 
     def pass_limit_point(self, last: Arrival, here: Arrival, ends: list[Plane]) -> Arrival | None:
-        """Records the limit point between two points, unless the path ends before it: then the end is returned."""
+        """Record the limit point between two points, or return the end of the path if it comes first."""
         limit = self.walk.limit_point(last, here)
-        if limit is None:  # it is near the last point
+        if limit is None:  # it is close to the last point
             points = self.path.points
             self.path = replace(self.path, points=(*points[:-1], points[-1]._replace(limit=True)))
             return None
-        end = path_ends.passed(last.point, limit.point, ends)  # and passed again behind it
+        end = path_ends.passed(last.point, limit.point, ends)  # and passed again beyond it
         point = end and self.newton.find(*end)
         if point:
             return self.walk.arrive(last, point)
@@ -185,7 +186,7 @@ class _Tracer:
         return None
 
     def too_few_points(self) -> str:
-        """Why a path that is not complete ends without being lost."""
+        """Sentence on the end of an incomplete path."""
         factors = self.path.load_factors
         return (
             f"ended after {len(factors)} points, the most it was to have (max_points), at load factor "
@@ -194,7 +195,7 @@ class _Tracer:
         )
 
     def warn_of_unstable_start(self, here: Arrival) -> None:
-        """Warns where the start is not stable by more than the buckles of wrinkled and slack cells."""
+        """Warn of a start with more negative curvature than the buckles of wrinkled and slack cells."""
         problem = self.newton.problem
         if not here.negative_pivots:
             return
@@ -210,7 +211,7 @@ class _Tracer:
             )
 
     def start(self, x: PETSc.Vec) -> Arrival:
-        """Equilibrium at the load factor 0."""
+        """Find equilibrium at the load factor 0."""
         newton = self.newton
         point = newton.find(Point(x, 0.0), Plane(newton.zero, 1.0, 0.0))
         if point is None or not newton.linearize(point.x):
@@ -227,7 +228,7 @@ class _Tracer:
         return Arrival(point, self.walk.direction(Step(newton.zero, 1.0)), 0.0, newton.negative_pivots())
 
     def next(self, last: Arrival, length: float, ends: list[Plane]) -> tuple[Arrival, float, bool]:
-        """The next point, the length of the step to it, and whether it is an end."""
+        """Find the next point; return it, the length of the step, and True if it is an end."""
         metric = self.walk.metric
         for halvings in range(self.control.halvings + 1):
             point = self.walk.find(last, length)
@@ -235,7 +236,7 @@ class _Tracer:
             if end:
                 point = self.newton.find(*end)
                 if point and not 0 <= metric.product(last.direction, point.since(last.point)) <= length * (1 + 1e-6):
-                    point = None  # not between the two
+                    point = None  # outside the step
             if point:
                 here = self.walk.arrive(last, point)
                 if self.fits(last, here, halvings):
@@ -250,7 +251,7 @@ class _Tracer:
         )
 
     def fits(self, last: Arrival, here: Arrival, halvings: int) -> bool:
-        """Whether a step is short enough."""
+        """Return True if the step is short enough."""
         control, metric = self.control, self.walk.metric
         if metric.length(here.point.since(last.point)) <= control.short * self.first:
             return True
@@ -260,7 +261,7 @@ class _Tracer:
         return change <= control.coarse * self.share or halvings >= control.patience
 
     def record(self, found: Arrival, complete: bool = False, limit: bool = False, kept: float = 1.0) -> None:
-        """Adds a point to the path."""
+        """Add a point to the path."""
         x, factor, iterations = found.point
         shape = self.newton.problem.discretization.gather(x)
         point = PathPoint(factor, shape, found.negative_pivots, iterations, limit, kept)

@@ -1,4 +1,4 @@
-"""Saving the state of an analysis after each increment, and taking it up again."""
+"""Checkpoints: saving the state of an analysis after each increment, and resuming it."""
 
 import sqlite3
 import warnings
@@ -18,14 +18,14 @@ from .checkpoint_file import CheckpointFile, Digests, Progress
 
 
 class CheckpointWarning(UserWarning):
-    """A state that could not be saved: the run goes on, and has it in its results only."""
+    """Failure to save a state: the run continues, and has the state in its results only."""
 
 
 class Checkpoint:
-    """The progress of a run, and the file in which the first process saves it.
+    """Progress of a run, and the file in which the first process saves it.
 
     Attributes:
-        progress: Of the stages that had begun, by name.
+        progress: Progress of the stages begun, by name.
     """
 
     def __init__(self, comm: MPI.Intracomm, stages: Sequence[Stage], file: CheckpointFile | None):
@@ -35,7 +35,7 @@ class Checkpoint:
         self.progress: dict[str, Progress] = {}
 
     def load(self, structure: Digests, stages: Sequence[Stage]) -> None:
-        """Reads the file.
+        """Read the file.
 
         Raises:
             ValueError: It is not a checkpoint, or that of another structure or of other stages.
@@ -55,10 +55,10 @@ class Checkpoint:
         }
 
     def save(self, name: str, state: Progress) -> None:
-        """Saves the progress of a stage.
+        """Save the progress of a stage.
 
         Warns:
-            CheckpointWarning: It could not be written; it is tried again with the next.
+            CheckpointWarning: It could not be written; the next increment tries again.
         """
         with together(self._comm):
             if self._file is None:
@@ -83,13 +83,13 @@ class Checkpoint:
 def opened(
     path: str | Path | None, structure: Structure, stages: Sequence[Stage], comm: MPI.Intracomm
 ) -> Iterator[Checkpoint]:
-    """A checkpoint of a run, whose file no other run can use meanwhile; without a path, it saves nothing.
+    """Open the checkpoint of a run and lock its file against other runs; without a path, nothing is saved.
 
-    The file is made where there is none. The path is that of the first process, which alone reads and writes.
+    A missing file is created. The path is that of the first process, which alone reads and writes.
 
     Raises:
-        ValueError: The file cannot be written, another run has it open, or it is not a checkpoint or that of another
-            structure or of other stages.
+        ValueError: The file cannot be written, another run has it open, it is not a checkpoint, or it is that of
+            another structure or of other stages.
     """
     file = None
     try:

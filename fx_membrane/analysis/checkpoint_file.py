@@ -1,8 +1,8 @@
 """The file of a checkpoint: an SQLite database with an entry for each stage and for each of its increments.
 
-What is written is written whole or not at all, though the process be killed or the disk run full; an increment adds its
-own state and rewrites no other; and one run at a time has the file. Its journal, PATH-journal, undoes what a killed run
-has half written. Each entry has a digest: one that was changed by other hands is not believed.
+Writes are atomic, even if the process is killed or the disk runs full. An increment adds its own state and rewrites no
+other, and one run at a time has the file. Its journal, PATH-journal, undoes incomplete writes of a killed run. Each
+entry has a digest: an entry changed by others is refused.
 """
 
 import dataclasses
@@ -32,12 +32,12 @@ Digests = Mapping[str, str]
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Progress:
-    """How far a stage has come.
+    """Progress of a stage.
 
     Attributes:
         displacement: The last converged state, shape (n, 3) [m].
         factor: Its load factor; 1 when the stage is complete.
-        size: Load factor of the increment to try next.
+        size: Load factor of the next increment to try.
         increments: The converged increments.
     """
 
@@ -48,12 +48,12 @@ class Progress:
 
 
 class Content(NamedTuple):
-    """What is in a file.
+    """Content of a file.
 
     Attributes:
         structure: Digests of the structure.
-        stages: Digests of each stage that has begun, by its name.
-        progress: Its progress.
+        stages: Digests of each stage begun, by its name.
+        progress: Progress of each stage begun, by its name.
     """
 
     structure: Digests
@@ -62,19 +62,19 @@ class Content(NamedTuple):
 
 
 class CheckpointFile:
-    """An open file, which no other run can open.
+    """Open checkpoint file, locked against other runs.
 
     Args:
-        path: Where it is, or is to be made.
-        structure: Digests of the structure, for a file that is made or has no stage yet.
+        path: Path of the file; a missing file is created.
+        structure: Digests of the structure, for a file that is new or has no stage yet.
 
     Raises:
-        ValueError: It cannot be written, another run has it open, or it is not a checkpoint.
+        ValueError: The file cannot be written, another run has it open, or it is not a checkpoint.
     """
 
     def __init__(self, path: Path, structure: Digests):
         self.path, self._structure = path, structure
-        self._counts: dict[str, int] = {}  # increments in the file, by key of the stage
+        self._counts: dict[str, int] = {}  # number of increments in the file, by key of the stage
         try:
             if not path.exists():
                 _create(path)
@@ -95,11 +95,11 @@ class CheckpointFile:
             raise
 
     def close(self) -> None:
-        """Lets other runs have the file."""
+        """Release the file for other runs."""
         self._database.close()
 
     def read(self) -> Content:
-        """All that is in the file.
+        """Return the whole content of the file.
 
         Raises:
             ValueError: It is not a checkpoint, or was changed.
@@ -123,10 +123,10 @@ class CheckpointFile:
         return content
 
     def write(self, progress: Mapping[str, Progress], digests: Mapping[str, Digests]) -> None:
-        """Writes the progress of some stages, all or nothing.
+        """Write the progress of some stages, all or nothing.
 
         Raises:
-            sqlite3.Error: It could not be written, and the file is as it was.
+            sqlite3.Error: It could not be written, and the file is unchanged.
         """
         counts = dict(self._counts)
         rows: list[tuple[str, Any, bytes]] = []
@@ -154,7 +154,7 @@ class CheckpointFile:
         self._counts = counts
 
     def _lock(self) -> None:
-        """Keeps other runs out, and finds at once whether the file can be written."""
+        """Lock the file against other runs, and find at once if it can be written."""
         try:
             self._database.execute("PRAGMA locking_mode = EXCLUSIVE")
             with self._database:
@@ -166,7 +166,7 @@ class CheckpointFile:
                     f"The checkpoint {self.path} is in use by another run; give this one another name, or wait until "
                     "that has ended."
                 ) from None
-            if error.sqlite_errorcode != sqlite3.SQLITE_ERROR:  # which is a file without our table
+            if error.sqlite_errorcode != sqlite3.SQLITE_ERROR:  # a file without our table
                 raise ValueError(
                     f"The checkpoint {self.path} cannot be written ({error}); make room, or give another place."
                 ) from None
@@ -179,7 +179,7 @@ class CheckpointFile:
 
 
 def _create(path: Path) -> None:
-    """Makes a file without stages, whole from the first moment; one that another run has made meanwhile stays."""
+    """Create a file without stages, atomically; keep one that another run has created meanwhile."""
     with sqlite3.connect(":memory:") as database:
         database.execute(TABLE)
         database.execute("INSERT INTO entry VALUES (?, ?, ?, ?)", _row(_header({}, 0)))
@@ -194,21 +194,21 @@ def _create(path: Path) -> None:
             os.link(part, path)
         except FileExistsError:
             pass
-        except OSError:  # a file system without links
+        except OSError:  # file systems without links
             part.rename(path)
     finally:
         part.unlink(missing_ok=True)
 
 
 def _connect(path: Path) -> sqlite3.Connection:
-    """Connection to a file that exists; without waiting for others."""
+    """Connect to an existing file, without waiting for others."""
     mode = "rw" if os.access(path, os.W_OK) else "ro"
     address = f"file:{quote(os.fsencode(path.absolute()))}?mode={mode}"
     return sqlite3.connect(address, uri=True, timeout=0)
 
 
 def _stage_key(name: str) -> str:
-    """Key of a stage of any name, however long."""
+    """Key of a stage name, independent of its length."""
     return "stage " + hashlib.sha256(name.encode(errors="surrogatepass")).hexdigest()
 
 
@@ -231,7 +231,7 @@ def _digest(key: str, document: bytes, displacement: bytes) -> str:
 
 
 def _checked(key: str, document: bytes, displacement: bytes, digest: str) -> tuple[Any, bytes]:
-    """An entry that is as it was written."""
+    """Return an entry that matches its digest."""
     if _digest(key, document, displacement) != digest:
         raise ValueError(f"it was changed: entry {key!r}")
     return json.loads(document), displacement

@@ -1,4 +1,4 @@
-"""Equilibrium states that follow from each other along a path: load factors, displacements, stability."""
+"""Equilibrium path: load factors, displacements and stability of a sequence of neighbouring states."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -20,7 +20,7 @@ from ..results.strain_limits import warn_of_large_strains
 from ..runtime.processes import refuse_differences, together
 from ..solvers.base import Iteration
 
-NO_LOAD = 1e-9  # load factor, as a share of the largest on a path, at which loads are rounding
+NO_LOAD = 1e-9  # load factor, as a fraction of the largest on a path, at which loads are rounding
 
 
 class PathPoint(NamedTuple):
@@ -28,14 +28,14 @@ class PathPoint(NamedTuple):
 
     Attributes:
         load_factor: Multiplier of the stage's own loads and prescribed displacements.
-        displacement: From the reference position, shape (n, 3) [m].
+        displacement: Displacement from the reference position, shape (n, 3) [m].
         negative_pivots: Number of negative eigenvalues of the tangent under the loads at this point: 0 where stable. At
-            a limit point, where one eigenvalue is zero but for rounding, it may be counted or not. None where the
-            tangent is not symmetric: under a pressure without a potential.
-        iterations: The iterates of the corrector, what was predicted first.
-        limit: Whether the load factor turns here.
-        kept: Share of each `compression_stiffness` that was left: 1, but 0.01 at a limit point with wrinkled or slack
-            cells, so that they carry no compression there; 1 at one of these where no point was found with less.
+            a limit point, where one eigenvalue is zero up to rounding, it may be counted or not. None for an
+            unsymmetric tangent: under a pressure without a potential.
+        iterations: The iterates of the corrector, the predictor first.
+        limit: True if the load factor turns here.
+        kept: Fraction of each `compression_stiffness` in effect: 1, but 0.01 at a limit point with wrinkled or slack
+            cells, so that they carry no compression there. It is 1 at a limit point where no point was found with less.
     """
 
     load_factor: float
@@ -48,17 +48,17 @@ class PathPoint(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class EquilibriumPath:
-    """Equilibrium states of a stage, each near the one before.
+    """Equilibrium states of a stage, each close to the one before.
 
     Attributes:
         name: Name of the stage.
         structure: The structure.
-        start: What acts on it at the load factor 0.
-        end: What acts on it at the load factor 1.
+        start: Actions at the load factor 0.
+        end: Actions at the load factor 1.
         points: The states; the first is the start.
-        complete: Whether the path ends where it was to end.
-        reason: In words, why it ends where it does: it is complete, it has as many points as it was to have at most,
-            or, on a `ContinuationError`, what that says.
+        complete: True if the path reached its end.
+        reason: Sentence on why it ends there: it is complete, it has the maximum number of points, or the message of
+            its `ContinuationError`.
     """
 
     name: str
@@ -91,20 +91,20 @@ class EquilibriumPath:
 
     @property
     def limit_points(self) -> NDArray[np.int64]:
-        """Numbers of the points at which the load factor turns, shape (count,).
+        """Indices of the points at which the load factor turns, shape (count,).
 
-        Wrinkled and slack cells keep a share of their stiffness, `compression_stiffness`, and with it raise the load
-        factors of the points, by 0.05 to 0.2 % at the default of 1e-4 and about in proportion to it. Limit points are
-        those of the structure that keeps a hundredth of that, within 0.01 %, unless their `kept` is 1: then
-        they are off like the others. Points beside one can be above it by the difference.
+        Wrinkled and slack cells keep a fraction of their stiffness, `compression_stiffness`. It raises the load factors
+        of the points by 0.05 to 0.2 % at the default of 1e-4, about in proportion to it. Limit points are those of the
+        structure with a hundredth of that, within 0.01 %. Where their `kept` is 1 they have the same error as the other
+        points. Points beside a limit point can be above it by the difference.
         """
         return np.flatnonzero([point.limit for point in self.points])
 
     def state(self, point: int, comm: MPI.Intracomm = MPI.COMM_WORLD) -> StageResult:
-        """All results at a point: stresses, forces, reactions.
+        """Compute all results at a point: stresses, forces, reactions.
 
         Args:
-            point: Number of the point; negative numbers count from the last.
+            point: Index of the point; negative numbers count from the last.
             comm: The processes that share the work; all of them ask for the same point.
 
         Raises:

@@ -1,21 +1,21 @@
-"""How far an increment of load reaches, where some were too long: halved, and up to what was found to be too much."""
+"""Size of load increments: halved after failures, and limited by the smallest load factor that failed."""
 
 from dataclasses import dataclass
 from fractions import Fraction
 
 HALVINGS = 8
-NEAR = Fraction(1, 50)  # of a load factor: it is bracketed well enough where more would take long
-LONG = 500  # iterations in vain that are long
+NEAR = Fraction(1, 50)  # of a load factor: accuracy of the bracket if more would take long
+LONG = 500  # number of lost iterations that is long
 
 
 @dataclass
 class Ceiling:
-    """The least load factor at which nothing was found from the states before it.
+    """The least load factor that failed from the previous states.
 
     Attributes:
-        factor: That factor; None where nothing failed yet.
+        factor: That load factor; None before the first failure.
         vain: Number of iterates spent on it.
-        smooth: Whether drawing the structure smooth may still help; it begins anew, whatever the increment.
+        smooth: True if the homotopy may still help; it starts afresh for any increment.
     """
 
     factor: Fraction | None = None
@@ -28,23 +28,23 @@ class Ceiling:
         return min(start + size, limit)
 
     def found(self, factor: Fraction) -> None:
-        """Hears of an equilibrium."""
+        """Record a load factor with an equilibrium."""
         if self.factor is not None and factor >= self.factor:
             self.factor, self.vain, self.smooth = None, 0, True
 
     def failed(self, factor: Fraction, iterates: int) -> None:
-        """Hears of a load factor at which nothing was found."""
-        # What does not help near a load does not help nearer to it; at half of it, it may.
+        """Record a load factor without an equilibrium."""
+        # A fallback that fails near a load fails closer to it, too; at half of the load it may help.
         self.smooth = self.factor is not None and 2 * factor <= self.factor
         self.factor = factor
         self.vain += iterates
 
     def reached(self, start: Fraction) -> bool:
-        """Whether a start is so near, after so much in vain, that it is taken for the end."""
+        """Return True if a start is close to the ceiling after many lost iterations, so that it counts as the end."""
         return self.factor is not None and self.vain >= LONG and self.factor - start <= NEAR * self.factor
 
     def words(self, start: Fraction) -> str:
-        """That there is likely nothing beyond it; empty where it is not near enough to tell."""
+        """Sentence that the structure likely carries no more than the ceiling; empty far below it."""
         if not start or self.factor is None or self.factor - start > NEAR * self.factor:
             return ""
         return (

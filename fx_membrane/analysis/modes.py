@@ -1,12 +1,12 @@
 """Small motions about an equilibrium state: natural frequencies and mode shapes, and the lowest stiffnesses.
 
-With the tangent K of the state and the consistent mass matrix M, both without the held components,
+With the tangent K of the state and the consistent mass matrix M, both without the constrained components,
 
     K phi = omega^2 M phi.
 
-Dead loads have no part in K. Follower pressure has, Gil (57): where it has a potential, as a uniform one within held
-edges has, K is symmetric all the same; elsewhere K is not symmetric, and omega may be complex (flutter). Cells
-stay taut, wrinkled or slack, as they are in the state.
+Dead loads do not enter K; follower pressures do, Gil (57). If a pressure has a potential, as a uniform one within held
+edges, K is symmetric. Otherwise K is unsymmetric, and omega may be complex (flutter). Cells stay taut, wrinkled or
+slack, as they are in the state.
 """
 
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ from .wave_speed import warn_of_mass_units
 
 Array = NDArray[np.float64]
 
-SHOWN = 6  # frequencies that are printed
+SHOWN = 6  # number of frequencies printed
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -36,12 +36,12 @@ class Modes:
     """Natural frequencies and mode shapes: u(t) = shape exp(growth t) cos(2 pi frequency t).
 
     Attributes:
-        frequencies: Ascending, shape (count,) [Hz]; 0 in a mode in which the state is unstable.
-        growth: Rate at which each mode grows, shape (count,) [1/s]: 0 where stable. Modes that grow come first, the
-            fastest before the others, with frequency 0. Only flutter, under a pressure without a potential, has both.
-        shapes: Displacements of modal mass 1, phi^T M phi = 1 kg, shape (count, n, 3) [m]; 0 where held. Modes of the
-            same frequency are some basis of their motions. Flutter takes two places, with shapes a and b:
-            u(t) = exp(growth t) (a cos(2 pi frequency t) - b sin(2 pi frequency t)).
+        frequencies: Ascending, shape (count,) [Hz]; 0 in an unstable mode without flutter.
+        growth: Growth rate of each mode, shape (count,) [1/s]: 0 where stable. Growing modes come first, the fastest
+            before the others, with frequency 0. Only flutter, under a pressure without a potential, has both.
+        shapes: Displacements of modal mass 1, phi^T M phi = 1 kg, shape (count, n, 3) [m]; 0 at constrained components.
+            Modes of the same frequency are an arbitrary basis of their motions. Flutter takes two places, with shapes a
+            and b: u(t) = exp(growth t) (a cos(2 pi frequency t) - b sin(2 pi frequency t)).
     """
 
     frequencies: Array
@@ -58,22 +58,23 @@ class Modes:
 class Stability:
     """Lowest eigenvalues of the tangent: force over displacement, as 2-norms over all free components.
 
-    The sign tells whether the state is stable. The value depends on the mesh: a finer one spreads the same
-    displacement over more nodes. Where the tangent is not symmetric these are the eigenvalues of its symmetric part:
-    while they are positive, so is the work of every small displacement (R. Hill, J. Mech. Phys. Solids 6 (1958)
-    236-249), and the state does not diverge, but flutter is for `natural_frequencies` to tell.
+    The sign shows if the state is stable. The value depends on the mesh: a finer one spreads the same displacement over
+    more nodes. An unsymmetric tangent is replaced by its symmetric part. While its eigenvalues are positive, so is the
+    work of every small displacement (R. Hill, J. Mech. Phys. Solids 6 (1958) 236-249), and the state does not diverge.
+    Flutter shows in `natural_frequencies` only.
 
-    The stiffness that wrinkled and slack cells keep (`compression_stiffness`) is set aside: slack cells that buckle
-    from node to node are no instability. Nodes at which all cells are slack have no stiffness then; they are left out,
-    as long as others are enough. A motion that is left without stiffness is one of the structure: a mechanism. Where
-    slack parts push, a state is no equilibrium without them, and eigenvalues tell little: `held_by_slack` says so.
+    The `compression_stiffness` of wrinkled and slack cells is set aside: slack cells that buckle from node to node are
+    no instability. Nodes at which all cells are slack then have no stiffness; they are left out if the others are
+    enough. A remaining motion without stiffness is a mechanism of the structure. If slack parts push, the state is no
+    equilibrium
+    without them, and its eigenvalues mean little: see `held_by_slack`.
 
     Attributes:
-        stiffnesses: Ascending, shape (count,) [N/m]; 0 where there is none but for rounding.
-        directions: Displacements of 2-norm 1, shape (count, n, 3) [-]; 0 where held or left out.
+        stiffnesses: Ascending, shape (count,) [N/m]; 0 for none up to rounding.
+        directions: Displacements of 2-norm 1, shape (count, n, 3) [-]; 0 at components constrained or left out.
         negative: Number of negative eigenvalues, found or not: 0 in a stable state.
-        free: Number of zero eigenvalues, found or not: 0 where every motion meets with resistance.
-        held_by_slack: Masts or a node that only slack parts hold, in words; empty where there are none.
+        free: Number of zero eigenvalues, found or not: 0 where every motion meets resistance.
+        held_by_slack: Sentence on masts or a node that only slack parts hold; empty if there are none.
     """
 
     stiffnesses: Array
@@ -84,7 +85,7 @@ class Stability:
 
     @property
     def stable(self) -> bool:
-        """Whether every small motion meets with resistance, and nothing hangs on slack parts."""
+        """True if every small motion meets resistance, and nothing hangs on slack parts."""
         return not (self.negative or self.free or self.held_by_slack)
 
     def __repr__(self) -> str:
@@ -94,12 +95,12 @@ class Stability:
 
 
 def natural_frequencies(state: StageResult, count: int = 6, comm: MPI.Intracomm = MPI.COMM_WORLD) -> Modes:
-    """Lowest natural frequencies about a state, and their shapes. What the state holds is held.
+    """Lowest natural frequencies about a state, and their mode shapes; the constraints of the state hold.
 
-    Parts without mass follow the others by their stiffness alone. Frequencies are in Hz where masses are in the unit
-    that the other data demand: force unit times s2 over length unit, that is kg with N and m, t with kN and m (1.05
-    kg/m2 is 1.05e-3 t/m2), t with N and mm (1.05e-9 t/mm2), lbf s2/in with lbf and in. Masses 1000 times too large
-    give frequencies 32 times too low.
+    Parts without mass follow the others by their stiffness alone. Frequencies are in Hz if masses are in the unit that
+    the other data imply: force unit times s2 over length unit. That is kg with N and m, t with kN and m (1.05 kg/m2 is
+    1.05e-3 t/m2), t with N and mm (1.05e-9 t/mm2), lbf s2/in with lbf and in. Masses 1000 times too large give
+    frequencies 32 times too low.
 
     Args:
         state: An equilibrium state of a structure in which some parts have a `mass`.
@@ -140,9 +141,9 @@ def natural_frequencies(state: StageResult, count: int = 6, comm: MPI.Intracomm 
 
 
 def stability(state: StageResult, count: int = 1, comm: MPI.Intracomm = MPI.COMM_WORLD) -> Stability:
-    """Lowest eigenvalues of the tangent of a state, and their directions. What the state holds is held.
+    """Lowest eigenvalues of the tangent of a state, and their directions; the constraints of the state hold.
 
-    What slack and wrinkled cells keep of their stiffness is set aside, see `Stability`.
+    The compression stiffness of slack and wrinkled cells is set aside, see `Stability`.
 
     Args:
         state: An equilibrium state.
@@ -185,7 +186,7 @@ def _refuse_differences(comm: MPI.Intracomm, state: StageResult, count: int) -> 
 
 
 def _tangent(state: StageResult, comm: MPI.Intracomm) -> tuple[Problem, PETSc.Mat]:
-    """The problem in the state, and its tangent without the held components."""
+    """Problem in the state, and its tangent without the constrained components."""
     problem = Problem(state.structure, comm)
     return problem, _free(problem, _full_tangent(problem, state), ~state.actions.held)
 
@@ -198,13 +199,13 @@ def _full_tangent(problem: Problem, state: StageResult) -> PETSc.Mat:
 
 
 def _released(problem: Problem, K: PETSc.Mat, state: StageResult, count: int) -> NDArray[np.bool_]:
-    """Free components, shape (n, 3): those of nodes that have any stiffness if they are enough, or else all."""
+    """Free components, shape (n, 3): those of nodes with stiffness if they are enough, else all."""
     rows = np.repeat(problem.stiff_nodes(K)[:, None], 3, axis=1) & ~state.actions.held
     return rows if np.count_nonzero(rows) >= count else ~state.actions.held
 
 
 def _free(problem: Problem, A: PETSc.Mat, released: NDArray[np.bool_]) -> PETSc.Mat:
-    """Rows and columns of the free components, shape (n, 3); the full matrix is freed."""
+    """Keep the rows and columns of the free components, shape (n, 3); the full matrix is freed."""
     free = PETSc.IS().createGeneral(problem.discretization.dofs(released), comm=A.comm)
     part = A.createSubMatrix(free, free)
     A.destroy()
@@ -214,7 +215,8 @@ def _free(problem: Problem, A: PETSc.Mat, released: NDArray[np.bool_]) -> PETSc.
 def _shapes(problem: Problem, released: NDArray[np.bool_], pairs: list[Eigenpair]) -> Array:
     """Eigenvectors in the user's order, shape (count, n, 3); of a conjugate pair real part, then imaginary part.
 
-    Eigenvectors have an arbitrary factor. Here the first of the largest components is positive, whoever computed it.
+    Eigenvectors have an arbitrary factor. The first of the largest components is made positive, for any number of
+    processes.
     """
     result = np.zeros((len(pairs), *released.shape))
     for shape, pair in zip(result, pairs, strict=True):
@@ -227,7 +229,7 @@ def _shapes(problem: Problem, released: NDArray[np.bool_], pairs: list[Eigenpair
 
 
 def _full(problem: Problem, released: NDArray[np.bool_], vector: PETSc.Vec) -> Array:
-    """Nodal values on every process, shape (n, 3), of a vector of the free components."""
+    """Nodal values on every process, shape (n, 3), from a vector of the free components."""
     full = problem.discretization.create_vector()
     free = problem.discretization.dofs(released) - full.getOwnershipRange()[0]
     full.array[free] = vector.array_r

@@ -1,9 +1,9 @@
-"""Check of the path between two of its points: a step must neither jump to another branch nor pass limit points unseen.
+"""Check of the path between two of its points: a step must not jump to another branch or miss limit points.
 
-Points and directions at both ends give a cubic, which leaves a smooth path by the fourth power of the step; or, where
-a cable slackens, two straight lines that meet in a kink. At points of them in between, one iteration with the tangent
-of the end tells how far away the path is, and about its load factor there. Curves that leave the path, or a load factor
-that turns more often than its ends tell, give the step away. That costs residuals and solutions, but no factorization.
+Points and directions at both ends give a cubic, with an error of the fourth power of the step on a smooth path. Where a
+cable slackens, two straight lines meet in a kink instead. At points of these curves, one iteration with the tangent of
+the end estimates the distance to the path, and its load factor there. A step is rejected if the curve leaves the path,
+or if the load factor turns more often than its ends show. That costs residuals and solutions, but no factorization.
 """
 
 from typing import NamedTuple
@@ -15,16 +15,16 @@ from ..solvers.bordered_newton import BorderedNewton, Point
 from .path_geometry import Arrival, Metric
 from .step_control import StepControl
 
-SHARES = (1 / 6, 2 / 6, 3 / 6, 4 / 6, 5 / 6)  # of a step
-SMALL = 1e-3  # a change of the load factor below this share of the step is no turn
+SHARES = (1 / 6, 2 / 6, 3 / 6, 4 / 6, 5 / 6)  # fractions of a step
+SMALL = 1e-3  # a change of the load factor below this fraction of the step is no turn
 
 
 class Between(NamedTuple):
-    """The path between two points, as far as it is known.
+    """Estimate of the path between two points.
 
     Attributes:
-        drift: Largest distance of the curve from the path, as a share of the step.
-        turns: How often the load factor turns.
+        drift: Largest distance of the curve from the path, as a fraction of the step.
+        turns: Number of turns of the load factor.
     """
 
     drift: float
@@ -32,7 +32,7 @@ class Between(NamedTuple):
 
 
 def follows(newton: BorderedNewton, metric: Metric, last: Arrival, here: Arrival, control: StepControl) -> bool:
-    """Whether the path between two points is as smooth as its ends tell, or has one kink."""
+    """Return True if the path between two points is as smooth as its ends show, or has one kink."""
     turned = last.turned(here)
     smooth = _beside(metric.cubic(last, here, SHARES), newton, metric, last, here)
     if smooth.turns <= turned and smooth.drift <= control.drift and here.turn <= control.sharp:
@@ -42,7 +42,7 @@ def follows(newton: BorderedNewton, metric: Metric, last: Arrival, here: Arrival
 
 
 def _beside(guesses: list[Point], newton: BorderedNewton, metric: Metric, last: Arrival, here: Arrival) -> Between:
-    """The path between two points beside guesses at it; the tangent that was factored last is that of the second."""
+    """Estimate the path between two points from guesses, with the tangent of the second, factored last."""
     if not guesses:
         return Between(np.inf, 0)
     step = here.point.since(last.point)
@@ -51,14 +51,14 @@ def _beside(guesses: list[Point], newton: BorderedNewton, metric: Metric, last: 
     for guess in guesses:
         newton.residual(guess.x, guess.factor)
         move = newton.correction(guess, metric.across(chord, guess))
-        if move is not None:  # the tangent at the end is not singular
+        if move is not None:  # the tangent at the end is regular
             drift = max(drift, metric.length(move) / length)
             factors.append(guess.factor + move.factor)
     return Between(drift, turns(np.array([*factors, here.point.factor]), SMALL * length / metric.psi))
 
 
 def turns(values: NDArray[np.float64], small: float) -> int:
-    """How often values turn, by more than a small change each time."""
+    """Count the turns of a sequence of values, ignoring small changes."""
     count, sense, extreme = 0, 0, values[0]
     for value in values[1:]:
         change = value - extreme

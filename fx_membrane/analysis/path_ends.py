@@ -1,4 +1,4 @@
-"""Where an equilibrium path ends: at a load factor, or at a displacement of one component of a node."""
+"""Ends of an equilibrium path: a load factor, or a displacement of one component of a node."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,9 +7,9 @@ from ..assembly.problem import Problem
 from ..checks import validation
 from ..solvers.bordered_newton import FAR, Plane, Point
 
-NEAR = 1e-9  # of the way from the last point: a point so near before an end is there
-ROUNDING = 1e-14  # of the size: displacements that are so near are the same
-LARGEST = 1e9  # load factor, or one over it
+NEAR = 1e-9  # of the distance from the last point: a point this close before an end is the end
+ROUNDING = 1e-14  # of the size: displacements this close are equal
+LARGEST = 1e9  # load factor, or its reciprocal
 
 
 def ends(
@@ -19,17 +19,17 @@ def ends(
     fixed: NDArray[np.bool_],
     shape: NDArray[np.float64],
 ) -> list[Plane]:
-    """The planes in which a path ends.
+    """Planes in which a path ends.
 
     Args:
         problem: The problem.
-        load_factor: The largest; None: any.
-        displacement: A node, a component and its displacement [m]; None: any.
-        fixed: Components that are held and do not move, shape (n, 3): no end is found there.
+        load_factor: The end; None for any.
+        displacement: A node, a component and its displacement [m] at the end; None for any.
+        fixed: Constrained components that do not move, shape (n, 3): they can be no end.
         shape: Displacement at the start, shape (n, 3) [m].
 
     Raises:
-        ValueError: One of the two is no such thing, or the component is fixed.
+        ValueError: An argument has another form, or the component is fixed.
     """
     found = []
     if load_factor is not None:
@@ -65,13 +65,13 @@ def ends(
                 "give a displacement that it can reach."
             )
         begin = float(shape[node, component].item())
-        here = abs(value - begin) <= ROUNDING * size  # where the path starts: it ends where it comes back to that
+        here = abs(value - begin) <= ROUNDING * size  # start of the path: it ends on return to that displacement
         found.append(Plane(problem.discretization.distribute(chosen), 0.0, begin if here else value))
     return found
 
 
 def passed(last: Point, point: Point, ends: list[Plane]) -> tuple[Point, Plane] | None:
-    """The first end on the way from one point to another, and about where; None if there is none."""
+    """Find the first end between two points, and its approximate place; None if there is none."""
     found = []
     for end in ends:
         before, after = end.beyond(last), end.beyond(point)

@@ -11,13 +11,13 @@ from ..solvers.bordered_newton import Plane, Point, Step
 
 
 class Arrival(NamedTuple):
-    """A point and what its tangent tells.
+    """Point of a path with the information of its tangent.
 
     Attributes:
         point: The point.
-        direction: Of the path there, onward, of unit length.
-        turn: Angle between the way from the last point and the direction [rad].
-        negative_pivots: Of the tangent; None where it is not symmetric.
+        direction: Unit direction of the path there, onward.
+        turn: Angle between the step from the last point and the direction [rad].
+        negative_pivots: Number for the tangent; None if it is not symmetric.
     """
 
     point: Point
@@ -26,12 +26,12 @@ class Arrival(NamedTuple):
     negative_pivots: int | None
 
     def turned(self, here: "Arrival") -> bool:
-        """Whether the load factor turns on the way to another point, as far as the directions tell."""
+        """Return True if the load factor turns between this and another point, by their directions."""
         return self.direction.factor * here.direction.factor < 0
 
 
 class Metric(NamedTuple):
-    """The product.
+    """Inner product of steps.
 
     Attributes:
         psi: Weight of the load factor.
@@ -40,7 +40,7 @@ class Metric(NamedTuple):
     psi: float
 
     def product(self, a: Step, b: Step) -> float:
-        """Product of two steps."""
+        """Inner product of two steps."""
         return float(a.x.dot(b.x)) + self.psi**2 * a.factor * b.factor
 
     def length(self, step: Step) -> float:
@@ -48,7 +48,7 @@ class Metric(NamedTuple):
         return math.sqrt(self.product(step, step))
 
     def unit(self, step: Step, backwards: bool = False) -> Step:
-        """The step of unit length in a direction, or against it."""
+        """Scale a step to unit length, or to its negative."""
         scale = (-1 if backwards else 1) / self.length(step)
         x = step.x.copy()
         x.scale(scale)
@@ -60,12 +60,12 @@ class Metric(NamedTuple):
         return math.acos(min(max(cosine, -1.0), 1.0))
 
     def across(self, direction: Step, point: Point, length: float = 0.0) -> Plane:
-        """The plane across a direction that lies so far beyond a point."""
+        """Plane across a direction, at a length beyond a point."""
         plane = Plane(direction.x, self.psi**2 * direction.factor, 0.0)
         return plane._replace(distance=plane.beyond(point) + length)
 
     def cubic(self, last: Arrival, here: Arrival, shares: Iterable[float]) -> list[Point]:
-        """Points on the cubic with the directions of the path at both ends (Hermite), at shares of the way."""
+        """Points on the cubic with the directions of the path at both ends (Hermite), at fractions of the step."""
         step = here.point.since(last.point)
         length = self.length(step)
         return [
@@ -76,9 +76,9 @@ class Metric(NamedTuple):
         ]
 
     def kink(self, last: Arrival, here: Arrival, shares: Iterable[float]) -> list[Point]:
-        """Points on two straight lines with the directions at both ends that meet, or nearly so, at shares of each.
+        """Points on two straight lines along the directions at both ends, at fractions of each, up to where they meet.
 
-        None where they are parallel or meet elsewhere.
+        None if they are parallel or meet elsewhere.
         """
         step = here.point.since(last.point)
         along, back = self.product(step, last.direction), self.product(step, here.direction)

@@ -1,4 +1,4 @@
-"""From one point of an equilibrium path to another, and to the limit point between two."""
+"""Steps along an equilibrium path: to the next point, and to a limit point between two."""
 
 from contextlib import suppress
 
@@ -11,35 +11,35 @@ from .step_control import StepControl
 
 
 class _LostError(ArithmeticError):
-    """No point of the path at a length."""
+    """Failure to find a point of the path at a length."""
 
 
 class Walk:
-    """Goes along a path."""
+    """Steps along a path."""
 
     def __init__(self, newton: BorderedNewton, metric: Metric, control: StepControl):
         self.newton, self.metric, self.control = newton, metric, control
 
     def find(self, last: Arrival, length: float) -> Point | None:
-        """The point at a length from another; None if there is none to be found."""
+        """Find the point at a length from another, or None."""
         guess = last.point.moved(last.direction, length)
         return self.newton.find(guess, self.metric.across(last.direction, last.point, length))
 
     def arrive(self, last: Arrival, point: Point) -> Arrival:
-        """Where the path goes on from a point that follows another."""
+        """Continue the path at a point that follows another."""
         step = point.since(last.point)
         onward = self.direction(step) if self.newton.linearize(point.x) else self.metric.unit(step)
         return Arrival(point, onward, self.metric.angle(step, onward), self.newton.negative_pivots())
 
     def direction(self, step: Step) -> Step:
-        """The tangent of the path, of unit length, on from a step."""
+        """Tangent of the path, of unit length, in the sense of a step."""
         tangent = Step(self.newton.along, 1.0)
         return self.metric.unit(tangent, backwards=self.metric.product(tangent, step) < 0)
 
     def limit_point(self, last: Arrival, here: Arrival) -> Arrival | None:
-        """The point between two at which the load factor turns; None if none was found between them.
+        """Find the point between two at which the load factor turns, or None.
 
-        Where the path has a kink there, it is the point with the most extreme load factor.
+        At a kink of the path, it is the point with the most extreme load factor.
         """
         steepest = max(abs(last.direction.factor), abs(here.direction.factor))
         end = self.metric.product(last.direction, here.point.since(last.point))
@@ -62,9 +62,9 @@ class Walk:
         return _farthest(found, last)
 
     def without_compression(self, last: Arrival, limit: Arrival, here: Arrival) -> Arrival | None:
-        """A limit point between two points again, where wrinkled and slack cells keep next to no stiffness.
+        """Find a limit point between two points again, with almost no stiffness of wrinkled and slack cells.
 
-        None where there are none, or where no point was found.
+        None if there are none, or if no point was found.
         """
         with self.newton.problem.without_kept_stiffness(self.control.kept):
             if self.newton.residual(limit.point.x, limit.point.factor):
@@ -89,6 +89,6 @@ class Walk:
 
 
 def _farthest(found: list[Arrival], last: Arrival) -> Arrival | None:
-    """The point to which the load factor goes farthest in the sense it has at an earlier point; None of none."""
+    """Point with the farthest load factor in its sense at an earlier point; None of an empty list."""
     sense = 1 if last.direction.factor > 0 else -1
     return max(found, key=lambda arrival: sense * arrival.point.factor, default=None)

@@ -1,4 +1,4 @@
-"""Stages: load increments, load cases that branch from a common state, and results that are never lost."""
+"""Stages: load increments, load cases that branch from a common state, and results that survive failures."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -37,22 +37,22 @@ from .increments import HALVINGS, Ceiling
 from .work import Work, WorkDone, WorkLimit
 
 MORE = "allow more (WorkLimit), or see in its iterations, `failed`, whether it comes nearer at all"
-PROBE = 1 / 256  # of an increment that snapped: a load under which the start of a stage shows what holds it
+PROBE = 1 / 256  # fraction of an increment that snapped: its load shows at the start of a stage which parts carry
 
 AnySolver = Newton | ConjugateGradient | SteepestDescent
 
 
 class ConvergenceError(RuntimeError):
-    """A load increment found no equilibrium.
+    """Failure to find equilibrium in a load increment.
 
     Attributes:
         results: Results of the stages that were completed, by name.
-        last: The last converged state of the stage that failed: that of its last increment that converged, or else
-            the state it started from. What the solver had come to after that is no equilibrium, and is not kept.
+        last: The last converged state of the stage that failed: that of its last converged increment, or else its
+            start. Later iterates are discarded.
         failed: The increment that did not converge, with its iterations.
-        motion: Where the structure is a mechanism, how its nodes move freely, the largest displacement of size one,
-            shape (n, 3); None otherwise. `plot.contours(error.last, {"free motion": np.linalg.norm(error.motion,
-            axis=1)}, path)` shows it.
+        motion: For a mechanism, the free motion of its nodes, the largest displacement of size one, shape (n, 3); None
+            otherwise. `plot.contours(error.last, {"free motion": np.linalg.norm(error.motion, axis=1)}, path)` shows
+            it.
     """
 
     def __init__(
@@ -70,24 +70,25 @@ class ConvergenceError(RuntimeError):
 class Analysis:
     """Nonlinear statics of a structure; meshes are made and forms compiled once, for all its stages.
 
-    An increment that does not converge is halved, up to eight times, unless that cannot help (a stage that applies
-    nothing; a mechanism; a first-order method that ran out of iterations); after one that does, the next is twice as
-    long, up to what the stage asks for. One that begins in a stable equilibrium and meets negative curvature, more than
-    wrinkled and slack cells have, is halved too: either smaller increments go around that, or they come to the load at
-    which the structure snaps or buckles. An `UnstableStateWarning` tells it, for the first such load of each stage.
+    A failed increment is halved, up to eight times, unless that cannot help: in a stage that applies nothing, for a
+    mechanism, or after a first-order method ran out of iterations. After a converged increment the next is twice as
+    long, up to the size that the stage asks for. An increment from a stable start that meets more negative curvature
+    than wrinkled and slack cells have is halved, too. Smaller increments avoid the instability or bracket the critical
+    load, at which the structure snaps through or buckles. An `UnstableStateWarning` reports the first such load of each
+    stage.
 
     Args:
         structure: The structure.
-        solver: What finds equilibrium in each load increment.
-        comm: The processes that share the work; each must give the same structure, solver and stages. What one of them
-            refuses is refused by all; an exception in a script of yours is not seen from here, and others wait for
-            that process for ever unless the script is run as `mpirun -n 2 python -m mpi4py script.py`.
-        limit: Most work that each stage may take.
-        progress: Whether stderr shows how far a stage is: a bar on a terminal, or else a line for each increment and
-            one every ten seconds.
+        solver: Method that finds equilibrium in each load increment.
+        comm: The processes that share the work; each must give the same structure, solver and stages. Input that one of
+            them refuses is refused by all. An exception in your own script on one process is invisible here: the others
+            wait for ever, unless the script is run as `mpirun -n 2 python -m mpi4py script.py`.
+        limit: Maximum work of each stage.
+        progress: True to report the progress of a stage on stderr: a bar on a terminal, or else a line for each
+            increment and one every ten seconds.
 
     Raises:
-        ValueError: An argument is none such, or is not the same on all processes.
+        ValueError: An argument is of another kind, or differs between processes.
     """
 
     def __init__(
@@ -113,33 +114,35 @@ class Analysis:
         self._record = Recorder(self._problem)
 
     def run(self, stages: Sequence[Stage], checkpoint_file: str | Path | None = None) -> StageResults:
-        """Final state of each stage, by name; asking for a stage that is not there raises a KeyError with the names.
+        """Run the stages and return their final states, by name; an unknown name raises a KeyError with the names.
 
         Args:
             stages: The stages, each after the one it follows.
-            checkpoint_file: Where to save the state after each converged increment. If the file is there, what is in
-                it is not computed again, and the run goes on from it; stages may be added or left out, and have other
-                `steps`. The solver may be another too: what is in the file is in equilibrium to the tolerance of the
-                solver that found it, and the rest is found by the present one. It is one file of any name, an SQLite
-                database; while a run has it, no other can use it, and its journal, named the same and "-journal", lies
+            checkpoint_file: File in which to save the state after each converged increment. States in an existing file
+                are not computed again, and the run continues from it. Stages may be added or left out, and have other
+                `steps`. The solver may be another, too: states in the file are in equilibrium to the tolerance of the
+                solver that found them, the rest to that of the present one. It is one file of any name, an SQLite
+                database. While a run has it, no other can use it. Its journal, with "-journal" after its name, lies
                 beside it and belongs to it. The first process alone reads and writes it.
 
         Raises:
             ValueError: A stage does not fit the structure or the other stages, or leaves the structure free to move
-                as a rigid body (one turn about a line is let pass: loads may hold it); the checkpoint belongs to
-                another structure or to other stages, was changed, is in use by another run or cannot be written; the
-                processes have different input.
-            ConvergenceError: A load increment found no equilibrium, or the limit of work is used up; what was computed
-                before is on the exception.
+                ValueError: A stage does not fit the structure or the other stages, or leaves the structure free to move
+                    as a rigid body (one turn about a line is allowed: loads may hold it); the checkpoint belongs to
+                    another structure or to other stages, was changed, is in use by another run or cannot be written;
+                    the processes have different input.
+            ConvergenceError: A load increment found no equilibrium, or the limit of work is used up; the exception has
+                the results computed before.
 
         Warns:
-            LargeStrainWarning: Strains of a stage, or those that belong to the prestress, are above 5 %.
-            UnstableStateWarning: A state is not stable; the structure has snapped or buckled between two load factors
-                (`Newton` with a line search tells); a node moved by more than half the size of the structure in the
-                stage; or slack or wrinkled parts carry more than 1 % of the largest force of their kind.
+            LargeStrainWarning: Strains of a stage, or elastic strains of the prestress, are above 5 %.
+            UnstableStateWarning: A state is not stable; the structure has snapped through or buckled between two load
+                factors (detected by `Newton` with a line search); a node moved by more than half the size of the
+                structure in the stage; or slack or wrinkled parts carry more than 1 % of the largest force of their
+                kind.
             LostPrestressWarning: No cell of a part has 1 % of its prestress left.
             UnbalancedStateWarning: Unbalanced forces of a stage are above 1e-6 of the loads.
-            CheckpointWarning: A state could not be saved, as on a full disk; the run goes on without.
+            CheckpointWarning: A state could not be saved, as on a full disk; the run continues without.
         """
         with together(self._comm):
             file = None if checkpoint_file is None else paths.path("checkpoint_file", checkpoint_file)
@@ -182,10 +185,10 @@ class Analysis:
         results: StageResults,
         save: Callable[[str, Progress], None],
     ) -> StageResult:
-        """Load increments of a stage from a converged state, between the actions at its start and its end."""
+        """Run the load increments of a stage from a converged state, between the actions at its start and its end."""
         full = Fraction(1, stage.steps)
         balanced = stage.after is not None or not self._problem.prestress_forces
-        beyond: Progress | None = None  # a state past a loss of stability, while smaller increments locate that
+        beyond: Progress | None = None  # a state beyond a loss of stability, while smaller increments bracket it
         x = self._problem.discretization.distribute(state.displacement)
         with Report(stage.name, float(state.factor), shown=self._progress and self._comm.rank == 0) as report:
             ceiling = Ceiling()
@@ -234,7 +237,7 @@ class Analysis:
         return self._result(stage, start, end, state)
 
     def _solved(self, x: PETSc.Vec, work: Work, thorough: bool) -> Solution:
-        """How an increment ended; where the limit of work is used up it is not tried again."""
+        """Solve an increment; once the limit of work is used up, allow no retry."""
         work.iterates.clear()
         try:
             return self._solve(x, work, thorough)
@@ -244,12 +247,12 @@ class Analysis:
     def _fallen(
         self, stage: Stage, start: Actions, end: Actions, state: Progress, reached: Progress, work: Work
     ) -> Progress:
-        """Notes with an increment that snapped where nothing but slack parts held the structure before.
+        """Note with an increment that snapped the parts that only slack parts held before.
 
-        At the start of a stage forces may not show that yet: a small share of the increment brings them forth.
+        At the start of a stage forces may not show that yet: a small fraction of the increment makes them visible.
         """
         if not explained(self._problem):
-            return reached  # nothing can be slack
+            return reached  # no part can be slack
         factor = float(state.factor) or PROBE * float(reached.factor)
         actions = load_cases.between(start, end, factor)
         self._problem.apply(actions)
@@ -261,7 +264,7 @@ class Analysis:
         return replace(reached, increments=(*others, snap._replace(fallen=words)))
 
     def _slack(self, stage: Stage, x: PETSc.Vec, actions: Actions) -> str:
-        """What is slack or ends in the air in a state that is no equilibrium, in words."""
+        """Sentence on slack parts and free cable ends in a state that is no equilibrium."""
         if not np.isfinite(x.norm()):
             return ""
         state = self._record(stage.name, x, actions, ())

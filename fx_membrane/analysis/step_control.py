@@ -1,4 +1,4 @@
-"""Step control of the continuation by arc length: how far apart points are, and when a step is taken back."""
+"""Step control of the continuation by arc length: distance of points, and rejection of steps."""
 
 import math
 from dataclasses import dataclass
@@ -6,21 +6,21 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class StepControl:
-    """Limits that a step along a path keeps to.
+    """Limits of a step along a path.
 
     Attributes:
-        few: Points of a corrector that count as few; after more of them the next step is shorter.
+        few: Number of corrector points; after more of them the next step is shorter.
         turn: Angle between a step and the tangent at its end [rad]; after a larger one the next step is shorter.
-        sharp: A step with a larger angle is taken back and halved, unless the path has a kink there,
-        drift: and so is one whose curve leaves the path by a larger share of the step (see `path_check`),
-        coarse: or over which the load factor changes by more than so many times what it should,
-        patience: but not more often than that for this reason alone.
-        halvings: Most halvings of a step.
-        short: A step shorter than this share of the first is not looked at: rounding hides the path.
+        sharp: Angle [rad] above which a step is rejected and halved, unless the path has a kink there.
+        drift: Fraction of the step by which its curve may leave the path (see `path_check`); beyond, it is halved.
+        coarse: Multiple of the intended change of the load factor, above which a step is halved.
+        patience: Maximum number of halvings for `coarse` alone.
+        halvings: Maximum number of halvings of a step.
+        short: Fraction of the first step below which a step is not checked: rounding hides the path.
         flat: Largest cosine between the path and the axis of the load factor at a limit point.
-        exact: Error of the load factor at a limit point where the path has a kink there, as a share of it.
-        search: Most trials for a limit point.
-        kept: Share of the kept stiffness of wrinkled and slack cells that is left at a limit point.
+        exact: Relative error of the load factor at a limit point in a kink of the path.
+        search: Maximum number of trials for a limit point.
+        kept: Fraction of the compression stiffness of wrinkled and slack cells in effect at a limit point.
     """
 
     few: int = 4

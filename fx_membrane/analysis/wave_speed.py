@@ -1,4 +1,4 @@
-"""Warning of masses whose unit does not go with the other data, told by the speed of waves along fabric and bars."""
+"""Warning of masses in a unit that does not fit the other data, by the wave speed in fabric and bars."""
 
 import warnings
 
@@ -8,16 +8,16 @@ from ..assembly.part_forms import stiffness
 from ..model.parts import Mast, Membrane
 from ..model.structure import Structure
 
-# Speeds in real things [m/s]: sqrt(Et / mass) is 300 to 2000 in coated fabrics and foils, sqrt(EA / mass) 1500 in
-# polyester ropes, 5000 in steel, 12 000 in carbon. Some way is left for sheaths, fittings and air that moves along.
+# Speeds in real materials [m/s]: sqrt(Et / mass) is 300 to 2000 in coated fabrics and foils, sqrt(EA / mass) 1500 in
+# polyester ropes, 5000 in steel, 12 000 in carbon. The margin covers sheaths, fittings and entrained air.
 FABRIC = (60.0, 6e3)
 BAR = (400.0, 15e3)
-# Length units that a structure may be given in [m], with the least and the largest size of structures in it.
+# Possible length units [m], each with the least and the largest size of a structure in that unit.
 LENGTHS = [(1.0, 0.0, 1e3), (0.3048, 0.0, 1e3), (0.0254, 20.0, 1e3), (0.001, 20.0, np.inf)]
 
 
 class MassUnitWarning(UserWarning):
-    """A mass that makes waves slower or faster than in any fabric, cable or mast: its unit is probably another.
+    """Mass with a slower or faster wave speed than in any fabric, cable or mast: its unit is probably another.
 
     The mass unit is not free: it is the force unit times s2 over the length unit. The length unit is guessed from the
     size of the structure: below 20 m or ft, up to 1000 also in or mm, above mm.
@@ -25,7 +25,7 @@ class MassUnitWarning(UserWarning):
 
 
 def warn_of_mass_units(structure: Structure, stacklevel: int) -> None:
-    """Warns once, of the first part in which waves run at a speed that no length unit explains."""
+    """Warn once, of the first part with a wave speed that fits no length unit."""
     size = float(np.ptp(structure.points[structure.used], axis=0).max())
     units = [metres for metres, least, largest in LENGTHS if least <= size < largest]
     for name, part in structure.parts.items():
@@ -34,7 +34,7 @@ def warn_of_mass_units(structure: Structure, stacklevel: int) -> None:
         speed = float(np.sqrt(stiffness(part) / part.mass))
         slowest, fastest = FABRIC if isinstance(part, Membrane) else BAR
         if isinstance(part, Mast):
-            fastest = np.inf  # may stand for a rigid body
+            fastest = np.inf  # it may stand for a rigid body
         if any(slowest <= metres * speed <= fastest for metres in units):
             continue
         fate = "slow" if speed * max(units) < slowest else "fast"

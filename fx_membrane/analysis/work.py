@@ -1,4 +1,4 @@
-"""A bound on the work of a stage, counted over all that is tried."""
+"""Limit of the work of a stage, counted over all attempts."""
 
 from dataclasses import dataclass, field
 from time import monotonic
@@ -11,18 +11,18 @@ from ..solvers.base import Iteration, Monitor
 
 @dataclass(frozen=True)
 class WorkLimit:
-    """Most work that a stage may take, whatever comes of it.
+    """Maximum work of a stage, successful or not.
 
-    Iterations are those of all increments, of tries that came to nothing, and of those that draw a structure smooth.
-    A stage that takes more ends with a ConvergenceError, which has its last converged state. A single iteration is not
-    interrupted. With a checkpoint the next run begins where this one ended, with the whole limit before it.
+    Iterations are those of all increments, of rejected attempts and of the homotopy. A stage that takes more ends with
+    a ConvergenceError, which has its last converged state. A single iteration is not interrupted. With a checkpoint,
+    the next run resumes there, with the whole limit available.
 
     Args:
-        iterations: Most iterations; None for no limit but those of the solver for each increment.
-        seconds: Most time by the clock of the first process [s]; None for no limit.
+        iterations: Maximum number of iterations; None for no limit beyond those of the solver for each increment.
+        seconds: Maximum time by the clock of the first process [s]; None for no limit.
 
     Raises:
-        ValueError: A number is not above zero, or iterations is not a whole one.
+        ValueError: A number is not above zero, or iterations is not a whole number.
     """
 
     iterations: int | None = None
@@ -36,15 +36,15 @@ class WorkLimit:
 
 
 class WorkDone(Exception):  # noqa: N818  (a message from the monitor to whoever runs the solver)
-    """Ends a solve from its monitor, with the reason in words."""
+    """Exception that ends a solve from its monitor, with the reason as a sentence."""
 
 
 @dataclass
 class Work:
-    """Counts the work of a stage; a monitor that ends the solve where the limit is reached.
+    """Count of the work of a stage: a monitor that ends the solve at the limit.
 
     Attributes:
-        iterates: Those of the present increment, the first of each try included.
+        iterates: Iterates of the present increment, the first of each attempt included.
     """
 
     limit: WorkLimit
@@ -58,14 +58,14 @@ class Work:
         self._began = monotonic()
 
     def __call__(self, number: int, entry: Iteration) -> None:
-        """Hears of an iterate; of the same again where one takes long.
+        """Count an iterate; called again with the same one if it takes long.
 
         Raises:
             WorkDone: The limit is reached; on all processes together.
         """
         if not self.iterates or entry is not self.iterates[-1]:
             self.iterates.append(entry)
-            self._count += number > 0  # the start of a try is no iteration
+            self._count += number > 0  # the start of an attempt is no iteration
         self.monitor(number, entry)
         if self.limit.iterations is not None and self._count > self.limit.iterations:
             raise WorkDone(f"the limit of {self.limit.iterations} iterations for a stage is used up")
