@@ -239,9 +239,7 @@ class Problem:
         v.array[self._held_here] = 0.0
 
     def hold_tangent(self, x: PETSc.Vec, A: PETSc.Mat, b: PETSc.Vec) -> None:
-        """Constrain A dx = b: dx closes the error of constrained components exactly, b gets its effect on the
-        others.
-        """
+        """Constrain A dx = b: dx closes the error of constrained components, b gets its effect on others."""
         with self.discretization.work(1) as (gap,):
             gap.waxpy(-1.0, self._prescribed, x)
             A.zeroRowsColumns(self._held, diag=self.stiffness, x=gap, b=b)

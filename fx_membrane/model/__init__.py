@@ -1,1 +1,1 @@
-"""Plain data that a user writes, checked when it is made: materials, parts, supports, loads, structures."""
+"""Plain data of a user, checked when made: materials, parts, supports, loads, structures."""

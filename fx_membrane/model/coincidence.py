@@ -1,4 +1,4 @@
-"""Nodes at one place that are not one node, which a designer may have meant to be one."""
+"""Coincident nodes that no part shares."""
 
 from collections.abc import Mapping, Sequence
 
@@ -13,7 +13,7 @@ COINCIDENT = 1e-9  # distance, relative to the size of the structure
 
 
 class CoincidentNodesWarning(UserWarning):
-    """Nodes at one place that are not one node: parts are joined by the nodes they share, not by where these are."""
+    """Coincident nodes that no part shares: shared nodes join parts, equal positions do not."""
 
 
 def coincident_nodes(
@@ -22,13 +22,13 @@ def coincident_nodes(
     fixed: NDArray[np.bool_],
     separate: Sequence[tuple[str, str]],
 ) -> str:
-    """A sentence about nodes at one place that are not all fixed; empty where there are none.
+    """Sentence on coincident nodes that are not all fixed; empty if there are none.
 
     Args:
         points: Positions of the nodes, shape (n, 3) [m].
         parts: Parts by name.
-        fixed: Nodes that are held in all components, shape (n,).
-        separate: Pairs of names of parts whose nodes may be at one place.
+        fixed: Nodes constrained in all components, shape (n,).
+        separate: Pairs of names of parts whose nodes may coincide.
     """
     using = {name: np.zeros(len(points), dtype=bool) for name in parts}
     for name, part in parts.items():

@@ -1,4 +1,4 @@
-"""Digests of structures and stages: equal input has equal ones, however its numbers were written."""
+"""Digests of structures and stages: equal input has equal digests, in any notation of its numbers."""
 
 import dataclasses
 import hashlib
@@ -14,7 +14,7 @@ from .structure import Structure
 
 
 def fingerprints(data: Structure | Stage) -> dict[str, str]:
-    """Digests of all that decides the state, by what it is: "points", "prestress of part 'fabric'", "loads" ..."""
+    """Digests of all data that decide the state, by subject: "points", "prestress of part 'fabric'", "loads" ..."""
     if isinstance(data, Stage):
         return {name: fingerprint(getattr(data, name)) for name in ("loads", "displacements", "after")}
     digests = {"points": fingerprint(data.points), "supports": fingerprint(data.supports)}
@@ -27,7 +27,7 @@ def fingerprints(data: Structure | Stage) -> dict[str, str]:
 
 
 def of_stages(stages: Sequence[Stage]) -> dict[str, str]:
-    """Digests of all that a list of stages says, its order and `steps` included."""
+    """Digests of all data of a list of stages, its order and `steps` included."""
     digests = {"names of the stages": fingerprint([stage.name for stage in stages])}
     for stage in stages:
         mine = fingerprints(stage) | {"steps": fingerprint(stage.steps)}
@@ -41,7 +41,7 @@ def of_settings(settings: Mapping[str, Any]) -> dict[str, str]:
 
 
 def fingerprint(data: Any) -> str:
-    """Digest of plain data: dataclasses, mappings, sequences, arrays and scalars; 20 is 20.0, and a list an array."""
+    """Digest of plain data: dataclasses, mappings, sequences, arrays, scalars; 20 equals 20.0, a list an array."""
     digest = hashlib.sha256()
 
     def add(value: Any) -> None:
@@ -67,7 +67,7 @@ def fingerprint(data: Any) -> str:
 
 
 def _numbers(value: Any) -> NDArray[np.float64] | None:
-    """Numbers as an array, arrays of booleans too; None for what is none."""
+    """Numbers as an array, arrays of booleans too; None for other data."""
     if not isinstance(value, int | float | np.number | np.ndarray | list | tuple) or isinstance(value, bool):
         return None
     try:

@@ -1,4 +1,4 @@
-"""What acts on a structure, and in which order: loads, prescribed displacements and stages, as plain data."""
+"""Loads, prescribed displacements and stages, as plain data."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from numpy.typing import ArrayLike
 from ..checks import validation
 from .structure import Structure
 
-STEPS = 1_000_000  # most increments of a stage: all their iterates are kept
+STEPS = 1_000_000  # maximum number of increments of a stage: all their iterates are kept
 
 
 @dataclass(frozen=True, eq=False)
 class PointLoad:
-    """The same force on each of some nodes.
+    """Equal force on each of some nodes.
 
     Args:
         nodes: A node number or several, each once, shape (k,).
@@ -36,7 +36,7 @@ class PointLoad:
 
 @dataclass(frozen=True, eq=False)
 class _SpreadLoad:
-    """What loads of fixed direction that are spread over cells have in common."""
+    """Common fields of loads of fixed direction that are spread over cells."""
 
     load: ArrayLike
     part: str
@@ -47,7 +47,7 @@ class _SpreadLoad:
         _check_cells(self)
 
 
-@dataclass(frozen=True, eq=False)  # again, so that Python's own refusals say DeadLoad
+@dataclass(frozen=True, eq=False)  # repeated so that Python's TypeError names DeadLoad
 class DeadLoad(_SpreadLoad):
     """A load of fixed direction, spread over the reference area of a membrane or the length of cables or masts.
 
@@ -62,11 +62,11 @@ class DeadLoad(_SpreadLoad):
     """
 
 
-@dataclass(frozen=True, eq=False)  # again, so that Python's own refusals say PlanLoad
+@dataclass(frozen=True, eq=False)  # repeated so that Python's TypeError names PlanLoad
 class PlanLoad(_SpreadLoad):
     """A load of fixed direction per plan area of the reference shape, as snow is given: per area of the xy-plane.
 
-    Each cell takes its own plan area: of a closed cushion name the cells of the upper skin only.
+    Each cell takes its own plan area: for a closed cushion name the cells of the upper skin only.
 
     Args:
         load: Load per plan area [N/m2], shape (3,).
@@ -101,7 +101,7 @@ class Pressure:
 
 
 def _check_cells(load: _SpreadLoad | Pressure) -> None:
-    """Checks which cells of which part are loaded, and keeps their numbers as an array of their own."""
+    """Check the part and the cells of a load, and keep a copy of the cell numbers."""
     validation.store(load, validation.text, "part")
     if load.cells is not None:
         validation.keep(load, cells=validation.distinct(f"{type(load).__name__} cells", load.cells, "cell"))
@@ -112,12 +112,13 @@ Load = PointLoad | DeadLoad | PlanLoad | Pressure
 
 @dataclass(frozen=True, eq=False)
 class PrescribedDisplacement:
-    """Nodes moved by a given amount and held there.
+    """Nodes moved by a given displacement and held there.
 
     Args:
         nodes: A node number or several, shape (k,).
-        displacement: Displacement from the reference position, of all nodes alike, shape (3,), or of each, (k, 3) [m].
-        components: The components that are prescribed, some of "xyz"; the others stay free.
+        displacement: Displacement from the reference position, one for all nodes, shape (3,), or one for each, (k, 3)
+            [m].
+        components: The prescribed components, some of "xyz"; the others stay free.
 
     Raises:
         ValueError: Nodes are not whole numbers; the displacement has a wrong shape or values that are not finite;
@@ -142,20 +143,19 @@ class PrescribedDisplacement:
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """A load case: what is applied, in how many increments, on top of which other stage.
+    """Load case: the loads to apply, the number of increments, and the stage that it follows.
 
     Args:
         name: Name of the stage; its results are found under it.
         loads: Loads that this stage adds.
         displacements: Displacements that this stage prescribes.
-        steps: Number of equal load increments to begin with, at most a million; one that fails is halved, see
-            `Analysis`.
-        after: Name of the stage whose final state this one starts from, and whose loads and prescribed
+        steps: Number of equal load increments to begin with, at most a million; a failed one is halved, see `Analysis`.
+        after: Name of the stage whose final state is the start of this one, and whose loads and prescribed
             displacements it keeps; without it the stage starts from the reference shape.
 
     Raises:
-        ValueError: steps is not a whole number above zero, or more than a million; an entry is not a load or a
-            prescribed displacement, or is of a class derived from one.
+        ValueError: steps is not a positive whole number, or more than a million; an entry is not a load or a prescribed
+            displacement, or is of a class derived from one.
     """
 
     name: str
@@ -175,7 +175,7 @@ class Stage:
 
 
 def check(structure: Structure, stages: Sequence[Stage]) -> None:
-    """Refuses stages that do not fit together or do not fit the structure.
+    """Refuse stages that do not fit together or do not fit the structure.
 
     Raises:
         ValueError: Two stages have one name; a stage follows one that does not come before it; a load or a
@@ -193,7 +193,7 @@ def check(structure: Structure, stages: Sequence[Stage]) -> None:
 
 
 def _check_order(stage: Stage, earlier: Sequence[Stage], later: Sequence[Stage]) -> None:
-    """Refuses a stage that follows one which is not among those before it."""
+    """Refuse a stage that follows one which is not among those before it."""
     names = [other.name for other in earlier]
     if stage.after is None or stage.after in names:
         return

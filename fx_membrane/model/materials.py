@@ -1,4 +1,4 @@
-"""Materials of membranes, as stiffness per width (modulus times thickness), the way fabric data sheets give it."""
+"""Materials of membranes, as stiffness per width (modulus times thickness), as in fabric data sheets."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from ..checks.validation import number, positive, shown, store
 class Fabric:
     """Isotropic Saint Venant-Kirchhoff membrane in plane stress.
 
-    A law of your own cannot be made by deriving from this class: `Membrane` refuses derived classes.
+    Derived classes cannot add a law: `Membrane` refuses them.
 
     Args:
         Et: Young's modulus times thickness [N/m].
@@ -34,11 +34,11 @@ class Fabric:
 
     @classmethod
     def from_modulus(cls, E: float, nu: float, thickness: float) -> "Fabric":
-        """Fabric of a Young's modulus E [Pa], Poisson's ratio nu [-] and a thickness [m]."""
+        """Make a fabric from Young's modulus E [Pa], Poisson's ratio nu [-] and a thickness [m]."""
         return cls(positive("Fabric E", E) * positive("Fabric thickness", thickness), nu)
 
     def strain(self, stress: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Green-Lagrange strains that belong to stresses [N/m] of cells, both of shape (n, 2, 2)."""
+        """Green-Lagrange strains of cells under stresses [N/m], both of shape (n, 2, 2)."""
         return _strain(stress, self.Et, self.Et, self.nu, self.Et / (2 * (1 + self.nu)))
 
 
@@ -49,8 +49,8 @@ class OrthotropicFabric:
     Args:
         Et_warp: Modulus times thickness along the warp [N/m].
         Et_weft: Modulus times thickness along the weft [N/m].
-        nu: Poisson's ratio, the contraction of the weft under tension in the warp [-]; the other one follows
-            from symmetry, nu Et_weft / Et_warp.
+        nu: Poisson's ratio, the contraction of the weft under tension in the warp [-]; symmetry gives the other one, nu
+            Et_weft / Et_warp.
         Gt: Shear modulus times thickness [N/m].
 
     Raises:
@@ -73,7 +73,7 @@ class OrthotropicFabric:
             )
 
     def strain(self, stress: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Green-Lagrange strains that belong to stresses [N/m] of cells in the warp/weft frame, both (n, 2, 2)."""
+        """Green-Lagrange strains of cells under stresses [N/m] in the warp/weft frame, both (n, 2, 2)."""
         return _strain(stress, self.Et_warp, self.Et_weft, self.nu, self.Gt)
 
 

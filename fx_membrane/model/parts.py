@@ -1,4 +1,4 @@
-"""What a structure is made of, as plain data checked when created: membranes, cables and masts."""
+"""Parts of a structure, as plain data checked when created: membranes, cables and masts."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ class Membrane:
 
     Args:
         cells: Triangles as rows of node numbers, shape (n, 3), in either order; see `Structure`.
-        material: The fabric, a `Fabric` or an `OrthotropicFabric` itself: the law of a derived class would not be used.
-        prestress: Cauchy stress times thickness in the reference shape [N/m]: a number (isotropic), a pair
-            (warp, weft), or a tensor (2, 2) in the warp/weft frame; or one of these per cell, shape (n, 1),
-            (n, 2) or (n, 2, 2). Shape (2, 2) is always one tensor. A negative one is an excess of cloth: the cloth is
-            larger than the reference shape, and carries nothing until it is stretched to its own size. It is meant for
-            a small excess: stiffness and loads are per size of the reference shape, and cloth with an excess strain E0
-            in all directions is 1 + 2 E0 times as stiff as its data (4 % more with 2 %).
-        warp: A vector (3,), or one per cell (n, 3), that projected on the cell gives the warp direction. The weft
-            is a right angle further, counter-clockwise about the normal that `Structure.normals` gives. Without a
-            warp the global x axis is taken, or y where a cell is nearly normal to x, for results only.
-        compression_stiffness: Share of the stiffness that is kept where the membrane wrinkles or is slack, in (0, 1]
-            [-]. It keeps slack nodes in place; above 1e-3 it is seen in results. 1 switches wrinkling off: compression
-            is carried like tension, and every cell is called taut.
-        mass: Mass per area of the reference shape, as data sheets give it [kg/m2], for `natural_frequencies`; in the
-            unit that the other data demand, force unit times s2 over length unit, per area: t/m2 with kN and m. It is
-            here and not in the material, so that membranes, cables and masts have it in one place. It brings no
-            weight: that is a load, `DeadLoad((0, 0, -9.81 * mass), part)`.
+        material: The fabric, a `Fabric` or an `OrthotropicFabric` itself: derived classes are refused.
+        prestress: Cauchy stress times thickness in the reference shape [N/m]: a number (isotropic), a pair (warp,
+            weft), or a tensor (2, 2) in the warp/weft frame; or one of these per cell, shape (n, 1), (n, 2) or (n, 2,
+            2). Shape (2, 2) is always one tensor. A negative prestress is an excess of cloth: the cloth is larger than
+            the reference shape, and carries nothing until it is stretched to its own size. Keep the excess small:
+            stiffness and loads are per size of the reference shape. Cloth with an excess strain E0 in all directions is
+            1 + 2 E0 times as stiff as its data (4 % more with 2 %).
+        warp: A vector (3,), or one per cell (n, 3); its projection on the cell is the warp direction. The weft is a
+            right angle further, counter-clockwise about the normal of `Structure.normals`. Without a warp the global x
+            axis is taken, or y where a cell is nearly normal to x, for results only.
+        compression_stiffness: Fraction of the stiffness that a wrinkled or slack membrane keeps, in (0, 1] [-]. It
+            keeps slack nodes in place; above 1e-3 it shows in results. 1 switches wrinkling off: the membrane carries
+            compression like tension, and every cell is called taut.
+        mass: Mass per area of the reference shape, as in data sheets [kg/m2], for `natural_frequencies`. Its unit
+            follows from the other data, force unit times s2 over length unit, per area: t/m2 with kN and m. It is here
+            and not in the material, so that membranes, cables and masts have it in one place. It adds no weight: that
+            is a load, `DeadLoad((0, 0, -9.81 * mass), part)`.
 
     Raises:
         ValueError: Cells, prestress or warp have a wrong shape or values that are not finite; the material is of
@@ -93,7 +93,7 @@ class Membrane:
 
 @dataclass(frozen=True, eq=False)
 class Bar:
-    """What cables and masts have in common: straight elements that carry axial force only."""
+    """Common fields of cables and masts: straight elements with axial force only."""
 
     dimension: ClassVar[int] = 1
     cells: NDArray[np.int64]
@@ -112,7 +112,7 @@ class Bar:
     def from_modulus(
         cls, cells: NDArray[np.int64], E: float, area: float, prestress: ArrayLike = 0.0, density: float = 0.0
     ) -> Self:
-        """Bars of a Young's modulus E [Pa], a cross-section area [m2] and a density [kg/m3], t/m3 with kN and m."""
+        """Make bars from Young's modulus E [Pa], a cross-section [m2] and a density [kg/m3], t/m3 with kN and m."""
         E, area = validation.positive(f"{cls.__name__} E", E), validation.positive(f"{cls.__name__} area", area)
         return cls(cells, E * area, prestress, mass=validation.not_negative(f"{cls.__name__} density", density) * area)
 
@@ -127,22 +127,22 @@ class Bar:
 
 @dataclass(frozen=True, eq=False)
 class Cable(Bar):
-    """Cables as two-node straight elements that go slack instead of carrying compression.
+    """Cables as two-node straight elements that go slack under compression.
 
     Args:
         cells: Segments as rows of node numbers, shape (n, 2).
         axial_stiffness: Young's modulus times cross-section [N].
-        prestress: Axial force in the reference shape [N], a number or one per cell, shape (n,). A negative one is
-            an excess of length: the cable is slack until it is stretched by the Green-Lagrange strain
-            -prestress / axial_stiffness, about the share by which it is longer than its reference shape. It is meant
-            for a small excess: stiffness and loads are per length of the reference shape, and a cable with the excess
-            strain E0 is (1 + 2 E0)^1.5 times as stiff as its data: 6 % more with 2 %, 31 % with 10 %.
-        compression_stiffness: Share of the stiffness that is kept where the cable is slack, in (0, 1] [-]. It keeps
-            slack nodes in place; what it carries is seen in results, as a small negative force of a slack cable: the
-            kept share of the compression that a mast would have there. 1 switches that off: compression is
-            carried like tension, and no cable is called slack.
-        mass: Mass per length of the reference shape [kg/m], for `natural_frequencies`: in the unit that the other data
-            demand, force unit times s2 over length unit, per length, t/m with kN and m. It brings no weight.
+        prestress: Axial force in the reference shape [N], a number or one per cell, shape (n,). A negative prestress is
+            an excess of length: the cable is slack until it is stretched by the Green-Lagrange strain -prestress /
+            axial_stiffness, about its relative excess over the reference length. Keep the excess small: stiffness and
+            loads are per length of the reference shape. A cable with the excess strain E0 is (1 + 2 E0)^1.5 times as
+            stiff as its data: 6 % more with 2 %, 31 % with 10 %.
+        compression_stiffness: Fraction of the stiffness that a slack cable keeps, in (0, 1] [-]. It keeps slack nodes
+            in place. It shows in results as a small negative force of a slack cable: that fraction of the compression
+            that a mast would have there. 1 switches slackness off: the cable carries compression like tension, and is
+            never called slack.
+        mass: Mass per length of the reference shape [kg/m], for `natural_frequencies`. Its unit follows from the other
+            data, force unit times s2 over length unit, per length: t/m with kN and m. It adds no weight.
 
     Raises:
         ValueError: Cells or prestress have a wrong shape or values that are not finite; a stiffness is not positive;
@@ -156,7 +156,7 @@ class Cable(Bar):
         validation.store(self, validation.share, "compression_stiffness")
 
 
-@dataclass(frozen=True, eq=False)  # again, so that Python's own refusals say Mast
+@dataclass(frozen=True, eq=False)  # repeated so that Python's TypeError names Mast
 class Mast(Bar):
     """Pinned masts and struts as two-node straight elements, in tension and compression.
 

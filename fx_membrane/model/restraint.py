@@ -12,18 +12,18 @@ MOTIONS = ("move along x", "move along y", "move along z", "turn about x", "turn
 
 
 def check_supports(structure: Structure, held: NDArray[np.bool_]) -> None:
-    """Refuses a structure of which a connected piece can move as a rigid body.
+    """Refuse a structure with a connected piece that can move as a rigid body.
 
-    One free turn is let pass, as of a cable or a banner about the line between its two anchors: loads and prestress
-    can hold it, and the solver tells where they do not.
+    One free turn is allowed, as of a cable or a banner about the line between its two anchors. Loads and prestress can
+    hold it, and the solver reports if they do not.
 
     Args:
         structure: The structure.
-        held: Which components of which nodes are held, shape (n, 3).
+        held: Constrained components of the nodes, shape (n, 3).
 
     Raises:
-        ValueError: Names a node and the parts of the piece, and a motion that nothing prevents; or the end of a mast
-            that nothing holds.
+        ValueError: A piece is free; the message names a node, the parts of the piece and the motion, or the free end of
+            a mast.
     """
     _check_masts(structure, held)
     graph = node_graph((part.cells for part in structure.parts.values()), len(structure.points))
@@ -45,7 +45,7 @@ def check_supports(structure: Structure, held: NDArray[np.bool_]) -> None:
 
 
 def _named(structure: Structure, nodes: NDArray[np.intp]) -> str:
-    """The parts that a connected piece is made of, with the first cells of those that are not all in it."""
+    """List the parts of a connected piece, with the first cells of those that are only partly in it."""
     found = []
     for name, part in structure.parts.items():
         cells = np.flatnonzero(np.isin(part.cells[:, 0], nodes))
@@ -68,9 +68,9 @@ def _check_masts(structure: Structure, held: NDArray[np.bool_]) -> None:
 
 
 def loose_ends(structure: Structure, name: str, held: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Cells of masts or cables that end where no other cell is and nothing is held, and the nodes there.
+    """Cells of masts or cables with a free, unconnected end, and the nodes there.
 
-    A mast cannot stand so. A cable can hang from its other end, by a weight; without one it carries nothing.
+    A mast cannot stand on one node. A cable can hang from its other end, by a weight; without one it carries nothing.
     """
     meeting = sum(np.bincount(part.cells.ravel(), minlength=len(structure.points)) for part in structure.parts.values())
     cells = structure.parts[name].cells
@@ -79,14 +79,14 @@ def loose_ends(structure: Structure, name: str, held: NDArray[np.bool_]) -> list
 
 
 def free_motions(points: NDArray[np.float64], held: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Rigid motions that nothing prevents, orthonormal, shape (motions, 6).
+    """Free rigid motions, orthonormal, shape (motions, 6).
 
-    Each is three translations and three rotations about the centre of the points, lengths scaled to the largest
+    Each row is three translations and three rotations about the centre of the points, lengths scaled to the largest
     distance from it. A motion that moves no point, as the turn of a straight cable about itself, is left out.
 
     Args:
         points: Positions, shape (n, 3) [m].
-        held: Which components are held, shape (n, 3).
+        held: Constrained components, shape (n, 3).
     """
     arm = points - points.mean(axis=0)
     arm = arm / max(np.abs(arm).max(), np.finfo(float).tiny)

@@ -18,7 +18,7 @@ from .parts import Cable, Kind, Mast, Membrane, Part
 
 
 class SliverWarning(UserWarning):
-    """A triangle that is so slender that the rounding of its forces is seen in results."""
+    """Triangle so slender that the rounding of its forces shows in results."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +27,7 @@ class Support:
 
     Args:
         nodes: A node number or several, shape (k,).
-        components: The components held, some of "xyz".
+        components: The constrained components, some of "xyz".
 
     Raises:
         ValueError: Nodes are not whole numbers; components are not letters of "xyz".
@@ -43,25 +43,25 @@ class Support:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Structure:
-    """Everything that does not change from stage to stage.
+    """Points, parts and supports: everything that stays the same from stage to stage.
 
-    The nodes of a triangle may be in either order: when the structure is made, all cells of a connected membrane, open
-    or closed, are turned to one sense, that of the first. In `parts` a turned cell has its last two nodes exchanged;
-    the rows of cells keep their order. Data per cell stay valid, as none depend on the order of its nodes: prestress
-    is in the warp/weft frame of the one sense, warp is a vector in space, pressure is along `normals`.
+    The nodes of a triangle may be in either order. When the structure is made, all cells of a connected membrane, open
+    or closed, are turned to the sense of the first. In `parts` a turned cell has its last two nodes exchanged; the rows
+    of cells keep their order. Data per cell stay valid, as none depend on the order of its nodes: prestress is in the
+    warp/weft frame of the one sense, warp is a vector in space, pressure is along `normals`.
 
-    A membrane without two sides (a Moebius strip, or sheets that branch) is a structure too. It is refused where
-    `normals` are asked for, a pressure acts, or one prestress tensor with shear is given for all its cells. Its cells
-    keep the sense that they have, in a branching one that of their sheet; so do the signs of shear in each cell:
-    in the results, and in prestress tensors given per cell.
+    A membrane without two sides (a Moebius strip, or sheets that branch) is allowed. It is refused where `normals` are
+    asked for, a pressure acts, or one prestress tensor with shear is given for all its cells. Its cells keep their
+    sense, in a branching membrane that of their sheet. So do the signs of shear in each cell: in the results, and in
+    prestress tensors given per cell.
 
     Args:
-        points: Reference (prestressed) position of the nodes, shape (n, 3) [m]. A node is known by its row.
-        parts: Membranes, cables and masts by name. Parts that share a node are hinged together there. Give each a
-            name of its own: of two entries with one name a Python dictionary keeps the last without a word.
-        supports: Nodes that do not move.
+        points: Reference (prestressed) position of the nodes, shape (n, 3) [m]. The row is the number of the node.
+        parts: Membranes, cables and masts by name. Parts that share a node are hinged together there. Names must be
+            unique: of two equal keys, a Python dictionary keeps the last in silence.
+        supports: Constrained nodes.
         separate: Pairs of names of parts that lie on each other without being joined, as the two skins of a cushion:
-            `[("top", "bottom")]`. Their nodes may be at one place; of a part and itself too, as at a slit.
+            `[("top", "bottom")]`. Their nodes may coincide. Pair a part with itself for a slit.
 
     Raises:
         ValueError: A cell names a node that does not exist, has no area or no length, is a sliver more than 1e7 times
@@ -71,9 +71,9 @@ class Structure:
             part that is not there.
 
     Warns:
-        CoincidentNodesWarning: Nodes of the parts are at one place, nearer than 1e-9 of the size of the structure, and
-            not all of them are held there by supports. If they are meant to be apart (two skins, a slit, two cables
-            that cross), name their parts in `separate`.
+        CoincidentNodesWarning: Nodes of the parts coincide, closer than 1e-9 of the size of the structure, and supports
+            do not constrain all of them there. If they are meant to be apart (two skins, a slit, two cables that
+            cross), name their parts in `separate`.
         SliverWarning: A triangle is more than 5e5 times as long as it is high.
     """
 
@@ -112,7 +112,7 @@ class Structure:
 
     @property
     def used(self) -> NDArray[np.bool_]:
-        """Which nodes belong to a part, shape (n,)."""
+        """Nodes that belong to a part, shape (n,)."""
         used = np.zeros(len(self.points), dtype=bool)
         for part in self.parts.values():
             used[part.cells] = True
@@ -125,7 +125,7 @@ class Structure:
 
     @property
     def supported(self) -> NDArray[np.bool_]:
-        """Which components of which nodes are held by supports, shape (n, 3)."""
+        """Components constrained by supports, shape (n, 3)."""
         held = np.zeros(self.points.shape, dtype=bool)
         for support in self.supports:
             for component in validation.components("Support components", support.components):
@@ -133,7 +133,7 @@ class Structure:
         return held
 
     def warp(self, name: str) -> NDArray[np.float64]:
-        """Unit warp direction of every cell of a membrane in its own plane, shape (cells, 3) [-].
+        """Project the warp of a membrane on its cells: unit vectors, shape (cells, 3) [-].
 
         Raises:
             ValueError: There is no membrane of that name; the warp is normal to a cell.
@@ -154,9 +154,9 @@ class Structure:
         return tangent
 
     def normals(self, name: str) -> NDArray[np.float64]:
-        """Unit normals of a membrane, all on one side of it, shape (cells, 3) [-]; a positive pressure acts along them.
+        """Normals of a membrane, unit vectors on one side of it, shape (cells, 3) [-]; pressure acts along them.
 
-        The nodes of its cells in `parts` run counter-clockwise about them. To turn those of a connected piece round,
+        The nodes of its cells in `parts` run counter-clockwise about them. To reverse the normals of a connected piece,
         give the nodes of its first cell in the other order.
 
         Raises:
@@ -167,7 +167,7 @@ class Structure:
         return normals(self.points, membrane.cells)
 
     def check_sides(self, name: str) -> None:
-        """Refuses a membrane without two sides.
+        """Refuse a membrane without two sides.
 
         Raises:
             ValueError: It has only one side, like a Moebius strip, or branches.
@@ -176,10 +176,10 @@ class Structure:
             raise ValueError(f"Part {name!r} {self._no_sides[name]}")
 
     def part(self, name: str, kind: type[Kind]) -> Kind:
-        """The part of a name and a kind, Membrane, Cable or Mast.
+        """Part of a name and a kind, Membrane, Cable or Mast.
 
         Raises:
-            ValueError: There is none of that name and kind.
+            ValueError: There is no part of that name and kind.
         """
         if not isinstance(kind, type) or kind not in (Membrane, Cable, Mast):
             raise ValueError(f"The kind of a part is {validation.shown(kind)}; give Membrane, Cable or Mast.")
@@ -193,10 +193,10 @@ class Structure:
         return part
 
     def check_nodes(self, what: str, nodes: NDArray[np.int64]) -> None:
-        """Refuses nodes that do not exist or that no part uses.
+        """Refuse nodes that do not exist or that no part uses.
 
         Raises:
-            ValueError: Names what, and the node.
+            ValueError: A node is unknown or unused; the message begins with `what` and names the node.
         """
         validation.in_range(what, nodes, len(self.points), "node")
         loose = nodes[~self.used[nodes]]
@@ -225,7 +225,7 @@ class Structure:
             warnings.warn(found, CoincidentNodesWarning, stacklevel=4)
 
     def _turned(self, name: str, part: Part) -> Part:
-        """The part with cells of one sense; why it has no two sides is kept until someone asks for them."""
+        """Turn the cells of a part to one sense; store the reason if it has no two sides, until that matters."""
         if not isinstance(part, Membrane):
             return part
         cells, reason = with_one_sense(part.cells)
