@@ -154,7 +154,7 @@ class Structure:
         return tangent
 
     def normals(self, name: str) -> NDArray[np.float64]:
-        """Normals of a membrane, unit vectors on one side of it, shape (cells, 3) [-]; pressure acts along them.
+        """Return unit normals of a membrane, on one side of it, shape (cells, 3) [-]; pressure acts along them.
 
         The nodes of its cells in `parts` run counter-clockwise about them. To reverse the normals of a connected piece,
         give the nodes of its first cell in the other order.
