@@ -1,4 +1,4 @@
-"""Warning where a state that a solver took for equilibrium is not in balance to the digits that its user relies on."""
+"""Warning of unbalanced forces in a state that a solver took for equilibrium."""
 
 import warnings
 
@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from ..assembly.rounding import prestress_force
 from .states import StageResult
 
-UNBALANCED = 1e-6  # of the loads
-LOST = 1e-9  # share of the prestress that counts as none
+UNBALANCED = 1e-6  # fraction of the loads
+LOST = 1e-9  # fraction of the prestress that counts as zero
 
 
 class UnbalancedStateWarning(UserWarning):
@@ -17,11 +17,11 @@ class UnbalancedStateWarning(UserWarning):
 
 
 def warn_of_unbalance(result: StageResult, stacklevel: int) -> None:
-    """Warns of unbalanced forces that are not small beside the loads."""
+    """Warn of unbalanced forces that are not small beside the loads."""
     loads, reactions = _size(result.loads), _size(result.reactions)
     kind, forces = ("loads", loads) if loads else ("reactions", reactions)
     residual = result.equilibrium.residual
-    # Where prestress has vanished without a load, reactions are rounding themselves.
+    # If prestress has vanished without a load, reactions are rounding themselves.
     if (
         not residual > UNBALANCED * max(forces, 0.0 if loads else LOST * prestress_force(result.structure))
         or not forces
@@ -38,5 +38,5 @@ def warn_of_unbalance(result: StageResult, stacklevel: int) -> None:
 
 
 def _size(forces: NDArray[np.float64]) -> float:
-    """Size of nodal forces, of their sum or, where they balance each other, their 2-norm [N]."""
+    """Norm of the sum of nodal forces or, if they balance, of the forces themselves [N]."""
     return float(max(np.abs(forces.sum(axis=0)).max(), np.linalg.norm(forces)))

@@ -1,4 +1,4 @@
-"""Makes results of states: evaluates stresses in the cells and gathers everything in the user's order."""
+"""Evaluation of states: stresses in the cells, and everything gathered in the user's order."""
 
 from collections.abc import Callable
 from typing import Any
@@ -18,7 +18,7 @@ from .states import BarResult, Equilibrium, Increment, MembraneResult, StageResu
 
 STATES = np.array(["taut", "wrinkled", "slack"])  # in the order of `forms.wrinkling`
 
-# What is evaluated in each cell, and its shape.
+# Quantities evaluated in each cell, and their shapes.
 MEMBRANE = {
     "strain": (2, 2),
     "second_piola_kirchhoff": (2, 2),
@@ -32,14 +32,14 @@ BAR = {"strain": (), "force": (), "state": ()}
 
 
 class Recorder:
-    """Makes results of states; keeps the compiled stress expressions between stages."""
+    """Evaluation of states; it keeps the compiled stress expressions between stages."""
 
     def __init__(self, problem: Problem):
         self.problem = problem
         self.expressions = {name: _expression(part) for name, part in problem.parts.items()}
 
     def __call__(self, name: str, x: PETSc.Vec, actions: Actions, increments: tuple[Increment, ...]) -> StageResult:
-        """Result of a state x under actions that the problem holds."""
+        """Compute the result of a state x under actions that the problem holds."""
         problem, discretization = self.problem, self.problem.discretization
         _dolfinx.free_dropped(discretization.comm)
         with discretization.work(1) as (b,):
@@ -84,13 +84,13 @@ class Recorder:
         if membrane:
             return MembraneResult(**fields, state=state)
         slack = state == "slack"
-        if isinstance(part, Cable) and part.compression_stiffness < 1:  # a cable without force, or with rounding
+        if isinstance(part, Cable) and part.compression_stiffness < 1:  # cables without force, or with rounding
             slack |= fields["force"] <= ROUNDING * (part.axial_stiffness + np.abs(part.prestress))
         return BarResult(**fields, slack=slack)
 
 
 def _expression(part: PartForms) -> Callable[[], NDArray[np.float64]]:
-    """All that is recorded of a part, as one vector-valued expression, in the order of `MEMBRANE` or `BAR`."""
+    """Compile the quantities of a part as one vector-valued expression, in the order of `MEMBRANE` or `BAR`."""
     F, S = part.F, part.S
     cauchy = stress.cauchy(F, S, kinematics.stretch_ratio(F))
     if isinstance(part.mesh.part, Membrane):

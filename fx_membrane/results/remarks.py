@@ -1,7 +1,7 @@
-"""Remarks on a state that a user must see before its numbers: unstable, fallen, held by slack parts.
+"""Remarks on a state to read before its numbers: unstable, fallen, held by slack parts.
 
-They follow from the result and from where its stage began, so that they are the same on every process, after a restart
-and wherever they are shown: as warnings, in `report`, on the result itself.
+They follow from the result and from the start of its stage. So they are the same on every process, after a restart
+and in every place: as warnings, in `report`, on the result itself.
 """
 
 import warnings
@@ -18,15 +18,15 @@ from ..solvers.base import FALLEN
 from .slack_forces import Loose, Push, loose_masts, pushes, slack_cells
 from .states import BarResult, LostPrestressWarning, StageResult, UnstableStateWarning
 
-LEFT = 0.01  # share of its prestress, below which a part has lost it
-SHOWN = 3  # load factors and parts that are named
+LEFT = 0.01  # fraction of its prestress, below which a part has lost it
+SHOWN = 3  # number of load factors and parts named
 
 
 class Remark(str):
     """A sentence on a state.
 
     Attributes:
-        category: Class of the warning that tells it.
+        category: Class of its warning.
     """
 
     category: type[UserWarning] = UnstableStateWarning
@@ -37,24 +37,24 @@ class _Lost(Remark):
 
 
 def remarked(result: StageResult, start: NDArray[np.float64] | None) -> StageResult:
-    """The result with its remarks.
+    """Add the remarks to a result.
 
     Args:
         result: A state.
-        start: Displacements at the start of its stage, shape (n, 3) [m]; None where motion is not to be judged.
+        start: Displacements at the start of its stage, shape (n, 3) [m]; None to leave motion out.
     """
     return replace(result, remarks=tuple(_remarks(result, start)))
 
 
 def warn_of_remarks(result: StageResult, stacklevel: int) -> None:
-    """Warns of each remark, on every process."""
+    """Warn of each remark, on every process."""
     for remark in result.remarks:
         category = remark.category if isinstance(remark, Remark) else UnstableStateWarning
         warnings.warn(f"Stage {result.name!r}: {remark}", category, stacklevel=stacklevel)
 
 
 def held_by_slack_parts(result: StageResult) -> str:
-    """Masts, or else a node, and the slack parts that alone hold them, in words; empty where there is none."""
+    """Sentence on masts, or else a node, that slack parts alone hold; empty if there are none."""
     for push in pushes(result):
         return f"{_hanging(result.structure, push)}, held by slack parts alone ({_listed(list(push.compression))})"
     for loose in loose_masts(result):
@@ -103,7 +103,7 @@ def _snapped(result: StageResult, moved: str) -> Iterator[Remark]:
 
 
 def _carried(result: StageResult) -> Iterator[Remark]:
-    """Slack parts that carry, and masts that nothing but slack parts could hold."""
+    """Remarks on slack parts that carry, and on masts that only slack parts could hold."""
     found = pushes(result)
     for push in found:
         membranes = all(isinstance(result.structure.parts[name], Membrane) for name in push.compression)
@@ -133,7 +133,7 @@ def _carried(result: StageResult) -> Iterator[Remark]:
 
 
 def _loss(result: StageResult, lost: Sequence[str]) -> str:
-    """Which parts have lost their prestress, and how far their nodes have moved."""
+    """Sentence on the parts that lost their prestress, and on the motion of their nodes."""
     structure = result.structure
     nodes = np.unique(np.concatenate([structure.parts[name].cells.ravel() for name in lost]))
     motion = np.linalg.norm(result.displacement[nodes], axis=1)
@@ -147,7 +147,7 @@ def _loss(result: StageResult, lost: Sequence[str]) -> str:
 
 
 def _has_lost_its_prestress(result: StageResult, name: str) -> bool:
-    """Whether a part that was given tension has next to none left."""
+    """Return True if a part that was given tension has almost none left."""
     given = _tensions(result.structure, name).max()
     part = result.parts[name]
     left = part.force if isinstance(part, BarResult) else part.principal[:, 0]
@@ -155,12 +155,12 @@ def _has_lost_its_prestress(result: StageResult, name: str) -> bool:
 
 
 def _tensions(structure: Structure, name: str) -> NDArray[np.floating[Any]]:
-    """Largest prestress of each cell of a part, shape (cells,); negative where it is no tension."""
+    """Largest prestress of each cell of a part, shape (cells,); negative without tension."""
     return np.linalg.eigvalsh(structure.parts[name].prestress_tensors())[:, -1]
 
 
 def _moved(result: StageResult, start: NDArray[np.float64]) -> str:
-    """Which node moved very far, further than what is moved by prescription, in words; empty where none did."""
+    """Sentence on the node that moved farthest beyond prescribed motion; empty if none moved far."""
     held, motion = result.actions.held, result.displacement - start
     moved, given = (np.linalg.norm(np.where(where, motion, 0.0), axis=1) for where in (~held, held))
     node = int(moved.argmax())
@@ -169,12 +169,12 @@ def _moved(result: StageResult, start: NDArray[np.float64]) -> str:
 
 
 def _hanging(structure: Structure, push: Push) -> str:
-    """The masts that slack parts hold, or else the node."""
+    """Name the masts that slack parts hold, or else the node."""
     return _standing(structure, push.nodes) or f"node {push.nodes[0]}"
 
 
 def _standing(structure: Structure, nodes: Sequence[int] | NDArray[np.int64]) -> str:
-    """The masts at nodes: the first cell of each part, and the node."""
+    """Name the masts at nodes: the first cell of each part, and the node."""
     said = []
     for name, part in structure.parts.items():
         ends = np.isin(part.cells, nodes)

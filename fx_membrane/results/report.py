@@ -1,4 +1,4 @@
-"""A stage in words and numbers: iterations, forces, stresses, strains, states, reactions and their balance."""
+"""Report of a stage: iterations, forces, stresses, strains, states, reactions and their balance."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -18,21 +18,21 @@ def report(
 ) -> str:
     """Table of a stage, to print.
 
-    It begins with the remarks on the state, if there are any. It gives of each part the least and the largest value:
-    forces of cables and masts, principal stresses of membranes and, where a warp is given, stresses along warp and
-    weft; the largest strain, from the reference shape and together with the strain that belongs to the prestress; how
-    many cells are slack or wrinkled; and which cables end in the air. Largest values (in masts of either sign) are
-    given with their cell, a row of the part's cells, and where its centroid is in the reference shape. The largest
-    displacement is the length of a vector.
+    It begins with the remarks on the state, if any. For each part it gives the minimum and maximum: forces of cables
+    and masts, principal stresses of membranes and, with a given warp, stresses along warp and weft. Then follow the
+    largest strain, from the reference shape and with the elastic strain of the prestress, the number of slack or
+    wrinkled cells, and free cable ends. Largest values (in masts of either sign) come with their cell, a row of the
+    part's cells, and the place of its centroid in the reference shape. The largest displacement is the length of a
+    vector.
 
-    No number is converted: a structure in kN and m gives a report in kN and m, and the names of the units say so.
+    No number is converted: a structure in kN and m gives a report in kN and m, labelled by the names of the units.
 
     Args:
         result: A stage.
         nodes: Nodes whose reactions are listed.
-        first: The number written for node 0.
-        force_unit: Name of the unit in which the structure and its loads were given, to be written behind forces.
-        length_unit: The same for lengths.
+        first: Printed number of node 0.
+        force_unit: Name of the force unit of the structure and its loads, printed after forces.
+        length_unit: Name of the length unit, printed after lengths.
 
     Returns:
         The lines, without a line end after the last.
@@ -98,7 +98,7 @@ def _part(result: StageResult, name: str, first: int, force_unit: str, length_un
 
 
 def _where(result: StageResult, name: str, values: NDArray[np.floating[Any]]) -> str:
-    """The cell of a part with the largest value, and where it is."""
+    """Name the cell of a part with the largest value, and its place."""
     cell = int(values.argmax())
     centroid = result.structure.points[result.structure.parts[name].cells[cell]].mean(axis=0)
     return f"in cell {cell} at ({', '.join(f'{x + 0.0:.4g}' for x in centroid)})"
@@ -121,6 +121,6 @@ def _range(values: NDArray[np.float64]) -> str:
 
 
 def _vector(result: StageResult, values: NDArray[np.float64]) -> str:
-    """Components of a force; what is rounding beside the reactions is 0."""
+    """Components of a force; rounding beside the reactions is printed as 0."""
     rounding = 1e-12 * np.abs(result.reactions).sum()
     return f"({', '.join(f'{value:.6g}' if abs(value) > rounding else '0' for value in values)})"

@@ -1,7 +1,7 @@
-"""Forces that slack and wrinkled cells carry by the small stiffness they keep, and masts that nothing else holds.
+"""Forces of slack and wrinkled cells by their compression stiffness, and masts that nothing else holds.
 
-A real cable pushes nothing and a real fabric carries no compression. A model keeps a share of their stiffness, so that
-slack nodes stay in place; where an equilibrium hangs on that share, the structure has none.
+A real cable cannot push and a real fabric carries no compression. A model keeps a fraction of their stiffness, so that
+slack nodes stay in place. If an equilibrium hangs on that fraction, the structure has none.
 """
 
 from typing import NamedTuple
@@ -17,15 +17,15 @@ from .states import BarResult, MembraneResult, StageResult
 
 Array = NDArray[np.float64]
 
-LIMIT = 0.01  # share of the largest force of its kind, above which compression of slack parts holds the structure
+LIMIT = 0.01  # fraction of the largest force of its kind, above which compression of slack parts holds the structure
 SEEN = 1e-9  # strain below which a compression is rounding
 
 
 class Push(NamedTuple):
-    """Slack or wrinkled parts of one kind that carry more than a share `LIMIT` of the largest force of their kind.
+    """Slack or wrinkled parts of one kind that carry more than the fraction `LIMIT` of their largest force.
 
     Attributes:
-        compression: Of each such part, its most compressed cell and the compression there [N or N/m].
+        compression: The most compressed cell of each part, and its compression [N or N/m].
         largest: Largest force of cables and masts [N], or largest principal stress of membranes [N/m].
         nodes: Nodes that these parts hold, the one with the largest force first.
     """
@@ -36,17 +36,17 @@ class Push(NamedTuple):
 
 
 class Loose(NamedTuple):
-    """A node of a mast at which all that could hold it is slack: the direction in which it is free, shape (3,)."""
+    """Mast node that only slack cells could hold: its free direction, shape (3,)."""
 
     node: int
     direction: Array
 
 
 def pushes(result: StageResult) -> list[Push]:
-    """Parts that carry a structure though they are slack or wrinkled: at most one entry for bars, one for membranes.
+    """List the parts that carry a structure though slack or wrinkled: at most one entry for bars, one for membranes.
 
-    Compression that a part takes up within itself, or between held nodes, carries nothing: the forces of its cells must
-    leave a net force on a node that is free.
+    Compression within a part, or between constrained nodes, carries nothing: the forces of its cells must leave a net
+    force on a free node.
     """
     return [found for kind in (BarResult, MembraneResult) if (found := _push(result, kind))]
 
@@ -75,11 +75,11 @@ def _push(result: StageResult, kind: type[BarResult] | type[MembraneResult]) -> 
 
 
 def loose_masts(result: StageResult) -> list[Loose]:
-    """Nodes of masts that stand, or lie about, with nothing but slack cells to hold them in some direction.
+    """Nodes of masts that only slack cells could hold in some direction.
 
-    A node counts only if it gives way while all nodes beside it stand still. Without slack cells there is nothing to
-    tell: solvers meet the missing stiffness themselves. Where all is without force, as before anything is applied,
-    cables count as holding.
+    A node counts if it gives way while all nodes beside it stand still. Without slack cells the list is empty: solvers
+    detect the missing stiffness themselves. If every part is without force, as before any load, cables count as
+    holding.
     """
     structure = result.structure
     masts, slack, held, pressed = (np.zeros(len(structure.points), dtype=bool) for _ in range(4))
@@ -106,7 +106,7 @@ def loose_masts(result: StageResult) -> list[Loose]:
 
 
 def slack_cells(result: StageResult, name: str) -> NDArray[np.bool_]:
-    """Cells of a part that carry no tension, shape (cells,)."""
+    """Cells of a part without tension, shape (cells,)."""
     part = result.parts[name]
     return part.slack if isinstance(part, BarResult) else part.state == "slack"
 
@@ -125,14 +125,14 @@ def _largest(result: StageResult, name: str) -> float:
 
 
 def _rounding(result: StageResult, name: str) -> float:
-    """Compression that is rounding [N or N/m]."""
+    """Compression at rounding [N or N/m]."""
     part = result.structure.parts[name]
     kept = part.compression_stiffness if isinstance(part, Cable | Membrane) else 1.0
     return SEEN * kept * stiffness(part)
 
 
 def _corner_forces(result: StageResult, name: str) -> tuple[Array, Array]:
-    """Forces of the cells of a part on their nodes, of kept compression and the others, (cells, corners, 3) [N]."""
+    """Corner forces of the cells of a part, of compression and of the other stresses, (cells, corners, 3) [N]."""
     part, x = result.parts[name], result.position[result.structure.parts[name].cells]
     if isinstance(part, BarResult):
         way = x[:, 1] - x[:, 0]
@@ -144,7 +144,7 @@ def _corner_forces(result: StageResult, name: str) -> tuple[Array, Array]:
     pressed = np.where((part.state == "taut")[:, None], 0.0, np.minimum(values, 0.0))
     normal = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
-    # Across the side opposite to a corner, half its length times the stress acts on the corner.
+    # The stress times half the length of the opposite side, across it, acts on a corner.
     across = np.cross(normal[:, None], np.roll(x, -2, axis=1) - np.roll(x, -1, axis=1)) / 2
 
     def forces(principal: Array) -> Array:
@@ -155,7 +155,7 @@ def _corner_forces(result: StageResult, name: str) -> tuple[Array, Array]:
 
 
 def _bar_tangent(result: StageResult, name: str) -> Array:
-    """Stiffness of each cable or mast at its end while the other stands still, shape (cells, 3, 3) [N/m]."""
+    """Stiffness of each cable or mast at one end while the other is fixed, shape (cells, 3, 3) [N/m]."""
     part, state = result.structure.parts[name], result.parts[name]
     assert isinstance(state, BarResult)
     assert not isinstance(part, Membrane)

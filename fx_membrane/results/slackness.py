@@ -1,4 +1,4 @@
-"""Which parts of a state carry nothing, and which cables end in the air, in words."""
+"""Sentences on slack parts and on free cable ends."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +9,7 @@ from .states import BarResult, StageResult
 
 
 def hanging_ends(state: StageResult) -> str:
-    """A sentence that names the cables that end where nothing holds them; nothing where there is none."""
+    """Sentence on cables with a free, unconnected end; empty if there are none."""
     for name, part in state.structure.parts.items():
         ends = loose_ends(state.structure, name, state.actions.held) if isinstance(part, Cable) else []
         if ends:
@@ -22,7 +22,7 @@ def hanging_ends(state: StageResult) -> str:
 
 
 def slack_parts(state: StageResult) -> str:
-    """A sentence that names the parts of which no cell, or few, is in tension; nothing where there is none."""
+    """Sentence on parts with no cell, or few cells, in tension; empty if there are none."""
     words = [
         f"{name!r} is slack in {slack} of {len(cells)} cells"
         for name, cells in ((name, _slack(state, name)) for name in state.parts)

@@ -1,4 +1,4 @@
-"""What a stage ends in: displacements, reactions, stresses, forces and their balance, as NumPy arrays.
+"""Results of a stage: displacements, reactions, stresses, forces and their balance, as NumPy arrays.
 
 Arrays follow the user's own order of nodes and cells, and every process has all of them.
 """
@@ -18,26 +18,25 @@ Array = NDArray[np.float64]
 
 
 class UnstableStateWarning(UserWarning):
-    """An equilibrium that is not stable, is very far from where the stage began, or hangs on slack parts."""
+    """Equilibrium that is unstable, very far from the start of the stage, or held by slack parts."""
 
 
 class LostPrestressWarning(UserWarning):
-    """A state in which a part that was given a prestress has next to no tension left in any cell."""
+    """State in which a prestressed part has almost no tension left in any cell."""
 
 
 class Increment(NamedTuple):
     """One load increment.
 
     Attributes:
-        load_factor: Share of the stage's own loads and displacements, in (0, 1].
+        load_factor: Fraction of the stage's own loads and displacements, in (0, 1].
         iterations: The iterates of the solver, the start first.
-        drawn_smooth: Whether these begin with what an artificial tension in the structure came to while it was faded
-            out, since the solver found no way from the last increment.
-        unstable: Whether the equilibrium is not stable, as far as the solver looked (see `stability`).
-        unlisted: Number of iterates that are not among `iterations`: of tries that came to nothing, and of those that
-            drew the structure smooth.
-        snapped: Whether the structure lost its stability in it, and has snapped or buckled into another shape.
-        fallen: What it was, in words, that nothing but slack parts held before it snapped; empty where it buckled.
+        drawn_smooth: True if the iterations follow a homotopy in a fading stabilization, since the solver failed from
+            the last increment.
+        unstable: True if the equilibrium is unstable, as far as the solver looked (see `stability`).
+        unlisted: Number of iterates missing from `iterations`: those of rejected attempts and of the homotopy.
+        snapped: True if the structure lost its stability, and has snapped through or buckled into another shape.
+        fallen: Sentence on the parts that only slack parts held before it snapped; empty if it buckled.
     """
 
     load_factor: float
@@ -59,10 +58,10 @@ class MembraneResult:
         cauchy: Stress per current length in global axes, shape (cells, 3, 3) [N/m].
         principal: Principal values of `cauchy`, the larger first, shape (cells, 2) [N/m].
         thread_forces: Normal components of `cauchy` along the current warp and weft, shape (cells, 2) [N/m].
-        state: "taut", "wrinkled" or "slack", shape (cells,). With `compression_stiffness=1` the membrane does neither:
-            all cells are "taut", also those that `principal` shows in compression.
-        cauchy_projected: Cauchy stress with the determinant of I + grad u as J, in global axes, shape (cells, 3, 3)
-            [N/m]: what Gil (19) gives, the paper's Table 2. It is larger than `cauchy` where cells have turned.
+        state: "taut", "wrinkled" or "slack", shape (cells,). With `compression_stiffness=1` the membrane neither
+            wrinkles nor slackens: all cells are "taut", even if `principal` shows compression.
+        cauchy_projected: Cauchy stress with J the determinant of I + grad u, in global axes, shape (cells, 3, 3) [N/m],
+            as in Gil (19) and the paper's Table 2. It is larger than `cauchy` where cells have turned.
     """
 
     strain: Array
@@ -81,8 +80,7 @@ class BarResult:
     Attributes:
         strain: Green-Lagrange strain, shape (cells,) [-].
         force: Axial force in the current shape, tension positive, shape (cells,) [N].
-        slack: Which cells carry no tension, shape (cells,); masts do not count, nor cables with
-            `compression_stiffness=1`.
+        slack: Cells without tension, shape (cells,); False for masts, and for cables with `compression_stiffness=1`.
     """
 
     strain: Array
@@ -92,7 +90,7 @@ class BarResult:
 
 @dataclass(frozen=True, eq=False)
 class Equilibrium:
-    """Balance of everything that acts on the structure in its current shape; moments about the origin.
+    """Balance of all forces on the structure in its current shape; moments about the origin.
 
     Attributes:
         loads: Sum of the loads, shape (3,) [N].
@@ -116,16 +114,16 @@ class StageResult:
     Attributes:
         name: Name of the stage.
         structure: The structure.
-        displacement: From the reference position, shape (n, 3) [m].
-        actions: What holds and loads the structure: held components, dead loads, pressures of the cells.
+        displacement: Displacement from the reference position, shape (n, 3) [m].
+        actions: Constraints and loads of the structure: constrained components, dead loads, pressures of the cells.
         loads: Loads on the nodes, those of pressures in the current shape, shape (n, 3) [N].
-        reactions: Forces that hold the supports and the prescribed displacements, shape (n, 3) [N]; zero where free.
+        reactions: Forces of the supports and the prescribed displacements, shape (n, 3) [N]; zero at free components.
         energy: Total potential energy [J].
         equilibrium: Balance of loads and reactions.
         increments: The load increments of this stage, in order.
         parts: State of each part by name.
-        remarks: Sentences on the state to be read before its numbers, those of the warnings: that it is not stable, has
-            snapped or fallen, hangs on slack parts, or has lost its prestress.
+        remarks: Sentences of the warnings, to read before the numbers: the state is unstable, has snapped through or
+            fallen, hangs on slack parts, or has lost its prestress.
     """
 
     name: str
@@ -197,7 +195,7 @@ class StageResult:
 
 
 class StageResults(dict[str, StageResult]):
-    """Results of stages by name, a dictionary that says which names it has where one is not among them."""
+    """Results of stages by name: a dictionary whose KeyError lists the names."""
 
     def __missing__(self, name: object) -> StageResult:
         raise KeyError(f"no stage is named {name!r}; the results are of {list(self)}")

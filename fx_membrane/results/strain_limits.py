@@ -1,4 +1,4 @@
-"""Warnings where strains, or those that belong to the prestress, leave the range of the material law."""
+"""Warnings of strains, or elastic strains of the prestress, outside the range of the material law."""
 
 import warnings
 
@@ -10,21 +10,21 @@ from ..model.structure import Structure
 from .states import BarResult, MembraneResult, StageResult
 
 MODERATE = 0.05
-ABSURD = 1.0  # no fabric or cable bears that
+ABSURD = 1.0  # strain that no fabric or cable bears
 
 
 class LargeStrainWarning(UserWarning):
-    """Strains above 5 %, for which the Saint Venant-Kirchhoff law is not meant.
+    """Strains above 5 %, beyond the range of the Saint Venant-Kirchhoff law.
 
     A force EA E (1 + e), with the Green-Lagrange strain E = e + e^2 / 2 of a relative change of length e, differs from
-    EA e by the share 3 e / 2: 8 % at e = 5 %.
+    EA e by the fraction 3 e / 2: 8 % at e = 5 %.
 
-    Of a prestress it is the strain that belongs to it, prestress over stiffness, which the reference shape has already.
+    For a prestress it is the elastic strain of the reference shape, prestress over stiffness.
     """
 
 
 def warn_of_large_prestress(structure: Structure, stacklevel: int) -> None:
-    """Warns once, of the part whose prestress belongs to the largest strain, in tension, compression or excess."""
+    """Warn once, of the part with the largest strain of its prestress, in tension, compression or excess."""
     strains = {name: _largest(elastic_strain(part, part.prestress_tensors())) for name, part in structure.parts.items()}
     name = max(strains, key=lambda name: np.abs(strains[name]).max())
     cell = int(np.abs(strains[name]).argmax())
@@ -50,7 +50,7 @@ def warn_of_large_prestress(structure: Structure, stacklevel: int) -> None:
 
 
 def warn_of_large_strains(result: StageResult, stacklevel: int) -> None:
-    """Warns once, of the most strained part; strains that wrinkling, slackness or an excess takes up do not count."""
+    """Warn once, of the most strained part; strains of wrinkling, slackness or an excess do not count."""
     sizes = {name: _sizes(result.structure.parts[name], part) for name, part in result.parts.items()}
     name = max(sizes, key=lambda name: sizes[name].max())
     cell = int(sizes[name].argmax())
@@ -83,17 +83,17 @@ def _sizes(part: Part, result: MembraneResult | BarResult) -> NDArray[np.float64
 
 
 def elastic_strain(part: Part, stress: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Strains of cells that belong to stresses by the stiffness, both of shape (cells, d, d)."""
+    """Elastic strains of cells under stresses, both of shape (cells, d, d)."""
     return part.material.strain(stress) if isinstance(part, Membrane) else np.divide(stress, part.axial_stiffness)
 
 
 def _compression(stress: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Stresses without their tension, shape (cells, d, d)."""
+    """Compressive part of stresses, shape (cells, d, d)."""
     values, directions = np.linalg.eigh(stress)
     return (directions * np.minimum(values, 0.0)[:, None, :]) @ directions.transpose(0, 2, 1)
 
 
 def _largest(tensors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Principal values of the largest size, with their sign, shape (cells,)."""
+    """Principal values of largest magnitude, with their sign, shape (cells,)."""
     values = np.linalg.eigvalsh(tensors)
     return np.where(-values[:, 0] > values[:, -1], values[:, 0], values[:, -1])
