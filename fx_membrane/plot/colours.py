@@ -16,7 +16,7 @@ STATES = dict(zip(ORDER, ("#8fc1b5", "#f2b950", "#d1495b"), strict=True))  # tau
 def colours(
     field: Checked, symmetric: bool, limits: tuple[float, float] | None
 ) -> tuple[Colours, dict[str, NDArray[np.float64]] | NDArray[np.float64]]:
-    """Colours of a field, and its values as numbers; two-sided and symmetric where both signs matter."""
+    """Colours of a field, and its values as numbers; a symmetric scale if both signs matter."""
     values = joined(field)
     if values.dtype.kind == "U":
         assert isinstance(field, dict)
@@ -30,13 +30,13 @@ def colours(
     if symmetric or min(-low, high) > 0.02 * largest:
         return Colours("coolwarm", -largest, largest, BANDS), field
     size = max(abs(low), abs(high))
-    if high - low <= 1e-9 * size:  # uniform: the last digits are no pattern to look at
+    if high - low <= 1e-9 * size:  # uniform: the last digits are rounding
         low, high = low - 0.05 * (size or 1.0), high + 0.05 * (size or 1.0)
     return Colours("viridis", low, high, BANDS), field
 
 
 def colour_bar(figure: Any, axes: Any, shown: Colours, limited: bool) -> None:
-    """Draws the scale of the colours below a picture."""
+    """Draw the scale of the colours below a picture."""
     import matplotlib.cm  # noqa: PLC0415
     import matplotlib.colors  # noqa: PLC0415
 

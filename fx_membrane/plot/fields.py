@@ -1,4 +1,4 @@
-"""Fields to be drawn: numbers at nodes or of cells, or states of cells, and the limits of their colours."""
+"""Fields to draw: numbers at nodes or of cells, or states of cells, and the limits of their colours."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -10,7 +10,7 @@ from ..checks import validation
 from ..checks.entries import all_are, entries
 from ..results.states import StageResult
 
-FAR = 1e4  # displacements drawn larger than so many times the structure are lines without a shape
+FAR = 1e4  # displacements drawn larger than this multiple of the structure have no visible shape
 STATES = ("taut", "wrinkled", "slack")
 
 Field = Mapping[str, ArrayLike] | ArrayLike
@@ -18,7 +18,7 @@ Checked = dict[str, NDArray[Any]] | NDArray[Any]
 
 
 def checked(result: StageResult, title: str, field: Field) -> Checked:
-    """A field as arrays: of numbers at nodes, shape (n,), or of numbers or states of cells by part, each (cells,).
+    """Convert a field to arrays: numbers at nodes, shape (n,), or numbers or states of cells by part, each (cells,).
 
     Raises:
         ValueError: It has a wrong number of values, values that are neither numbers nor states, or names no part.
@@ -44,7 +44,7 @@ def checked(result: StageResult, title: str, field: Field) -> Checked:
 
 
 def checked_limits(title: str, field: Checked, given: Sequence[float]) -> tuple[float, float]:
-    """The least and the largest value of the colours.
+    """Minimum and maximum of the colours.
 
     Raises:
         ValueError: They are not two numbers, the lower first; or the field shows states.
@@ -58,10 +58,10 @@ def checked_limits(title: str, field: Checked, given: Sequence[float]) -> tuple[
 
 
 def checked_scale(result: StageResult, scale: float) -> float:
-    """A factor of the displacements with which the structure can still be seen.
+    """Factor of the displacements at which the structure is still visible.
 
     Raises:
-        ValueError: It is not a number, or larger than that.
+        ValueError: It is not a number, or too large.
     """
     scale = validation.number("scale", scale)
     times = abs(scale) * np.abs(result.displacement).max() / np.ptp(result.structure.points, axis=0).max()
@@ -74,12 +74,12 @@ def checked_scale(result: StageResult, scale: float) -> float:
 
 
 def joined(field: Checked) -> NDArray[Any]:
-    """All values of a field, shape (values,)."""
+    """Concatenate all values of a field, shape (values,)."""
     return np.concatenate(list(field.values())) if isinstance(field, dict) else field
 
 
 def _values(name: str, given: ArrayLike) -> NDArray[Any]:
-    """Numbers, those of truth values being 0 and 1, or states."""
+    """Numbers, with 0 and 1 for truth values, or states."""
     array = entries(name, given, "numbers or states")
     if array.size and all_are(lambda kind: issubclass(kind, str), array):
         texts = np.array(array, dtype=np.str_)

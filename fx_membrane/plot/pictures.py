@@ -1,8 +1,8 @@
 """Pictures: curves and wire frames (matplotlib), contours on the deformed structure (pyvista inside matplotlib).
 
-Each function writes one picture, a PNG or what else its name ends in, and makes its folder; a name that cannot be
-written is refused before anything is drawn. Under MPI call it on all processes; the first one draws what it was given,
-and the others wait until it has, and raise what it raises.
+Each function writes one picture, a PNG or another format by its ending, and makes its folder. An unwritable path is
+refused before anything is drawn. Under MPI call it on all processes. The first one draws its own arguments; the others
+wait for it, and raise its exceptions.
 """
 
 import warnings
@@ -19,7 +19,7 @@ from ..model.parts import Part
 from ..results.states import StageResult
 from ..runtime.processes import by_the_first
 from ..solvers.base import Iteration
-from .colours import STATES as STATES  # noqa: PLC0414  (for those who draw them otherwise)
+from .colours import STATES as STATES  # noqa: PLC0414  (for users who draw them in another way)
 from .colours import colour_bar, colours
 from .fields import Field, checked, checked_limits, checked_scale
 from .scene import INK, picture, screen_axes
@@ -31,16 +31,16 @@ PAPER = {"dpi": 160, "bbox_inches": "tight"}
 
 @by_the_first
 def convergence(result: StageResult, path: str | Path, force_unit: str = "N", energy_unit: str = "J") -> None:
-    """Total potential energy and largest unbalanced force against the iteration, as in Gil's Fig. 7.
+    """Plot total potential energy and largest unbalanced force against the iteration, as in Gil's Fig. 7.
 
     Args:
         result: A stage; all its increments are drawn one after the other.
-        path: The picture to write.
-        force_unit: Name of the unit of the forces as they are; no number is converted.
-        energy_unit: The same for energies.
+        path: Path of the picture.
+        force_unit: Name of the force unit; no number is converted.
+        energy_unit: Name of the energy unit.
 
     Raises:
-        ValueError: The result is not that of a stage; path ends in no format of pictures.
+        ValueError: The result is not that of a stage; path ends in no picture format.
     """
     validation.instance("The first argument of convergence", result, StageResult)
     file = _checked_path(path)
@@ -72,23 +72,23 @@ def compare_convergence(
     force_unit: str = "N",
     energy_unit: str = "J",
 ) -> None:
-    """Energy above that at the end and largest unbalanced force of several solves, against iterations and time.
+    """Plot energy above the final one and largest unbalanced force of several solves, against iterations and time.
 
-    The scale of the energies is logarithmic, and has no place for those at or below that at the end: the last ones, and
-    starts in which prescribed displacements are still to come, or pressure, whose work is not in the energy. Where a
-    curve of `Newton` begins at iteration 1, that is why; a first-order method brings what is prescribed to its place
-    before its first iterate. Against time the starts are left out: its scale is logarithmic too.
+    The energy scale is logarithmic and omits energies at or below the final one. These are the last ones, and starts
+    before prescribed displacements, or before pressure, whose work is not in the energy. So a curve of `Newton` may
+    begin at iteration 1; a first-order method imposes displacements before its first iterate. The time scale is
+    logarithmic, too, and omits the starts.
 
     Args:
         histories: The iterates by name of the solver; all solves have the same solution.
-        seconds: How long each solve took [s]; its iterates are drawn evenly over it.
-        path: The picture to write.
-        force_unit: Name of the unit of the forces as they are; no number is converted.
-        energy_unit: The same for energies.
+        seconds: Duration of each solve [s]; its iterates are spread evenly over it.
+        path: Path of the picture.
+        force_unit: Name of the force unit; no number is converted.
+        energy_unit: Name of the energy unit.
 
     Raises:
-        ValueError: There are no histories, one has no iterate, or they are not those that have a time; path ends in no
-            format of pictures.
+        ValueError: There are no histories, one has no iterate, or their names differ from those of the times; path ends
+            in no picture format.
     """
     seconds = _checked_times(histories, seconds)
     file = _checked_path(path)
@@ -133,19 +133,19 @@ def wireframe(
     labels: Sequence[int] = (),
     first: int = 0,
 ) -> None:
-    """Edges of nets, membranes, cables and masts, with a legend and node numbers, as in Gil's Figs. 12 to 14.
+    """Plot edges of nets, membranes, cables and masts, with a legend and node numbers, as in Gil's Figs. 12 to 14.
 
     Args:
         points: Positions of the nodes, shape (n, 3) [m].
         parts: Parts by name, as those of a structure, or their cells, shape (cells, 2) or (cells, 3).
-        path: The picture to write.
+        path: Path of the picture.
         view: Direction from the structure to the eye; without it the plan (x, y).
-        labels: Nodes whose number is written.
-        first: The number written at node 0.
+        labels: Nodes to number.
+        first: Printed number of node 0.
 
     Raises:
-        ValueError: A cell or a label is of a node that does not exist; view is not a direction; path ends in no format
-            of pictures.
+        ValueError: A cell or a label is of a node that does not exist; view is not a direction; path ends in no picture
+            format.
     """
     positions = validation.positions("points", points)
     validation.instance("parts", parts, Mapping)
@@ -197,28 +197,28 @@ def contours(
     odd: Sequence[str] = (),
     limits: Mapping[str, Sequence[float]] | None = None,
 ) -> None:
-    """Fields on the deformed structure, one picture beside the other; cables and masts are drawn as tubes.
+    """Plot fields on the deformed structure, one picture beside the other; cables and masts are drawn as tubes.
 
-    Where pyvista is missing, or VTK can draw neither on a screen nor in memory, a warning says so; no file is written.
+    Without pyvista, or if VTK can draw neither on a screen nor in memory, a warning is given, and no file is written.
 
     Args:
         result: A stage.
-        fields: For each title, either nodal values, shape (n,), or cell values (cells,) of some parts by name, as the
+        fields: For each title, either nodal values, shape (n,), or cell values (cells,) of some parts by name, such as
             forces of cables; cell values may be the states "taut", "wrinkled" and "slack".
-        path: The picture to write.
-        scale: Displacements are drawn that many times larger.
+        path: Path of the picture.
+        scale: Factor of the displacements.
         view: Direction from the structure to the eye; z points up, from straight above, (0, 0, 1), y.
-        mirror: "x", "y" or "z" draws the mirror image about that coordinate's zero too, for half models.
-        odd: Titles of the fields that have the other sign in the mirror image, as the displacement across it.
-        limits: For the titles of some fields the least and the largest value of the colours, {"title": (low, high)};
-            values beyond have the colour of that end, and the numbers at the ends are written with <= and >=. Without
-            them the colours go from the least value to the largest, and one peak can leave the rest in one colour.
+        mirror: "x", "y" or "z" adds the mirror image about that coordinate's zero, for half models.
+        odd: Titles of the fields whose sign changes in the mirror image, such as the displacement across it.
+        limits: Minimum and maximum of the colours for the titles of some fields, {"title": (low, high)}; values beyond
+            have the colour of that end, and the numbers at the ends are written with <= and >=. By default the colours
+            go from the minimum to the maximum, and one peak can leave the rest in one colour.
 
     Raises:
         ValueError: A field has a wrong number of values, values that are not finite, or names no part; mirror is none
             of the three; odd or limits name no field; limits are not two numbers, the lower first, or are given for
             states; view is not a direction; scale is not a number, or draws displacements 1e4 times as large as the
-            structure; path ends in no format of pictures, or cannot be written.
+            structure; path ends in no picture format, or cannot be written.
     """
     validation.instance("The first argument of contours", result, StageResult)
     validation.instance("fields", fields, Mapping)
@@ -252,7 +252,7 @@ def contours(
 
 
 def _cells(name: str, part: Part | NDArray[np.int64], count: int) -> NDArray[np.int64]:
-    """Cells of a part, or given as they are, shape (cells, 2) or (cells, 3)."""
+    """Cells of a part, or cells given directly, shape (cells, 2) or (cells, 3)."""
     given: Any = getattr(part, "cells", part)
     nodes = 3 if entries(f"Part {name!r}", given, "an array of cells").shape[1:] == (3,) else 2
     cells = validation.cells(f"Part {name!r}", given, nodes, distinct=False)
@@ -261,7 +261,7 @@ def _cells(name: str, part: Part | NDArray[np.int64], count: int) -> NDArray[np.
 
 
 def _checked_times(histories: Mapping[str, Sequence[Iteration]], seconds: Mapping[str, float]) -> dict[str, float]:
-    """The time of each of some solves [s], which have iterates."""
+    """Check the times of some solves [s], each with iterates."""
     validation.instance("histories", histories, Mapping)
     validation.instance("seconds", seconds, Mapping)
     for name, history in histories.items():
@@ -277,13 +277,13 @@ def _checked_times(histories: Mapping[str, Sequence[Iteration]], seconds: Mappin
 
 
 def _figure(width: float, height: float) -> Any:
-    import matplotlib.figure  # noqa: PLC0415  (numbers alone should not wait for it)
+    import matplotlib.figure  # noqa: PLC0415  (numbers alone must not wait for it)
 
     return matplotlib.figure.Figure(figsize=(width, height), layout="constrained")
 
 
 def _checked_path(path: str | Path) -> Path:
-    """A name of a picture, before anything is drawn, on all processes."""
+    """Check the path of a picture, before anything is drawn, on all processes."""
     import matplotlib.backend_bases  # noqa: PLC0415
 
     file = paths.path("path", path)

@@ -1,4 +1,4 @@
-"""One picture of the deformed structure by pyvista, without words: `plot` puts titles and scales around it."""
+"""Picture of the deformed structure by pyvista, without text: `plot` adds titles and scales."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ FABRIC = "#e8e4da"
 
 @dataclass(frozen=True)
 class Colours:
-    """How values become colours: a matplotlib map, its range and the number of bands."""
+    """Map from values to colours: a matplotlib map, its range and the number of bands."""
 
     map: str | Sequence[str]
     low: float
@@ -35,13 +35,13 @@ def picture(
     mirror: str | None,
     odd: bool,
 ) -> NDArray[np.uint8]:
-    """The deformed structure, cables and masts as tubes; shape (height, width, 3).
+    """Draw the deformed structure, cables and masts as tubes; shape (height, width, 3).
 
-    Cell values colour the parts they are given for; nodal values the membranes, and the lines where there are none.
+    Cell values colour their parts. Nodal values colour the membranes, or the lines if there are none.
 
-    Where mirror names a coordinate, the mirror image is there too, of values of the other sign if the field is odd.
+    A coordinate in `mirror` adds the mirror image, with values of the other sign if the field is odd.
     """
-    import pyvista  # noqa: PLC0415  (numbers alone should not wait for it)
+    import pyvista  # noqa: PLC0415  (numbers alone must not wait for it)
 
     plotter = pyvista.Plotter(off_screen=True, window_size=(1200, 900))
     plotter.set_background("white")
@@ -79,7 +79,7 @@ def picture(
                 }
             plotter.add_mesh(body, ambient=0.5, diffuse=0.6, **look)
     plotter.view_vector(np.asarray(view), viewup=screen_axes(view)[1])
-    plotter.enable_parallel_projection()  # so that plans are plans, and lines lie as in wire frames
+    plotter.enable_parallel_projection()  # plans stay plans, and lines lie as in wire frames
     plotter.camera.zoom(1.2)
     image = np.asarray(plotter.screenshot(return_img=True), dtype=np.uint8)
     plotter.close()

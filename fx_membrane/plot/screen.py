@@ -1,23 +1,23 @@
-"""Readiness of this machine to draw: VTK needs a screen, or a library that draws in memory."""
+"""Ability of this machine to draw: VTK needs a screen, or a library that draws in memory."""
 
 import ctypes
 import os
 
-# VTK's windows that draw in memory, and the library that each loads: without it VTK crashes the process.
+# VTK's windows that draw in memory, and their libraries: without its library VTK crashes the process.
 IN_MEMORY = {"vtkOSOpenGLRenderWindow": "libOSMesa.so.8", "vtkEGLRenderWindow": "libEGL.so.1"}
 CHOICE = "VTK_DEFAULT_OPENGL_WINDOW"
 
 INSTALL = "run pip install '.[plot]' in the folder of fx_membrane, in a virtual environment"
 
-# To be set before pyvista loads VTK; without it VTK looks for a screen first, and complains.
+# Set before pyvista loads VTK; otherwise VTK looks for a screen first, and complains.
 if not os.environ.get("DISPLAY"):
     os.environ.setdefault(CHOICE, "vtkOSOpenGLRenderWindow")
 
 
 def obstacle() -> str:
-    """One sentence that says why pyvista cannot draw here, with the remedy; empty where it can."""
+    """Sentence on why pyvista cannot draw here, with the remedy; empty if it can."""
     try:
-        import pyvista  # noqa: PLC0415  (numbers alone should not wait for it)
+        import pyvista  # noqa: PLC0415  (numbers alone must not wait for it)
     except ImportError as error:
         return f"pyvista does not load ({error}); {INSTALL}."
     if os.environ.get("DISPLAY"):
