@@ -1,4 +1,4 @@
-"""Structures from gmsh: a model in memory or a .msh file, in which physical names say what is what."""
+"""Structures from gmsh: a model in memory or a .msh file, by its physical names."""
 
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -27,22 +27,22 @@ def structure_from_gmsh(
     """Structure of the physical groups of a gmsh mesh.
 
     Lines of a physical curve on the edge of a physical surface share its nodes: a cable made of them is tied to the
-    membrane. Nodes of `points` are those that the parts use, in the order of gmsh's numbers.
+    membrane. `points` has the nodes of the parts, in the order of gmsh's numbers.
 
     Args:
-        source: A mesh file of gmsh, format 2 or 4, or None for the meshed model that is open in this process. Files
-            are read in a process of their own: what gmsh has open here stays as it is.
-        parts: For each physical name, what makes a part of its cells (lines or triangles, of first order):
+        source: A mesh file of gmsh, format 2 or 4, or None for the meshed model open in this process. Files are read in
+            a separate process: models open in gmsh here are unchanged.
+        parts: For each physical name, a function that makes a part of its cells (lines or triangles, of first order):
             `{"fabric": lambda cells: Membrane(cells, Fabric(Et=500e3, nu=0.3), prestress=1e3)}`.
-        supports: For each physical name, the components that its nodes are held in: `{"corners": "xyz"}`. A group may
-            be a part and a support: `{"fabric": "z"}` keeps a membrane flat.
+        supports: For each physical name, the constrained components of its nodes: `{"corners": "xyz"}`. A group may be
+            a part and a support: `{"fabric": "z"}` keeps a membrane flat.
         separate: Pairs of names of parts that lie on each other without being joined, see `Structure`.
 
     Raises:
         ValueError: An argument is of another kind; the file is not a mesh, or gmsh does not end on it; no model is
             open, or it has no mesh; a physical name does not exist, or more than one group has it, as a curve and a
-            surface; its cells are not lines or triangles of first order, or not those of the part to be made of them;
-            a support is on no part.
+            surface; its cells are not lines or triangles of first order, or do not fit its part; a support is on no
+            part.
         ImportError: gmsh is not installed.
     """
     _check_arguments(source, parts, supports)
@@ -51,7 +51,7 @@ def structure_from_gmsh(
 
 
 def _open_mesh() -> GmshMesh:
-    """The mesh of the model that is open in this process; what is open stays as it is."""
+    """Read the mesh of the model that is open in this process, without changing the model."""
     gmsh = sys.modules.get("gmsh")
     if gmsh is None or not _has_model(gmsh):
         raise ValueError(
@@ -127,7 +127,7 @@ def _rows(mesh: GmshMesh, tags: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def _part(name: str, make: Callable[[NDArray[np.int64]], Part], cells: NDArray[np.int64]) -> Part:
-    """The part that a function makes of cells; what it refuses is told with the physical name."""
+    """Make a part of cells by the user's function; errors name the physical group."""
     try:
         return make(cells)
     except ValueError as error:
@@ -136,7 +136,7 @@ def _part(name: str, make: Callable[[NDArray[np.int64]], Part], cells: NDArray[n
 
 
 def _groups(mesh: GmshMesh, wanted: Sequence[str]) -> dict[str, Group]:
-    """The physical groups of some names, each of which must mean one group."""
+    """Find the physical groups of some names; each name must mean one group."""
     named: dict[str, list[Group]] = {}
     for group in mesh.groups:
         named.setdefault(group.name, []).append(group)

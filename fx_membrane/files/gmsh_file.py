@@ -1,7 +1,7 @@
-"""A mesh file read by gmsh in a process of its own.
+"""Mesh file read by gmsh in a separate process.
 
-To gmsh any file may be a script that runs commands, as may `x.msh.opt` beside `x.msh`; damaged ones abort it or never
-end. So it is given copies of files that begin as meshes do, and what it does ends with a child process.
+gmsh runs commands in any file that is a script, and in `x.msh.opt` beside `x.msh`; damaged files abort it or never end.
+So it gets copies of files that begin as meshes do, and a child process limits the damage.
 """
 
 import os
@@ -18,13 +18,13 @@ from . import gmsh_reader
 from .gmsh_reader import GmshMesh
 
 BEGIN = b"$MeshFormat"
-SECONDS, SECONDS_PER_MEGABYTE = 60, 1  # ten times what gmsh takes
-PERIOD = 10  # between words to the user [s]
+SECONDS, SECONDS_PER_MEGABYTE = 60, 1  # ten times the time of gmsh
+PERIOD = 10  # between messages to the user [s]
 MPI_VARIABLES = ("OMPI_", "PMIX_", "PRTE_", "PMI_", "MPICH_", "HYDRA_")  # the child is no process of the parent's MPI
 
 
 def read(source: str | Path) -> GmshMesh:
-    """The mesh of a file of gmsh's formats 2 and 4.
+    """Read the mesh of a file of gmsh's formats 2 and 4.
 
     Raises:
         ValueError: The file cannot be opened, is not a mesh, or gmsh ends or does not end on it.
@@ -54,7 +54,7 @@ def _copy(source: str | Path, target: Path) -> None:
             raise ValueError(f"{source} cannot be read ({error.strerror}); make it readable, as by chmod +r.") from None
         if begin != BEGIN:
             raise ValueError(_no_mesh(source))
-        with open(target, "wb") as copy:  # of what was checked, from the same open file
+        with open(target, "wb") as copy:  # of the checked content, from the same open file
             copy.write(begin)
             shutil.copyfileobj(file, copy)
 
@@ -84,7 +84,7 @@ def _run_reader(source: str | Path, arguments: list[str], folder: Path, seconds:
 
 
 def _wait(child: subprocess.Popen[bytes], source: str | Path, seconds: int) -> str:
-    """The words of a child that has ended, by itself or by the limit of its time."""
+    """Error output of a child, once it has ended or its time is up."""
     for passed in range(0, seconds, PERIOD):
         if passed:
             say(f"gmsh has read {source} for {passed} s")

@@ -1,6 +1,6 @@
 """Arrays of a gmsh model; as a script, those of a mesh file: `python -P gmsh_reader.py mesh.msh arrays.npz SECONDS`.
 
-The script runs in a process of its own, which a damaged file may end. So it needs gmsh and numpy only, never MPI.
+The script runs in a separate process, since a damaged file may end it. So it needs gmsh and numpy only, never MPI.
 """
 
 import os
@@ -45,7 +45,7 @@ class GmshMesh:
 
 
 def mesh_of_model(model: Any) -> GmshMesh:
-    """The mesh of the current gmsh model, in the order of gmsh's node tags."""
+    """Read the mesh of the current gmsh model, in the order of gmsh's node tags."""
     tags, coordinates, _ = model.mesh.getNodes()
     order = np.argsort(tags)
     return GmshMesh(
@@ -71,7 +71,7 @@ def _group(model: Any, dimension: int, tag: int) -> Group:
 
 
 def save(mesh: GmshMesh, path: str | Path) -> None:
-    """Writes a mesh for `load`; arrays only, nothing that Python would run."""
+    """Write a mesh for `load`: arrays only, without code that Python would run."""
     arrays: dict[str, Any] = {
         "tags": mesh.tags,
         "points": mesh.points,
@@ -85,7 +85,7 @@ def save(mesh: GmshMesh, path: str | Path) -> None:
 
 
 def load(path: str | Path) -> GmshMesh:
-    """The mesh that `save` wrote."""
+    """Load the mesh that `save` wrote."""
     with np.load(path, allow_pickle=False) as arrays:
         groups = [
             Group(
@@ -101,13 +101,13 @@ def load(path: str | Path) -> GmshMesh:
 
 
 def _limit(kind: int, value: int) -> None:
-    """Limit of this process; the kernel ends it there, even where its parent is gone."""
+    """Limit a resource of this process; the kernel ends it there, even without its parent."""
     _, hard = resource.getrlimit(kind)
     resource.setrlimit(kind, (value if hard == resource.RLIM_INFINITY else min(value, hard), hard))
 
 
 def _main(source: str, target: str, seconds: str) -> None:
-    # Counts in a damaged file ask for any amount of memory; sound ones need some ten times the size of the file.
+    # Counts in a damaged file ask for any amount of memory; sound ones need about ten times the size of the file.
     _limit(resource.RLIMIT_AS, 4 * 2**30 + 200 * os.path.getsize(source))
     _limit(resource.RLIMIT_CPU, int(seconds))
     try:

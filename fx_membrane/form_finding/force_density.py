@@ -12,20 +12,20 @@ from scipy.sparse.linalg import splu
 from ..checks import validation
 from ..model.structure import Support
 
-FAR = 1e3  # of the size of the fixed nodes, beyond which a shape is none
+FAR = 1e3  # distance, in sizes of the fixed nodes, that counts as no shape
 
 
 @dataclass(frozen=True, eq=False)
 class Net:
-    """A found shape.
+    """Shape found, with its forces.
 
-    As cables with the forces as prestress it is in equilibrium, under the loads that it was found for:
+    Cables with the forces as prestress are in equilibrium in this shape, under the loads of its form finding:
     `Structure(net.points, {"net": Cable(branches, EA, prestress=net.forces)}, fixed)`.
 
     Attributes:
         points: Positions of the nodes, shape (n, 3) [m].
         forces: Force in each branch, force density times length, shape (branches,) [N].
-        reactions: What holds the fixed components, shape (n, 3) [N]; zero where free.
+        reactions: Forces on the fixed components, shape (n, 3) [N]; zero where free.
     """
 
     points: NDArray[np.float64]
@@ -40,20 +40,20 @@ def force_density(
     fixed: Sequence[Support],
     loads: ArrayLike | None = None,
 ) -> Net:
-    """Shape of a net whose branches have given ratios of force to length.
+    """Shape of a net whose branches have given force densities: ratios of force to length.
 
-    The nodes are where the branches' forces, q times their vectors, balance the loads: a linear system for each
+    At the nodes the branch forces, q times their vectors, balance the loads. This is a linear system for each
     component, D x = p, with D the graph's weighted Laplacian.
 
     Args:
         points: Positions, shape (n, 3) [m]; only those of the fixed components matter.
         branches: Pairs of node numbers, shape (b, 2).
         q: Force densities, a number or one per branch, shape (b,) [N/m]. Positive ones are cables, and always have a
-            shape. Negative ones are struts: all negative and without loads, the shape is that of the positive ones,
-            in compression; of both signs, branches may fold over each other, or no shape be there at all. A branch of
-            zero carries nothing; where its nodes fall on one place it has no length, and `Structure` refuses it as a
-            cable: leave it out.
-        fixed: Nodes that do not move, by component: one held in "x" alone slides in the plane normal to x.
+            shape. Negative ones are struts. If all are negative, without loads, the shape is that of the positive ones,
+            in compression. With both signs, branches may fold over each other, or no shape exist. A branch of zero
+            carries nothing; if its nodes coincide it has no length, and `Structure` refuses it as a cable: leave it
+            out.
+        fixed: Constrained nodes, by component: a node fixed in "x" alone slides in the plane normal to x.
         loads: Dead loads on the nodes, shape (n, 3) [N]; none if not given.
 
     Returns:
@@ -61,9 +61,9 @@ def force_density(
 
     Raises:
         ValueError: Force densities of both signs throw a node a thousand times farther than the fixed nodes are apart;
-            numbers are not finite or do not fit; in some component a part of the net is tied to no fixed
-            node; the system is singular, as force densities at or below zero can make it (where those at a free node
-            add up to zero, it has no place of its own), or positive ones that differ by twelve powers of ten.
+            numbers are not finite or do not fit; in some component a part of the net is tied to no fixed node; the
+            system is singular. Force densities at or below zero can make it singular (if those at a free node add up to
+            zero, its place is undefined), as can positive ones that differ by twelve powers of ten.
 
     Source:
         H.-J. Schek, The force density method for form finding and computation of general networks, Computer Methods
@@ -116,7 +116,7 @@ def _check_size(
     held: NDArray[np.bool_],
     force: NDArray[np.float64],
 ) -> None:
-    """Refuses a shape that force densities of both signs, which nearly cancel, throw far from its fixed nodes."""
+    """Refuse a shape far from its fixed nodes, from nearly cancelling force densities of both signs."""
     if densities.min() > 0 or densities.max() <= 0:
         return
     used = np.unique(branches)
@@ -159,7 +159,7 @@ def _solve(
     value: NDArray[np.float64],
     force: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """One component of the shape; not a number where there is no unique one."""
+    """Solve for one component of the shape; NaN if there is no unique solution."""
     free = ~held
     result = value.copy()
     if free.any():
@@ -167,7 +167,7 @@ def _solve(
         right = force[free] - laplacian[free][:, held] @ value[held]
         try:
             factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
-            singular = np.abs(factors.U.diagonal()).min() <= 1e-13 * np.abs(laplacian).max()  # but for rounding
+            singular = np.abs(factors.U.diagonal()).min() <= 1e-13 * np.abs(laplacian).max()  # up to rounding
             result[free] = np.nan if singular else factors.solve(right)
         except RuntimeError:  # SuperLU: exactly singular
             result[free] = np.nan

@@ -1,4 +1,4 @@
-"""How far a step of form finding changes a shape: what is more than sliding of nodes, and what shrinks to nothing."""
+"""Change of shape in a step of form finding, beyond sliding of nodes, and collapse of cells."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,8 +8,8 @@ from ..geometry.topology import boundary
 from ..model.parts import Bar, Mast
 from ..model.structure import Structure
 
-TURN = 0.6  # where the unit vectors of two segments differ by more, 35 degrees, a line has a corner
-# Share of its first length, or of the root of its first area, below which a cell counts as shrunk to nothing.
+TURN = 0.6  # difference of the unit vectors of two segments, 35 degrees, above which a line has a corner
+# Fraction of its first length, or of the root of its first area, below which a cell counts as collapsed.
 GONE = 1e-3
 GONE_MAST = 1e-2  # no sliding of nodes makes a mast short
 HOLD = (
@@ -19,11 +19,11 @@ HOLD = (
 
 
 def change_of_shape(structure: Structure, points: NDArray[np.float64], displacement: NDArray[np.float64]) -> float:
-    """Largest displacement but for sliding within surfaces and along lines, over the mean length of the edges [-].
+    """Largest displacement beyond sliding in surfaces and along lines, over the mean length of the edges [-].
 
     Lines are those of cables and masts, and the edges of membranes. No node slides where they end, meet, or turn.
-    Between such nodes the relative change of length of a cable or a mast counts too: it shows one that is too short for
-    displacements to show that it shrinks.
+    Between
+    these nodes the relative change of length of a cable or a mast counts too: it shows a short one that shrinks.
     """
     lines, edges = [], []
     for part in structure.parts.values():
@@ -51,15 +51,15 @@ def change_of_shape(structure: Structure, points: NDArray[np.float64], displacem
 
 
 def check_collapse(structure: Structure, points: NDArray[np.float64], step: int) -> None:
-    """Refuses a shape in which a cell has shrunk to nothing, or a cable or a mast has grown without bound.
+    """Refuse a shape with a collapsed cell, or with a cable or a mast that grows without bound.
 
     Args:
         structure: The first shape.
         points: Positions of the nodes now, shape (n, 3) [m].
-        step: The number of the step, to be told.
+        step: Number of the step, for the message.
 
     Raises:
-        RuntimeError: Names the part, the cell and the remedy.
+        RuntimeError: A cell has collapsed or grown without bound; the message names the part, the cell and the remedy.
     """
     if not np.isfinite(points).all():
         raise RuntimeError(collapse(structure, step))
@@ -72,12 +72,12 @@ def check_collapse(structure: Structure, points: NDArray[np.float64], step: int)
                 force = part.prestress_tensors()[cell, 0, 0]
                 raise RuntimeError(_unbalanced(step, name, part, int(cell), force, first[cell], now[cell]))
         torn |= bool(gone.any())
-    if torn:  # after the bars, whose fate may be its reason
+    if torn:  # after the bars, a possible cause of it
         raise RuntimeError(collapse(structure, step))
 
 
 def collapse(structure: Structure, step: int) -> str:
-    """The sentences about a shape that has no equilibrium; free masts, which may be the reason, come first."""
+    """Sentences on a shape without equilibrium; free masts, a possible cause, come first."""
     for name, part in structure.parts.items():
         if isinstance(part, Mast):
             force = part.prestress_tensors()[:, 0, 0]
@@ -111,7 +111,7 @@ def _unbalanced(step: int, name: str, part: Bar, cell: int, force: float, first:
 
 
 def _line_tangents(points: NDArray[np.float64], segments: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Unit tangents of lines at the nodes within them, shape (n, 3) [-]; zero where a line ends, turns or meets others.
+    """Tangents of lines, of unit length, at their inner nodes, shape (n, 3) [-]; zero at ends, corners and junctions.
 
     Args:
         points: Positions of the nodes, shape (n, 3) [m].
@@ -130,7 +130,7 @@ def _line_tangents(points: NDArray[np.float64], segments: NDArray[np.int64]) -> 
 def _nodal_normals(structure: Structure, points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Sum of the normals of the cells at each node, all to the side of one of them, shape (n, 3) [-].
 
-    Membranes that meet may have other senses, and a Moebius strip has none.
+    Adjoining membranes may have different senses, and a Moebius strip has none.
     """
     total, side = np.zeros_like(points), np.zeros_like(points)
     surfaces = [part.cells for part in structure.parts.values() if part.dimension == 2]
@@ -145,6 +145,6 @@ def _nodal_normals(structure: Structure, points: NDArray[np.float64]) -> NDArray
 
 
 def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Vectors of length one along those of shape (n, 3); zero where these are zero."""
+    """Scale vectors of shape (n, 3) to length one; zero vectors stay zero."""
     length = np.linalg.norm(vectors, axis=1, keepdims=True)
     return np.divide(vectors, length, where=length > 0, out=np.zeros_like(vectors))

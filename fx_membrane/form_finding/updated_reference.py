@@ -1,15 +1,15 @@
 """Form finding with prescribed stress: soap films, and membranes and edge cables of given prestress.
 
-Each step solves for equilibrium with the prestress as 2nd Piola-Kirchhoff stress with respect to the present shape, and
-makes the result the next reference shape. The energy is quadratic, so a step is one linear solve, and the nodes have a
+Each step solves for equilibrium with the prestress as 2nd Piola-Kirchhoff stress with respect to the present shape. The
+result is the next reference shape. The energy is quadratic, so a step is one linear solve, and the nodes have a
 definite place within the surface. With an isotropic stress it is the algorithm of Pinkall and Polthier for minimal
-surfaces. The shape settles in a few steps, while the nodes go on to slide within it for long; the steps end when what
-is left is sliding. Equilibrium is exact after each step, with the stress found, which differs from the prescribed one
-by what sliding is left and, in the end, not at all; but for loads along a line or a surface, as the weight of a hanging
-cable has, which no constant stress balances.
+surfaces. The shape settles in a few steps, while the nodes slide within it for many more; the steps end when only
+sliding remains. Equilibrium is exact after each step, with the stress found. That stress differs from the prescribed
+one by the remaining sliding, which vanishes in the end. Loads along a line or a surface, such as the weight of a
+hanging cable, are an exception: no constant stress balances them.
 
-Dead loads are per area of the form, which a step does not know before it is solved: it is solved again with the loads
-of its result until these no longer change.
+Dead loads are per area of the form, which a step finds only by solving. So each step is solved again with the loads of
+its result until these no longer change.
 
 Source: K.-U. Bletzinger, E. Ramm, A general finite element approach to the form finding of tensile structures by the
 updated reference strategy, Int. J. Space Structures 14 (1999) 131-145; U. Pinkall, K. Polthier, Computing discrete
@@ -45,14 +45,14 @@ from ..solvers.newton import Newton
 from ..solvers.progress import Pulse
 from .shape_change import change_of_shape, check_collapse, collapse
 
-SAME = 1e-12  # change of the loads, relative to the largest, that is none
-REPEATS = 100  # most solves of a step
-STRAY = 0.1  # accepted error of the stress where it can settle, relative to the prescribed one
-STRAY_LOADED = 0.5  # the same where dead loads lie along lines and surfaces, which no constant stress balances
+SAME = 1e-12  # relative change of the loads that counts as none
+REPEATS = 100  # maximum number of solves of a step
+STRAY = 0.1  # accepted error of the stress where it can settle, relative to the prescribed stress
+STRAY_LOADED = 0.5  # the same with dead loads along lines and surfaces, which no constant stress balances
 
 
 class UnsettledFormWarning(UserWarning):
-    """A form whose shape still changed in the last step: it is in equilibrium, with a stress that is not settled."""
+    """Form whose shape still changed in the last step: it is in equilibrium, but its stress is not settled."""
 
 
 class Step(NamedTuple):
@@ -60,8 +60,8 @@ class Step(NamedTuple):
 
     Attributes:
         area: Area of all membranes [m2].
-        change: Largest displacement of the step across the surface or the lines, over the mean length of the edges; of
-            cables and masts between nodes that do not slide also the relative change of length, where it is larger [-].
+        change: Largest displacement of the step across the surface or the lines, over the mean length of the edges; for
+            cables and masts between nodes that do not slide, the relative change of length if it is larger [-].
         stress_error: Largest difference of the stress in the shape from the prescribed one, relative to the latter.
     """
 
@@ -72,14 +72,14 @@ class Step(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Form:
-    """A found shape.
+    """Shape found, with the steps to it.
 
     Attributes:
-        structure: The structure in this shape, in equilibrium with the loads of the form; its prestress is the stress
-            found in each cell, which is the prescribed one as far as the steps have converged and the loads allow.
+        structure: The structure in this shape, in equilibrium with the loads of the form. Its prestress is the stress
+            found in each cell: the prescribed one, as far as the steps have converged and the loads allow.
         steps: The steps.
-        converged: Whether the change of shape fell below the tolerance, with a stress that is off by less than 10 %, or
-            50 % where the form carries dead or point loads, which may leave no constant stress.
+        converged: True if the change of shape fell below the tolerance, with an error of the stress below 10 %; below
+            50 % if the form carries dead or point loads, which may leave no constant stress.
     """
 
     structure: Structure
@@ -97,29 +97,29 @@ def updated_reference(
     max_steps: int = 100,
     comm: MPI.Intracomm = MPI.COMM_WORLD,
 ) -> Form:
-    """Shape in which the prestress of membranes, cables and masts is in equilibrium, their elasticity set aside.
+    """Find the shape in which the prestress of membranes, cables and masts is in equilibrium, without elasticity.
 
-    The length of a mast is not prescribed, but found with its force. A mast is found where the forces at its free ends
+    The length of a mast is not prescribed, but found with its force. A mast is found if the forces at its free ends
     have an equilibrium, as between guys that leave its head no other place. Otherwise hold the mast heads by supports,
     and add masts and stays for the analysis, with forces that balance the reactions of the form.
 
     Args:
-        structure: A first shape with the wanted prestress and the supports of the form.
-        loads_in_form: Loads that the form is to balance, as an inner pressure; dead loads are per area or length of
-            the form.
+        structure: Initial shape with the intended prestress and the supports of the form.
+        loads_in_form: Loads that the form balances, such as an inner pressure; dead loads are per area or length of the
+            form.
         tolerance: Accepted change of shape in a step, `Step.change` [-].
-        max_steps: Most steps.
+        max_steps: Maximum number of steps.
         comm: The processes that share the work.
 
     Returns:
-        The form, in equilibrium also where the steps were too few.
+        The form, in equilibrium even if the steps were too few.
 
     Raises:
         ValueError: The structure has no prestress anywhere or a compressive one in a membrane or a cable, is not
             supported, or the loads do not fit it.
-        RuntimeError: A step found no equilibrium, or the shape collapses, as a catenoid between rings too far apart;
-            a cable or a mast shrinks to a point or grows without bound; or dead loads grow with the form faster than
-            the prestress can hold.
+        RuntimeError: A step found no equilibrium, or the shape collapses, as a catenoid between rings too far apart; a
+            cable or a mast shrinks to a point or grows without bound; or dead loads grow with the form faster than the
+            prestress can carry.
 
     Warns:
         UnsettledFormWarning: The steps were too few; the form is that of the last one.
@@ -172,7 +172,7 @@ def updated_reference(
 def _equilibrium(
     problem: Problem, solve: Callable[[PETSc.Vec], Solution], stage: Stage, reference: NDArray[np.float64]
 ) -> tuple[PETSc.Vec, Actions] | None:
-    """Displacement from a reference shape to one in which the prestress balances the loads on it; None without one.
+    """Displacement from a reference shape to equilibrium of the prestress with the loads on it; None without one.
 
     Raises:
         RuntimeError: The loads do not settle.
@@ -226,7 +226,7 @@ def _check_prestress(structure: Structure) -> None:
 def _stressed(
     structure: Structure, name: str, points: NDArray[np.float64], state: MembraneResult | BarResult
 ) -> tuple[Part, float]:
-    """The part with the stress of a state as its prestress, in a new shape; the relative error of that stress."""
+    """Replace the prestress of a part by the stress of a state, in a new shape; return its relative error, too."""
     part = structure.parts[name]
     wanted = part.prestress_tensors()
     if isinstance(state, MembraneResult):
