@@ -127,10 +127,9 @@ class Analysis:
 
         Raises:
             ValueError: A stage does not fit the structure or the other stages, or leaves the structure free to move
-                ValueError: A stage does not fit the structure or the other stages, or leaves the structure free to move
-                    as a rigid body (one turn about a line is allowed: loads may hold it); the checkpoint belongs to
-                    another structure or to other stages, was changed, is in use by another run or cannot be written;
-                    the processes have different input.
+                as a rigid body (one turn about a line is allowed: loads may hold it); the checkpoint belongs to
+                another structure or to other stages, was changed, is in use by another run or cannot be written;
+                the processes have different input.
             ConvergenceError: A load increment found no equilibrium, or the limit of work is used up; the exception has
                 the results computed before.
 
