@@ -1,13 +1,13 @@
 """The physics of prestressed tension structures, as UFL functions of UFL operands.
 
-One formula, one function; d = 2 is a membrane, d = 1 a cable or a mast, and the same functions serve both.
-The reference configuration is the prestressed one, `X`; the displacement is `u`; the current position `x = X + u`.
-Stresses are forces per length (d = 2, [N/m]) or forces (d = 1, [N]): the thickness or the cross-section is in them.
-Equation numbers, `Gil (40)`, are those of A. J. Gil, Computers & Structures 84 (2006) 1012-1028. `EQUATIONS` says where
-each is; where `ufl.derivative` yields one, the hand-derived kernel has it in full.
+One formula, one function; d = 2 is a membrane, d = 1 a cable or a mast, and the same functions serve both. The
+reference configuration is the prestressed one, `X`; the displacement is `u`; the current position `x = X + u`. Stresses
+are forces per length (d = 2, [N/m]) or forces (d = 1, [N]): they include the thickness or the cross-section. Equation
+numbers, `Gil (40)`, are those of A. J. Gil, Computers & Structures 84 (2006) 1012-1028. `EQUATIONS` gives the place of
+each; the hand-derived kernel has in full those that `ufl.derivative` yields.
 """
 
-# Number in the paper: its meaning, and where it is computed.
+# Number in the paper: its meaning, and its place in the code.
 EQUATIONS = {
     "(12)": ("deformation gradient", "forms.kinematics.deformation_gradient"),
     "(15)": ("linear part of the strain", "forms.kinematics.green_lagrange"),

@@ -5,7 +5,7 @@ from ufl.core.expr import Expr
 
 
 def bar_frame(J: Expr) -> Expr:
-    """Unit tangent of a cable or a mast, as a frame with one column.
+    """Tangent of a cable or a mast, of unit length, as a frame with one column.
 
     Args:
         J: Jacobian of the reference geometry, `ufl.Jacobian(mesh)`, shape (3, 1) [m].
@@ -22,7 +22,7 @@ def membrane_frame(J: Expr, warp: Expr) -> Expr:
 
     Args:
         J: Jacobian of the reference geometry, `ufl.Jacobian(mesh)`, shape (3, 2) [m].
-        warp: A vector that, projected on the tangent plane, gives the warp direction, shape (3,) [any].
+        warp: A vector whose projection on the tangent plane is the warp direction, shape (3,) [any].
 
     Returns:
         T, shape (3, 2) [-]: columns warp and weft; warp x weft is the normal of the cell.
@@ -34,7 +34,7 @@ def membrane_frame(J: Expr, warp: Expr) -> Expr:
 
 
 def displacement_gradient(u: Expr, T: Expr) -> Expr:
-    """Derivatives of the displacement along the frame, shape (3, d) [-].
+    """Displacement gradient: derivatives of the displacement along the frame, shape (3, d) [-].
 
     Args:
         u: Displacement, shape (3,) [m].
@@ -62,8 +62,8 @@ def deformation_gradient(G: Expr, T: Expr) -> Expr:
 def green_lagrange(G: Expr, T: Expr) -> Expr:
     """Green-Lagrange strain (F^T F - I) / 2 in the tangent frame, shape (d, d) [-].
 
-    It is written in the displacement gradient, as the paper does: small strains keep all their digits,
-    which the difference F^T F - I would lose.
+    It is written in the displacement gradient, as in the paper: small strains keep all their digits, which the
+    difference F^T F - I would lose.
 
     Args:
         G: Displacement gradient, shape (3, d) [-].
@@ -76,7 +76,7 @@ def green_lagrange(G: Expr, T: Expr) -> Expr:
 
 
 def stretch_ratio(F: Expr) -> Expr:
-    """Current over reference area (d = 2) or length (d = 1) [-].
+    """Ratio of current to reference area (d = 2) or length (d = 1) [-].
 
     Args:
         F: Deformation gradient, shape (3, d) [-].
@@ -85,10 +85,10 @@ def stretch_ratio(F: Expr) -> Expr:
 
 
 def projected_ratio(F: Expr, T: Expr) -> Expr:
-    """Determinant of I + grad u in space, the `J` that reproduces the paper's Table 2 [-].
+    """Ratio J, the determinant of I + grad u in space, which reproduces the paper's Table 2 [-].
 
-    It is the current area projected on the reference tangent plane, over the reference area; it equals
-    `stretch_ratio` where the tangent plane does not rotate.
+    It is the current area projected on the reference tangent plane, over the reference area. It equals `stretch_ratio`
+    if the tangent plane does not rotate.
 
     Args:
         F: Deformation gradient, shape (3, d) [-].
@@ -101,5 +101,5 @@ def projected_ratio(F: Expr, T: Expr) -> Expr:
 
 
 def unit(a: Expr) -> Expr:
-    """Vector of length one along a; shape of a [-]."""
+    """Scale a vector to length one; shape of a [-]."""
     return a / sqrt(dot(a, a))

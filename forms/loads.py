@@ -7,7 +7,7 @@ from ufl.core.expr import Expr
 def dead_load(q: Expr, v: Expr) -> Expr:
     """Virtual work of a load of fixed direction, per reference area or length, a scalar [J/m2 or J/m].
 
-    Linear in v: put u for v to have minus the external potential energy.
+    Linear in v: with u for v it is minus the external potential energy.
 
     Args:
         q: Load per reference area [N/m2] (d = 2) or per reference length [N/m] (d = 1), shape (3,).

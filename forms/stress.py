@@ -43,13 +43,13 @@ def principal(sigma: Expr, F: Expr) -> Expr:
     """
     n = unit(cross(F[:, 0], F[:, 1]))
     mean = tr(sigma) / 2
-    deviator = sigma - mean * (Identity(3) - outer(n, n))  # its own norm: no digits lost where both values are equal
-    radius = sqrt(inner(deviator, deviator) / 2)  # of Mohr's circle
+    deviator = sigma - mean * (Identity(3) - outer(n, n))  # its own norm: no digits lost for equal values
+    radius = sqrt(inner(deviator, deviator) / 2)  # radius of Mohr's circle
     return as_vector([mean + radius, mean - radius])
 
 
 def along(sigma: Expr, F: Expr) -> Expr:
-    """Normal components of a membrane's Cauchy stress along its current warp and weft, shape (2,) [N/m].
+    """Warp and weft stress, normal components of a membrane's Cauchy stress along both yarns, shape (2,) [N/m].
 
     Args:
         sigma: Cauchy stress in global axes, shape (3, 3) [N/m].

@@ -1,17 +1,17 @@
-"""Relaxed energies: membranes that wrinkle and cables that go slack instead of carrying compression.
+"""Relaxed energies: membranes that wrinkle and cables that go slack under compression.
 
 With the total elastic strain e = E + C^-1 : sigma0, the relaxed energy is the least over all wrinkle strains b >= 0,
 
     w(e) = min (e + b) : C : (e + b) / 2 = max { S : e - S : C^-1 : S / 2  over stresses S >= 0 },
 
-Pipkin's tension field. It is convex, and its derivative is continuous. Three states: taut (the stress C : e has no
-compression, the energy is that of `elasticity.strain_energy`), slack (e has no extension, no energy) and between them
-wrinkled: tension s = e_tt / H_tt along one direction t only, the one with the largest energy e_tt^2 / (2 H_tt), where
-H_tt is the compliance along t. In an isotropic membrane t is the principal direction and the energy Et e1^2 / 2.
+Pipkin's tension field. It is convex, and its derivative is continuous. There are three states. Taut: the stress C : e
+has no compression, the energy is that of `elasticity.strain_energy`. Slack: e has no extension, no energy. Wrinkled:
+tension s = e_tt / H_tt along one direction t only, the one with the largest energy e_tt^2 / (2 H_tt), where H_tt is the
+compliance along t. In an isotropic membrane t is the principal direction and the energy Et e1^2 / 2.
 
-Energies are counted from E = 0, as Gil (40) is: w(e) - sigma0 : C^-1 : sigma0 / 2. The derivative of a `conditional` is
-the consistent tangent. The taut branch is written in E, not in principal strains, whose square root has no derivative
-where they are equal.
+Energies are counted from E = 0, as in Gil (40): w(e) - sigma0 : C^-1 : sigma0 / 2. The derivative of a `conditional` is
+the consistent tangent. The taut branch is written in E, not in principal strains: their square root has no derivative
+at equal values.
 
 Source: A. C. Pipkin, IMA J. Appl. Math. 36 (1986) 85-99; D. J. Steigmann, Proc. R. Soc. Lond. A 429 (1990) 141-173.
 """
@@ -27,7 +27,7 @@ TAUT, WRINKLED, SLACK = 0, 1, 2
 
 
 class Relaxed(NamedTuple):
-    """A relaxed energy and where it stands.
+    """Relaxed energy and its state.
 
     Attributes:
         energy: Per prestressed area or length, a scalar [J/m2 or J/m].
@@ -58,8 +58,8 @@ def isotropic(E: Expr, sigma0: Expr, Et: Expr, nu: Expr) -> Relaxed:
 def orthotropic(E: Expr, sigma0: Expr, Et_warp: Expr, Et_weft: Expr, nu: Expr, Gt: Expr, angle: Expr) -> Relaxed:
     """Relaxed energy of a woven fabric.
 
-    The direction t that makes e_tt^2 / (2 H_tt) largest has no closed form. It is given, solved for at the current
-    strain; one Newton step in the formula itself lets it follow the strain, so that the second derivative is exact.
+    The direction t that maximizes e_tt^2 / (2 H_tt) has no closed form. The caller solves for it at the current strain.
+    One Newton step in the formula itself lets t follow the strain, so that the second derivative is exact.
 
     Args:
         E: Green-Lagrange strain in the warp/weft frame, shape (2, 2) [-].
@@ -90,7 +90,7 @@ def orthotropic(E: Expr, sigma0: Expr, Et_warp: Expr, Et_weft: Expr, nu: Expr, G
 
 
 def cable(E: Expr, sigma0: Expr, EA: Expr) -> Relaxed:
-    """Energy of a cable, which is taut or slack.
+    """Relaxed energy of a cable, which is taut or slack.
 
     Args:
         E: Green-Lagrange strain, shape (1, 1) [-].
@@ -104,7 +104,7 @@ def cable(E: Expr, sigma0: Expr, EA: Expr) -> Relaxed:
 
 
 def blend(relaxed: Expr, full: Expr, eta: Expr) -> Expr:
-    """Relaxed energy with a share eta of the full one, which keeps slack nodes in place, a scalar [J/m2 or J/m]."""
+    """Relaxed energy with a fraction eta of the full one, which keeps slack nodes in place, a scalar [J/m2 or J/m]."""
     return (1 - eta) * relaxed + eta * full
 
 
