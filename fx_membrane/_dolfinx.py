@@ -1,6 +1,7 @@
-"""Everything that differs between dolfinx 0.5, 0.9 and 0.11, and nothing else.
+"""Differences between dolfinx 0.5, 0.9 and 0.11, and nothing else.
 
-Each is asked for by name, in one place; a comment says who has which. Meshes are of one process (`MPI.COMM_SELF`).
+Each difference is detected by name, in one place; a comment gives the versions. Meshes are of one process
+(`MPI.COMM_SELF`).
 """
 
 import inspect
@@ -30,12 +31,12 @@ from .runtime.decimal_point import decimal_point
 
 CELL = {1: "interval", 2: "triangle"}
 
-# -O3 takes seconds to compile on some gcc and gains little; 300 s is how long a process waits for one that compiles.
+# -O3 takes seconds to compile on some gcc and gains little. A process waits 300 s for another that compiles.
 JIT = {"cffi_extra_compile_args": ["-O2", "-g0"], "timeout": 300}
 
 
 def _element(family: str, cell: str, degree: int, size: int) -> Any:
-    """Element of vectors with `size` components."""
+    """Make an element of vectors with `size` components."""
     if hasattr(basix, "ufl"):  # 0.9, 0.11: dolfinx has imported it
         return basix.ufl.element(family, cell, degree, shape=(size,))
     # 0.5; FFCx would add this variant to the element of the mesh while it compiles, and so change the next form's name.
@@ -45,14 +46,14 @@ def _element(family: str, cell: str, degree: int, size: int) -> Any:
 
 @decimal_point()
 def create_mesh(points: NDArray[np.float64], cells: NDArray[np.int64]) -> Any:
-    """Mesh of intervals, cells (n, 2), or triangles, cells (n, 3), in space; points (m, 3) [m]."""
+    """Make a mesh of intervals, cells (n, 2), or triangles, cells (n, 3), in space; points (m, 3) [m]."""
     domain = ufl.Mesh(_element("Lagrange", CELL[cells.shape[1] - 1], 1, 3))
     keyword = "e" if "e" in inspect.signature(mesh.create_mesh).parameters else "domain"  # 0.9, 0.11: e; 0.5: domain
     return mesh.create_mesh(MPI.COMM_SELF, cells=cells, x=points, **{keyword: domain})
 
 
 def functionspace(msh: Any, family: str, degree: int, size: int) -> Any:
-    """Space of vectors with `size` components."""
+    """Make a space of vectors with `size` components."""
     create = getattr(fem, "functionspace", None) or fem.FunctionSpace  # 0.9, 0.11: function; 0.5: class
     return _compile(create, msh, _element(family, CELL[msh.topology.dim], degree, size))
 
@@ -62,23 +63,23 @@ def _table(dofmap: Any) -> NDArray[np.int32]:
 
 
 def geometry_table(geometry: Any) -> NDArray[np.int32]:
-    """Rows of the coordinates, `geometry.x`, that the cells of a mesh have, one cell after the other."""
+    """Rows of the cells in the coordinates, `geometry.x`, one cell after the other."""
     several = hasattr(geometry, "dofmaps") and not callable(geometry.dofmaps)  # 0.11: one for each cell type
     return _table(geometry.dofmaps[0] if several else geometry.dofmap)
 
 
 def cell_order(msh: Any) -> NDArray[np.int64]:
-    """Row in the `cells` given to `create_mesh` of each cell of the mesh."""
+    """Row of each cell of the mesh in the `cells` given to `create_mesh`."""
     return np.asarray(msh.topology.original_cell_index, dtype=np.int64)
 
 
 def node_order(V: Any) -> NDArray[np.int64]:
-    """Row in the `points` given to `create_mesh` of each node of a linear Lagrange space."""
+    """Row of each node of a linear Lagrange space in the `points` given to `create_mesh`."""
     return np.asarray(V.mesh.geometry.input_global_indices)[geometry_order(V)]
 
 
 def geometry_order(V: Any) -> NDArray[np.int64]:
-    """Row in the coordinates of the mesh, `geometry.x`, of each node of a linear Lagrange space."""
+    """Row of each node of a linear Lagrange space in the coordinates of the mesh, `geometry.x`."""
     row = np.empty(V.dofmap.index_map.size_local, dtype=np.int64)
     row[_table(V.dofmap.list)] = geometry_table(V.mesh.geometry)
     return row
@@ -86,12 +87,12 @@ def geometry_order(V: Any) -> NDArray[np.int64]:
 
 @contextmanager
 def _quiet_compiler() -> Iterator[None]:
-    """Keeps to itself what FFCx and setuptools warn of, and the gcc commands that FFCx 0.5 logs at INFO.
+    """Silence warnings of FFCx and setuptools, and the gcc commands that FFCx 0.5 logs at INFO.
 
     FFCx 0.5 also changes the root logger's level.
     """
     with warnings.catch_warnings(), ExitStack() as restore:
-        warnings.simplefilter("ignore")  # errors of theirs, where the user makes warnings errors
+        warnings.simplefilter("ignore")  # errors, if the user turns warnings into errors
         restore.callback(logging.disable, logging.root.manager.disable)
         restore.callback(logging.root.setLevel, logging.root.level)
         logging.disable(logging.INFO)
@@ -106,12 +107,12 @@ def _compile(function: Any, *args: Any) -> Any:
 
 
 def form(a: Any) -> Any:
-    """Compiled form; from the cache on disk where it was compiled before."""
+    """Compile a form, or load it from the cache on disk."""
     return _compile(fem.form, a)
 
 
 def cell_expression(expression: Any, msh: Any) -> Callable[[], NDArray[np.float64]]:
-    """Compiled vector-valued UFL expression; a call gives its values at the midpoints of the cells, (cells, size)."""
+    """Compile a vector-valued UFL expression; a call gives its values at the midpoints of the cells, (cells, size)."""
     dimension = msh.topology.dim
     midpoint = np.full((1, dimension), 1 / (dimension + 1))
     compiled = _compile(fem.Expression, _numbered_variables(expression), midpoint)
@@ -122,7 +123,7 @@ def cell_expression(expression: Any, msh: Any) -> Callable[[], NDArray[np.float6
 
 
 def _numbered_variables(expression: Any) -> Any:
-    """Variables counted from 0; UFL counts them all along, and 0.9, 0.11 name the compiled expression by the count."""
+    """Renumber variables from 0; UFL counts them globally, and 0.9, 0.11 name the compiled expression by the count."""
     labels: dict[Any, Any] = {}
 
     def visit(o: Any, *operands: Any) -> Any:
@@ -135,14 +136,14 @@ def _numbered_variables(expression: Any) -> Any:
 
 @decimal_point()
 def newton_solver(comm: MPI.Intracomm) -> Any:
-    """The NewtonSolver of C++, which takes callbacks; None after 0.11, where upstream removes it."""
+    """Make the NewtonSolver of C++, which takes callbacks; None after 0.11, where upstream removes it."""
     with _quiet_stderr():
         return cpp.nls.petsc.NewtonSolver(comm) if hasattr(cpp.nls.petsc, "NewtonSolver") else None
 
 
 @contextmanager
 def _quiet_stderr() -> Iterator[None]:
-    """Keeps to itself what C++ writes: 0.11 says in each NewtonSolver that it is deprecated, past log and warnings."""
+    """Silence C++: 0.11 warns in each NewtonSolver that it is deprecated, past log and warnings."""
     with suppress(AttributeError, OSError, ValueError):  # no stderr, or a closed one
         sys.stderr.flush()
     try:
@@ -161,7 +162,7 @@ def _quiet_stderr() -> Iterator[None]:
 
 @contextmanager
 def quiet_log() -> Iterator[None]:
-    """Keeps dolfinx's warnings to itself; what matters of them is said in our own words."""
+    """Silence dolfinx's warnings; our own messages cover the important ones."""
     with ExitStack() as restore:
         restore.callback(log.set_log_level, log.get_log_level())
         log.set_log_level(log.LogLevel.ERROR)
@@ -169,10 +170,10 @@ def quiet_log() -> Iterator[None]:
 
 
 def free_dropped(comm: MPI.Intracomm) -> None:
-    """Frees the PETSc objects that Python has dropped on all processes; call it on all of them together.
+    """Free the PETSc objects that Python has dropped on all processes; collective.
 
-    petsc4py 3.18 and later keep them until asked: to free one is a collective act, and Python's garbage collector drops
-    it at another moment on each process. Earlier ones free them at once.
+    petsc4py 3.18 and later keep them until asked: freeing one is collective, and Python's garbage collector drops it at
+    a different time on each process. Earlier versions free them at once.
     """
     if hasattr(PETSc, "garbage_cleanup"):
         PETSc.garbage_cleanup(comm)

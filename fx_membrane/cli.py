@@ -49,7 +49,7 @@ def _mpi() -> str:
 
 
 def _told(version: Callable[[], str]) -> str:
-    """A version, or why there is none: a report of a problem is wanted most where something is missing."""
+    """Return a version, or the reason for its absence: reports of problems matter most if something is missing."""
     try:
         return version()
     except importlib.metadata.PackageNotFoundError:

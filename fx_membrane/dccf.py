@@ -1,16 +1,16 @@
 """The hand-derived element kernel: Direct Core Congruential Formulation, Gil (56)-(67).
 
-An independent check of the UFL forms, used by the tests only: 3-node membrane (d = 2) and 2-node cable (d = 1),
-for many elements at once. The core equations know the displacement gradient `g` and no finite element:
+An independent check of the UFL forms, used by the tests only: 3-node membrane (d = 2) and 2-node cable (d = 1), for
+many elements at once. The core equations know the displacement gradient `g`, and no finite element:
 
     e_i = h_i . g + g . H_i g / 2,   s = s0 + C e,   phi = s_i h_i + s_i H_i g,
     M_mat = (h_i + H_i g) C_ij (h_j + H_j g)^T,   M_geo = s_i H_i
 
 and `B`, with g = B u, takes them to the nodes: f = V B^T phi, K = V B^T (M_mat + M_geo) B, V the area or the length.
 
-Axes: u is in global axes at the nodes, and in the axes of the element (two tangents and the normal) in g, so that h
-and H are numbers 0 and 1, the same for all elements. g is ordered u1,1 u2,1 u3,1 u1,2 u2,2 u3,2. Strains and
-stresses are Voigt vectors, (E11, E22, 2 E12) and (S11, S22, S12), or (E11) and (S11).
+Axes: u is in global axes at the nodes, g in the axes of the element (two tangents and the normal). So h and H are
+numbers 0 and 1, the same for all elements. g is ordered u1,1 u2,1 u3,1 u1,2 u2,2 u3,2. Strains and stresses are Voigt
+vectors, (E11, E22, 2 E12) and (S11, S22, S12), or (E11) and (S11).
 """
 
 import math
@@ -26,7 +26,7 @@ class Elements(NamedTuple):
     """Geometry of n elements of dimension d with d + 1 nodes.
 
     Attributes:
-        B: Displacement gradient of nodal displacements, shape (n, 3 d, 3 (d + 1)) [1/m], Gil (59).
+        B: Displacement gradient from nodal displacements, shape (n, 3 d, 3 (d + 1)) [1/m], Gil (59).
         measure: Areas or lengths, shape (n,) [m2 or m].
         gradients: Derivatives of the shape functions along the tangents, shape (n, d + 1, d) [1/m].
     """
@@ -55,7 +55,7 @@ class Core(NamedTuple):
 
 
 def core_operators(d: int) -> tuple[Array, Array]:
-    """The constants h_i, shape (strains, 3 d), and H_i, shape (strains, 3 d, 3 d), of Gil (62)."""
+    """Constants h_i, shape (strains, 3 d), and H_i, shape (strains, 3 d, 3 d), of Gil (62)."""
     pairs = [(0, 0)] if d == 1 else [(0, 0), (1, 1), (0, 1)]
     h = np.zeros((len(pairs), 3 * d))
     H = np.zeros((len(pairs), 3 * d, 3 * d))
@@ -67,7 +67,7 @@ def core_operators(d: int) -> tuple[Array, Array]:
 
 
 def core(g: Array, s0: Array, C: Array) -> Core:
-    """The core equations, Gil (62)-(67).
+    """Evaluate the core equations, Gil (62)-(67).
 
     Args:
         g: Displacement gradients in element axes, shape (n, 3 d) [-].
@@ -89,8 +89,8 @@ def elements(X: Array, warp: Array | None = None) -> Elements:
 
     Args:
         X: Reference positions of their nodes, shape (n, d + 1, 3) [m].
-        warp: Vectors whose projection on the elements is their first axis, shape (n, 3) [any]; without them the
-            first side is.
+        warp: Vectors whose projections on the elements are their first axes, shape (n, 3) [any]; by default, the first
+            side.
     """
     d = X.shape[1] - 1
     side = X[:, 1:] - X[:, :1]
@@ -137,7 +137,7 @@ def pressure_force(X: Array, u: Array, p: Array) -> Array:
 
 
 def pressure_tangent(X: Array, u: Array, p: Array) -> Array:
-    """Derivative of `pressure_force` by the nodal displacements, shape (n, 9, 9) [N/m], Gil (57)."""
+    """Tangent of `pressure_force`, its derivative by the nodal displacements, shape (n, 9, 9) [N/m], Gil (57)."""
     element = elements(X)
     x1, x2 = np.einsum("nIj,nIk->jnk", element.gradients, X + u)
     epsilon = np.zeros((3, 3, 3))
@@ -170,7 +170,7 @@ def _gradient(element: Elements, u: Array) -> Array:
 
 
 def _axes(side: Array, warp: Array | None) -> Array:
-    """Element axes as rows: the tangents first, the normals after them; shape (n, 3, 3)."""
+    """Axes of the elements as rows: the tangents first, then the normals; shape (n, 3, 3)."""
     if side.shape[1] == 2:
         normal = np.cross(side[:, 0], side[:, 1])
         first = side[:, 0] if warp is None else warp

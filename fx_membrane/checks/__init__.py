@@ -1,1 +1,1 @@
-"""Input is checked when it is given: numbers, texts, arrays, names of files."""
+"""Checks of input on entry: numbers, texts, arrays, names of files."""

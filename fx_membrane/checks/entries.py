@@ -1,4 +1,4 @@
-"""Entries of arrays and of nested lists as they are given, before NumPy makes one type of them."""
+"""Entries of arrays and of nested lists in their original types, before NumPy makes one type of them."""
 
 from collections.abc import Callable
 from typing import Any
@@ -10,9 +10,9 @@ from .values import shown
 
 
 def entries(name: str, value: Any, wanted: str) -> NDArray[Any]:
-    """An array of the entries; those of lists are the objects that they are.
+    """Make an array of the entries; those of lists keep their types.
 
-    NumPy would give all of a list one type: 1.0 for True beside 2.0.
+    NumPy would give all entries of a list one type: 1.0 for True beside 2.0.
 
     Raises:
         ValueError: Rows have unequal lengths, or entries are masked.
@@ -33,7 +33,7 @@ def _masked(array: NDArray[Any]) -> bool:
 
 
 def _array(value: Any) -> NDArray[Any]:
-    if isinstance(value, bytes | bytearray):  # numbers to NumPy
+    if isinstance(value, bytes | bytearray):  # NumPy reads them as numbers
         raise ValueError
     if not isinstance(value, list | tuple):
         return np.asanyarray(value)
@@ -43,14 +43,14 @@ def _array(value: Any) -> NDArray[Any]:
 
 
 def all_are(fits: Callable[[type], bool], array: NDArray[Any]) -> bool:
-    """Whether all entries of an array are of classes that fit."""
+    """Return True if all entries of an array are of classes that fit."""
     if array.dtype.kind == "O":
         return all(map(fits, set(map(type, array.flat))))
     return fits(array.dtype.type) or array.size == 0
 
 
 def misfit(fits: Callable[[type], bool], value: Any) -> str:
-    """A value as a refusal shows it; where that is long, with the first entry that does not fit."""
+    """Show a value in a message; if it is long, with the first entry that does not fit."""
     text = shown(value)
     if not isinstance(value, list | tuple) or not text.endswith("entries"):
         return text
@@ -62,7 +62,7 @@ def misfit(fits: Callable[[type], bool], value: Any) -> str:
 
 
 def described(value: Any) -> str:
-    """Type and shape of a value as NumPy sees it."""
+    """Type and shape of a value in NumPy's terms."""
     try:
         array = np.asarray(value)
     except ValueError:  # rows of unequal length
@@ -71,7 +71,7 @@ def described(value: Any) -> str:
 
 
 def frozen_integers(name: str, array: NDArray[Any]) -> NDArray[np.int64]:
-    """A read-only copy of whole numbers."""
+    """Make a read-only copy of whole numbers."""
     limits = np.iinfo(np.int64)
     for extreme in (array.max(), array.min()) if array.size else ():
         if not limits.min <= extreme <= limits.max:

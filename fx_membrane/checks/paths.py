@@ -1,4 +1,4 @@
-"""Names of files that are to be written, checked before anything is computed."""
+"""Names of files to write, checked before anything is computed."""
 
 import errno
 import os
@@ -8,11 +8,11 @@ from typing import Any
 from .validation import instance, shown
 
 LONGEST = 4096  # bytes of a path on Linux
-SPARE = 10  # bytes that a temporary name may add
+SPARE = 10  # bytes for the suffix of a temporary name
 
 
 def path(name: str, value: Any, spare: int = SPARE) -> Path:
-    """A path of letters and lengths that a file system allows, with some bytes to spare.
+    """Check that a file system allows a path by its characters and length, with some bytes to spare.
 
     Raises:
         ValueError: It is no path, is empty, or no file can have that name.
@@ -35,10 +35,10 @@ def path(name: str, value: Any, spare: int = SPARE) -> Path:
 
 
 def check_writable(name: str, file: Path) -> None:
-    """Refuses a file that this process cannot write; folders that are not there will be made.
+    """Refuse a file that this process cannot write; missing folders are made later.
 
     Raises:
-        ValueError: It is a folder, or lies under a file, or in a folder in which nothing may be written.
+        ValueError: It is a folder, or lies under a file, or in a folder without write permission.
     """
     named = f"{name} is {shown(str(file))}"
     try:
@@ -57,7 +57,7 @@ def _there(folder: Path) -> bool:
     try:
         folder.lstat()
     except OSError as error:
-        if error.errno in (errno.ENOENT, errno.ENOTDIR):  # the second under a file, which is the next to be looked at
+        if error.errno in (errno.ENOENT, errno.ENOTDIR):  # the second under a file, which is checked next
             return False
         raise
     return True

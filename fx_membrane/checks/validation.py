@@ -1,6 +1,6 @@
-"""Refusals at the door: each check returns the value as an array or a number, or raises one clear sentence.
+"""Checks of input on entry: each returns the value as an array or a number, or raises one clear sentence.
 
-Plain data keeps what the checks return: floats, whole numbers, texts, read-only arrays of float64 or int64.
+Plain data keeps the results of the checks: floats, whole numbers, texts, read-only arrays of float64 or int64.
 """
 
 from collections.abc import Callable, Iterable, Sequence, Set
@@ -15,24 +15,24 @@ from .values import expected, is_real, is_whole, scalar, with_article
 from .values import place as place  # noqa: PLC0414  (others take both from here)
 from .values import shown as shown  # noqa: PLC0414
 
-LARGEST = 1e60  # of all numbers: the square of the product of two is still a number
-MOST = 2**31 - 1  # of whole numbers
+LARGEST = 1e60  # limit of all numbers: the square of the product of two is still finite
+MOST = 2**31 - 1  # limit of whole numbers
 
 
 def store(owner: object, check: Callable[[str, Any], Any], *fields: str) -> None:
-    """Puts what a check returns into fields of a frozen dataclass; refusals call them "Class field"."""
+    """Store checked values in fields of a frozen dataclass; messages call them "Class field"."""
     for field in fields:
         keep(owner, **{field: check(f"{type(owner).__name__} {field}", getattr(owner, field))})
 
 
 def keep(owner: object, **values: Any) -> None:
-    """Sets fields of a frozen dataclass."""
+    """Set fields of a frozen dataclass."""
     for field, value in values.items():
         object.__setattr__(owner, field, value)
 
 
 def number(name: str, value: Any) -> float:
-    """A finite number."""
+    """Check a finite number."""
     if isinstance(value, str):
         raise ValueError(f"{name} is the text {shown(value)}; give a number.")
     value = scalar(value)
@@ -50,7 +50,7 @@ def number(name: str, value: Any) -> float:
 
 
 def positive(name: str, value: Any) -> float:
-    """A finite number above zero."""
+    """Check a finite number above zero."""
     result = number(name, value)
     if result <= 0:
         raise ValueError(f"{name} is {shown(value)}; it must be positive.")
@@ -58,7 +58,7 @@ def positive(name: str, value: Any) -> float:
 
 
 def not_negative(name: str, value: Any) -> float:
-    """A finite number, zero or above."""
+    """Check a finite number, zero or above."""
     result = number(name, value)
     if result < 0:
         raise ValueError(f"{name} is {shown(value)}; it must not be negative.")
@@ -66,12 +66,12 @@ def not_negative(name: str, value: Any) -> float:
 
 
 def whole(name: str, value: Any, most: int = MOST) -> int:
-    """A whole number above zero."""
+    """Check a whole number above zero."""
     return _integer(name, value, "a whole number above zero", 1, most)
 
 
 def integer(name: str, value: Any) -> int:
-    """A whole number."""
+    """Check a whole number."""
     return _integer(name, value, "a whole number", -MOST, MOST)
 
 
@@ -85,7 +85,7 @@ def _integer(name: str, value: Any, wanted: str, least: int, most: int) -> int:
 
 
 def share(name: str, value: Any) -> float:
-    """A number above zero and at most one."""
+    """Check a number above zero and at most one."""
     result = positive(name, value)
     if result > 1:
         raise ValueError(f"{name} is {shown(value)}; it must be at most 1.")
@@ -93,7 +93,7 @@ def share(name: str, value: Any) -> float:
 
 
 def tolerance(name: str, value: Any) -> float:
-    """A relative tolerance: a number above zero and at most one per cent."""
+    """Check a relative tolerance: a number above zero and at most one per cent."""
     result = positive(name, value)
     if result > 1e-2:
         raise ValueError(f"{name} is {shown(value)}; it must be at most 0.01, or forces would not balance.")
@@ -101,20 +101,20 @@ def tolerance(name: str, value: Any) -> float:
 
 
 def truth(name: str, value: Any) -> bool:
-    """True or False."""
+    """Check a truth value."""
     instance(name, value, bool | np.bool_)
     return bool(value)
 
 
 def choice(name: str, value: Any, choices: Sequence[str | None], remedy: str) -> Any:
-    """One of some texts, or None where it is one of the choices."""
+    """Check for one of some texts, or None if it is one of the choices."""
     if not (value is None or isinstance(value, str)) or value not in choices:
         raise ValueError(f"{name} is {shown(value)}; give {remedy}.")
     return value if value is None else str.__str__(value)
 
 
 def finite(name: str, value: ArrayLike) -> NDArray[np.float64]:
-    """A read-only array of finite numbers."""
+    """Make a read-only array of finite numbers."""
     wanted = "an array of numbers with rows of equal length"
     array = entries(name, value, wanted)
     if not all_are(is_real, array):
@@ -137,7 +137,7 @@ def finite(name: str, value: ArrayLike) -> NDArray[np.float64]:
 
 
 def positions(name: str, value: ArrayLike) -> NDArray[np.float64]:
-    """A read-only array of points in space, shape (n, 3)."""
+    """Make a read-only array of points in space, shape (n, 3)."""
     result = finite(name, value)
     if result.ndim != 2 or result.shape[1] != 3:
         raise ValueError(f"{name} has shape {result.shape}; give (n, 3), one row x, y, z for each node.")
@@ -145,7 +145,7 @@ def positions(name: str, value: ArrayLike) -> NDArray[np.float64]:
 
 
 def vector(name: str, value: ArrayLike) -> NDArray[np.float64]:
-    """A read-only array of three finite numbers."""
+    """Make a read-only array of three finite numbers."""
     result = finite(name, value)
     if result.shape != (3,):
         raise ValueError(f"{name} is {shown(value)}; give three components (x, y, z).")
@@ -153,7 +153,7 @@ def vector(name: str, value: ArrayLike) -> NDArray[np.float64]:
 
 
 def direction(name: str, value: ArrayLike) -> NDArray[np.float64]:
-    """Unit vector along a vector that is not zero."""
+    """Scale a nonzero vector to length one."""
     result = vector(name, value)
     if not result.any():
         raise ValueError(f"{name} is {shown(value)}; give a direction (x, y, z) that is not zero.")
@@ -162,7 +162,7 @@ def direction(name: str, value: ArrayLike) -> NDArray[np.float64]:
 
 
 def rows(name: str, value: ArrayLike, empty: bool = False) -> NDArray[np.int64]:
-    """A read-only, one-dimensional array of node or cell numbers; a single number is an array of one."""
+    """Make a read-only, one-dimensional array of node or cell numbers; a single number gives an array of one."""
     wanted = "a list of whole numbers"
     array = np.atleast_1d(entries(name, value, wanted))
     if array.ndim != 1 or not (all_are(is_whole, array) or array.size == 0):
@@ -175,7 +175,7 @@ def rows(name: str, value: ArrayLike, empty: bool = False) -> NDArray[np.int64]:
 
 
 def distinct(name: str, value: ArrayLike, of: str) -> NDArray[np.int64]:
-    """Numbers of nodes or cells as `rows` returns them, each of them once."""
+    """Check unique numbers of nodes or cells, returned as by `rows`."""
     result = rows(name, value)
     numbers, count = np.unique(result, return_counts=True)
     if (count > 1).any():
@@ -187,7 +187,7 @@ def distinct(name: str, value: ArrayLike, of: str) -> NDArray[np.int64]:
 
 
 def cells(name: str, value: ArrayLike, nodes: int, distinct: bool = True) -> NDArray[np.int64]:
-    """A read-only array of cells with that many nodes each; no cell may have a node twice, nor be there twice."""
+    """Make a read-only array of cells with that many nodes each; no cell may repeat a node, nor another cell."""
     wanted = f"an array of whole numbers of shape (n, {nodes}) with n >= 1"
     array = entries(name, value, wanted)
     if array.ndim != 2 or array.shape[1] != nodes or not len(array):
@@ -213,59 +213,59 @@ def cells(name: str, value: ArrayLike, nodes: int, distinct: bool = True) -> NDA
 
 
 def in_range(name: str, numbers: NDArray[np.int64], count: int, of: str) -> None:
-    """Refuses numbers outside 0 ... count - 1."""
+    """Refuse numbers outside 0 ... count - 1."""
     bad = numbers[(numbers < 0) | (numbers >= count)]
     if len(bad):
         raise ValueError(f"{name} names {of} {bad[0]}, which does not exist; {of}s are numbered 0 to {count - 1}.")
 
 
 def letters(name: str, value: Any) -> str:
-    """Components as a text, some of "xyz"."""
+    """Check components given as a text, some of "xyz"."""
     if not isinstance(value, str) or not value or set(value) - set("xyz") or len(set(value)) < len(value):
         raise ValueError(f'{name} is {shown(value)}; give one or more of the letters x, y and z, like "xyz" or "z".')
     return str.__str__(value)
 
 
 def components(name: str, value: str) -> tuple[int, ...]:
-    """Components as column numbers: "xz" is (0, 2)."""
+    """Convert components to column numbers: "xz" is (0, 2)."""
     return tuple("xyz".index(letter) for letter in letters(name, value))
 
 
 def name(what: str, value: Any) -> str:
-    """A text that is not empty."""
+    """Check a text that is not empty."""
     if not isinstance(value, str) or not value:
         raise ValueError(f"The name of a {what} is {shown(value)}; give a text.")
     return str.__str__(value)
 
 
 def text(what: str, value: Any) -> str:
-    """A text, which may be empty; of a class derived from text, the text itself."""
+    """Check a text, which may be empty; of a class derived from text, return the text itself."""
     instance(what, value, str)
     return str.__str__(value)
 
 
 def texts(name: str, values: Any) -> tuple[str, ...]:
-    """A tuple of texts, from any sequence or set of them."""
+    """Make a tuple of texts, from any sequence or set of them."""
     values = sorted(values, key=str) if isinstance(values, Set) else values
     return tuple(map(str.__str__, instances(name, values, str)))
 
 
 def communicator(name: str, value: Any) -> MPI.Intracomm:
-    """Processes that share the work."""
+    """Check for processes that share the work."""
     if not isinstance(value, MPI.Intracomm) or value == MPI.COMM_NULL:
         raise ValueError(f"{name} is {shown(value)}; give a communicator of mpi4py, as MPI.COMM_WORLD.")
     return value
 
 
 def instance(what: str, value: Any, kind: Any) -> None:
-    """Refuses an object of another kind (a class, or several joined by |)."""
+    """Refuse an object of another kind (a class, or several joined by |)."""
     if not isinstance(value, kind):
         hint = ", with brackets behind its name" if isinstance(value, type) else ""
         raise ValueError(f"{what} is {shown(value)}; give {with_article(expected(kind))}{hint}.")
 
 
 def plain(what: str, value: Any, kind: Any) -> None:
-    """Refuses an object of another kind or of a class derived from it, whose own data and methods nothing would use."""
+    """Refuse an object of another kind or of a derived class, whose own data and methods nothing would use."""
     instance(what, value, kind)
     _refuse_derived(f"{what} is", value, kind)
 
@@ -279,7 +279,7 @@ def _refuse_derived(what: str, value: Any, kind: Any) -> None:
 
 
 def instances(name: str, values: Any, kind: Any) -> tuple[Any, ...]:
-    """A tuple of objects of a kind (a class, or several joined by |), from any sequence of them."""
+    """Make a tuple of objects of a kind (a class, or several joined by |), from any sequence of them."""
     if not isinstance(values, Sequence) or isinstance(values, str | bytes | bytearray):
         raise ValueError(f"{name} must be a list of {expected(kind)}, not {shown(values)}; put it in brackets.")
     for value in values:
@@ -291,7 +291,7 @@ def instances(name: str, values: Any, kind: Any) -> tuple[Any, ...]:
 
 
 def unique(name: str, values: Iterable[str]) -> None:
-    """Refuses a name given twice."""
+    """Refuse a name given twice."""
     seen: set[str] = set()
     for value in values:
         if value in seen:

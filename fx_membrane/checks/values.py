@@ -1,4 +1,4 @@
-"""Values as they are given: how a message shows them, and which of them are numbers."""
+"""Values in messages, and tests for numbers."""
 
 import contextlib
 from collections.abc import Sized
@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 
 def shown(value: Any) -> str:
-    """A value as a refusal shows it: as it is, or its kind and shape if that would be long."""
+    """Show a value in a message: in full, or by its kind and shape if that would be long."""
     if isinstance(value, type):
         return f"the class {value.__name__}"
     if isinstance(value, int) and abs(value) >= 10**50:  # Python does not print numbers of more than 4300 digits
         return f"a whole number of about {round(value.bit_length() * 0.30103)} digits"
-    with contextlib.suppress(ValueError):  # a list of such numbers
+    with contextlib.suppress(ValueError):  # a list of long numbers
         text = repr(
             value.tolist() if isinstance(value, np.ndarray | np.generic) and value is not np.ma.masked else value
         )
@@ -27,36 +27,36 @@ def shown(value: Any) -> str:
 
 
 def with_article(noun: str) -> str:
-    """A noun with "a" or "an" before it."""
+    """Put "a" or "an" before a noun."""
     return f"{'an' if noun[0] in 'AEIOUaeiou' else 'a'} {noun}"
 
 
 def expected(kind: Any) -> str:
-    """Names of a class, or of several joined by |, as a refusal says them."""
+    """Name a class, or several joined by |, in a message."""
     words = {"str": "text", "Mapping": "dictionary", "Sequence": "list", "bool_": "True or False", "NoneType": "None"}
     names = [entry.__name__ for entry in getattr(kind, "__args__", (kind,))]
     return " or ".join(words.get(name, name) for name in names)
 
 
 def place(point: NDArray[np.float64]) -> str:
-    """A position as a message shows it."""
+    """Show a position in a message."""
     return f"({', '.join(f'{coordinate:.6g}' for coordinate in point)})"
 
 
 def is_real(kind: type) -> bool:
-    """Whether values of a class are real numbers: no texts, truth values, dates, complex numbers or arrays."""
+    """Return True if values of a class are real numbers: no texts, truth values, dates, complex numbers or arrays."""
     if issubclass(kind, np.generic):
         return issubclass(kind, np.integer | np.floating) and not issubclass(kind, np.timedelta64)
     return hasattr(kind, "__float__") and not issubclass(kind, bool | Sized)
 
 
 def is_whole(kind: type) -> bool:
-    """Whether values of a class are whole numbers."""
+    """Return True if values of a class are whole numbers."""
     return issubclass(kind, int | np.integer) and not issubclass(kind, bool | np.timedelta64)
 
 
 def scalar(value: Any) -> Any:
-    """A value taken out of its array, if that has no dimensions."""
+    """Take a value out of an array without dimensions."""
     if not hasattr(value, "__array__") or isinstance(value, np.generic):
         return value
     array = np.asanyarray(value)

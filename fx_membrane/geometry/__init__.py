@@ -1,1 +1,1 @@
-"""Grids and edges, and measures of meshes; structures are not known here."""
+"""Grids, edges and measures of meshes, independent of structures."""

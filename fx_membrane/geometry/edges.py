@@ -13,18 +13,18 @@ from ..checks import validation
 def edges_on(
     points: ArrayLike, triangles: ArrayLike, on: Callable[[NDArray[np.float64]], NDArray[np.bool_]]
 ) -> NDArray[np.int64]:
-    """Edges of a membrane that lie on a line or a surface, as cells for cables, shape (edges, 2).
+    """Edges of a membrane on a line or a surface, as cells for cables, shape (edges, 2).
 
-    They are the cells of the dolfinx sub-mesh of these edges, in the numbers of the user's nodes.
+    They are the cells of the dolfinx sub-mesh of these edges, in the user's node numbers.
 
     Args:
         points: Positions of the nodes, shape (n, 3) [m].
         triangles: Cells of the membrane, shape (cells, 3).
-        on: Takes positions as columns, shape (3, m), and says which are on it, shape (m,); an edge is chosen if both
-            its ends are: `lambda x: numpy.isclose(x[1], 0)`.
+        on: Function of positions as columns, shape (3, m), that is True for those on it, shape (m,): `lambda x:
+            numpy.isclose(x[1], 0)`. An edge is chosen if both its ends are on it.
 
     Raises:
-        ValueError: The triangles name nodes that do not exist, on is not such a function, or no edge is on it.
+        ValueError: The triangles name nodes that do not exist, on is no function of that kind, or no edge is on it.
     """
     if not callable(on):
         raise ValueError(

@@ -1,4 +1,4 @@
-"""Ready-made grids of triangles, and lines of segments."""
+"""Grids of triangles, and lines of segments."""
 
 from typing import Literal
 
@@ -15,18 +15,18 @@ def rectangle(
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Grid of triangles over a rectangle in the plane z = 0, centred on the origin.
 
-    Nodes are numbered row by row from the corner (-width/2, -height/2), x running first; node
-    `(columns + 1) * row + column`. All normals point along +z.
+    Nodes are numbered row by row from the corner (-width/2, -height/2), x running first: node `(columns + 1) * row +
+    column`. All normals point along +z.
 
     Args:
         width: Size along x [m].
         height: Size along y [m].
         columns: Number of grid cells along x.
         rows: Number of grid cells along y.
-        diagonals: How a grid cell is split: "right" from its lower left to its upper right corner, "left" the
-            other way, "to centre" along the diagonal that points to the centre of the rectangle (the pattern of
-            Gil's Fig. 6, symmetric about both axes where columns and rows are even; its centre node has eight triangles
-            and so more than its share of a uniform load).
+        diagonals: Split of a grid cell: "right" from its lower left to its upper right corner, "left" the other way,
+            "to centre" along the diagonal that points to the centre of the rectangle. The last is the pattern of Gil's
+            Fig. 6, symmetric about both axes for even columns and rows; its centre node has eight triangles and so a
+            larger share of a uniform load.
 
     Returns:
         Points, shape ((columns + 1) (rows + 1), 3) [m], and triangles, shape (2 columns rows, 3).
@@ -58,7 +58,7 @@ def polyline(nodes: ArrayLike) -> NDArray[np.int64]:
     """Segments between consecutive nodes, shape (n - 1, 2): cells for a cable along them.
 
     Args:
-        nodes: Node numbers in order, shape (n,); to close the line, the first once more at the end.
+        nodes: Node numbers in order, shape (n,); to close the line, repeat the first at the end.
 
     Raises:
         ValueError: They are not at least two whole numbers.

@@ -3,11 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
-# The inverse of the metric of a triangle loses digits as the square of its aspect: of its forces a share of about
-# 4 eps aspect^2 is rounding, 9e-4 at 1e6, 0.09 at 1e7; at 7e7 nothing is left.
-SLIVER = 1.001e7  # most slender triangle
-SLENDER = 5e5  # rounding of 2e-4
-FLAT = 1e-10  # height over side that is none
+# The inverse of the metric of a triangle loses digits as the square of its aspect. About 4 eps aspect^2 of its forces
+# is
+# rounding: 9e-4 at 1e6, 0.09 at 1e7, everything at 7e7.
+SLIVER = 1.001e7  # aspect of the most slender triangle allowed
+SLENDER = 5e5  # aspect with a rounding of 2e-4
+FLAT = 1e-10  # height over side that counts as zero
 
 
 def measures(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -19,16 +20,16 @@ def measures(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[n
 
 
 def normals(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Unit normals of triangles, by the right-hand rule from the order of their nodes, shape (cells, 3) [-]."""
+    """Return unit normals of triangles, by the right-hand rule from the order of nodes, shape (cells, 3) [-]."""
     side = np.diff(points[triangles], axis=1)
     area = np.cross(side[:, 0], side[:, 1])
     return np.asarray(area / np.linalg.norm(area, axis=1, keepdims=True))
 
 
 def projected(vectors: NDArray[np.float64], normal: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Unit vectors along the projections of vectors on the planes normal to unit normals, all of shape (n, 3) [-].
+    """Project vectors on the planes normal to unit normals and scale to length one, all of shape (n, 3) [-].
 
-    Zero where a vector is zero, or normal to its plane but for rounding.
+    Zero where a vector is zero, or normal to its plane up to rounding.
     """
     tangent = vectors - np.sum(vectors * normal, axis=1, keepdims=True) * normal
     length = np.linalg.norm(tangent, axis=1, keepdims=True)
@@ -37,19 +38,19 @@ def projected(vectors: NDArray[np.float64], normal: NDArray[np.float64]) -> NDAr
 
 
 def degenerate(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.intp]:
-    """Triangles more slender than `SLIVER`, segments without length but for rounding, shape (k,)."""
+    """Triangles more slender than `SLIVER`, segments without length up to rounding, shape (k,)."""
     return np.flatnonzero(aspects(points, cells) > SLIVER)
 
 
 def aspects(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Longest side of triangles over the height on it, shape (cells,) [-]; of segments 1.
+    """Aspect of triangles, longest side over the height on it, shape (cells,) [-]; 1 for segments.
 
-    Infinite where height or length are nothing but rounding.
+    Infinite if height or length are rounding.
     """
     corners = points[cells]
     side = np.roll(corners, -1, axis=1) - corners
     span = np.maximum(np.abs(side).max(axis=(1, 2)), np.finfo(float).tiny)
-    side = side / span[:, None, None]  # squares of any size are numbers
+    side = side / span[:, None, None]  # avoids overflow and underflow of squares
     longest = np.linalg.norm(side, axis=2).max(axis=1)
     height = longest if cells.shape[1] == 2 else np.linalg.norm(np.cross(side[:, 0], side[:, 1]), axis=1) / longest
     rounding = np.maximum(8 * np.finfo(float).eps * np.abs(corners).max(axis=(1, 2)) / span, FLAT)

@@ -1,4 +1,4 @@
-"""Edges, boundaries, the sense of triangles and the graph of nodes: what does not depend on positions."""
+"""Edges, boundaries, orientation of triangles and the graph of nodes: topology without positions."""
 
 from collections.abc import Iterable
 
@@ -25,9 +25,9 @@ def boundary(triangles: ArrayLike) -> NDArray[np.int64]:
 
 
 def orientation(triangles: NDArray[np.int64]) -> NDArray[np.float64] | None:
-    """Signs that give all triangles of a connected piece one sense, that of its first, shape (cells,); None if none do.
+    """Signs that turn all triangles of a connected piece to the sense of its first, shape (cells,); or None.
 
-    Pieces are connected through edges with two triangles; where more meet, each sheet has its own sense.
+    Edges with two triangles connect pieces; where more meet, each sheet has its own sense. None means that no signs do.
     """
     n = len(triangles)
     edges, edge, count = _edges(triangles)
@@ -49,10 +49,10 @@ def orientation(triangles: NDArray[np.int64]) -> NDArray[np.float64] | None:
 
 
 def with_one_sense(triangles: NDArray[np.int64]) -> tuple[NDArray[np.int64], str]:
-    """Triangles turned to the sense of the first of their connected piece, shape (cells, 3); why they have no sides.
+    """Turn triangles to the sense of the first of their connected piece, shape (cells, 3); also a reason, or "".
 
-    The first node of a triangle stays its first; the other two change places where it is turned. The reason is the end
-    of a sentence that begins with the surface: it branches, or has one side only; empty where it has two sides.
+    The first node of a turned triangle stays first; the other two change places. The reason for a membrane without two
+    sides ends a sentence that begins with the surface: it branches, or has one side only.
     """
     signs, branch = orientation(triangles), branching_edge(triangles)
     if signs is None:
@@ -70,19 +70,19 @@ def with_one_sense(triangles: NDArray[np.int64]) -> tuple[NDArray[np.int64], str
 
 
 def branching_edge(triangles: NDArray[np.int64]) -> NDArray[np.int64] | None:
-    """An edge with three triangles or more, shape (2,); None if there is none."""
+    """Find an edge with three triangles or more, shape (2,); None if there is none."""
     edges, edge, count = _edges(triangles)
     return np.sort(edges[edge == np.argmax(count)][0]) if count.max() > 2 else None
 
 
 def from_smallest(cells: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Cells with their smallest node first, shape of cells: the sense of triangles stays, that of segments does not."""
+    """Rotate cells to their smallest node first, shape of cells: triangles keep their sense, segments do not."""
     order = np.argmin(cells, axis=1)[:, None] + np.arange(cells.shape[1])
     return np.take_along_axis(cells, order % cells.shape[1], axis=1)
 
 
 def node_graph(cells: Iterable[NDArray[np.int64]], count: int) -> sparse.csr_array:
-    """Which nodes share a cell: sparse matrix (count, count), a node with itself included.
+    """Graph of nodes that share a cell: sparse matrix (count, count), a node with itself included.
 
     Args:
         cells: For each part, rows of node numbers, shape (cells, nodes per cell).
@@ -98,9 +98,9 @@ def node_graph(cells: Iterable[NDArray[np.int64]], count: int) -> sparse.csr_arr
 
 
 def _edges(triangles: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.intp], NDArray[np.intp]]:
-    """First all first edges, then all second, then all third ones, shape (3 cells, 2).
+    """List all first edges, then all second, then all third ones, shape (3 cells, 2).
 
-    With them the number of each, the same for the two directions, shape (3 cells,), and how many have it.
+    Also return the number of each edge, equal for both directions, shape (3 cells,), and the count of its triangles.
     """
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     low, high = edges.min(axis=1), edges.max(axis=1)

@@ -1,1 +1,1 @@
-"""What a run stands on besides its physics: processes, messages, streams, the cache of compiled forms."""
+"""Runtime services without physics: processes, messages, streams, the cache of compiled forms."""

@@ -1,8 +1,8 @@
-"""The cache of compiled forms: who compiles says so, and nothing that a dead compiler left stops the next run.
+"""Cache of compiled forms: compilation is announced, and leftovers of a dead compiler stop no run.
 
 FFCx makes `name.c`, compiles it and then makes `name.c.cached`; a process that finds the first file waits for the
-second. One that was killed between them left the others waiting for ever. Here, processes compile in turn, under a lock
-that the kernel takes from the dead; the locked file holds the name of what is being compiled.
+second. A process killed between them left the others waiting for ever. Here, processes compile in turn, under a lock
+that the kernel releases for the dead; the locked file holds the name of the source in work.
 """
 
 import fcntl
@@ -20,15 +20,15 @@ import cffi
 from .messages import say
 
 LOCK = "fx_membrane.lock"
-DEAD = 10.0  # another program that shows nothing for so long is dead, as dolfinx takes it [s]
-PERIOD = 10.0  # between words to the user [s]
-_threads = threading.RLock()  # FFCx is changed for the time of a call
-_told: list[float] = []  # times at which the user was told
+DEAD = 10.0  # another program without a sign for so long is dead, as in dolfinx [s]
+PERIOD = 10.0  # between messages to the user [s]
+_threads = threading.RLock()  # FFCx is changed during a call
+_told: list[float] = []  # times of messages to the user
 
 
 @contextmanager
 def guard(jit: Any) -> Iterator[None]:
-    """In this block, FFCx's module of compilation (`ffcx.codegeneration.jit`) compiles in turn and finds no leftovers.
+    """Make FFCx's compiler (`ffcx.codegeneration.jit`) work in turn and without leftovers, in this block.
 
     Raises:
         RuntimeError: The cache cannot be written, or the compiler does not work.
@@ -51,7 +51,7 @@ def guard(jit: Any) -> Iterator[None]:
 
 
 def complete(source: Path) -> bool:
-    """A source of FFCx was compiled, for this Python."""
+    """Return True if a source of FFCx was compiled, for this Python."""
     libraries = (source.with_suffix(suffix) for suffix in importlib.machinery.EXTENSION_SUFFIXES)
     ready = source.exists() and source.with_suffix(".c.cached").exists()
     return ready and any(library.exists() and library.stat().st_size for library in libraries)
@@ -70,7 +70,7 @@ def _in_words(folder: Path) -> Iterator[None]:
         raise RuntimeError(
             f"A compiled form cannot be loaded ({error}); let all be compiled again, after `rm -r {folder}`."
         ) from error
-    except TimeoutError:  # in words already
+    except TimeoutError:  # already a sentence
         raise
     except OSError as error:
         raise RuntimeError(
@@ -81,7 +81,7 @@ def _in_words(folder: Path) -> Iterator[None]:
 
 @contextmanager
 def _turn(source: Path, timeout: float) -> Iterator[None]:
-    """Compilation of a source, by one process at a time; what a dead one left of it is removed before."""
+    """Compile a source, one process at a time; leftovers of a dead process are removed before."""
     _tell_of_compilation()
     source.parent.mkdir(parents=True, exist_ok=True)
     with open(os.open(source.with_name(LOCK), os.O_RDWR | os.O_CREAT, 0o666), "r+") as lock:
@@ -95,7 +95,7 @@ def _turn(source: Path, timeout: float) -> Iterator[None]:
             _write(lock, source.name)
         try:
             yield
-        except Exception:  # FFCx has put the source away; not where the user interrupts
+        except Exception:  # FFCx has put the source away; not if the user interrupts
             _write(lock, "")
             raise
         _write(lock, "")
@@ -109,7 +109,7 @@ def _write(lock: Any, text: str) -> None:
 
 
 def _acquire(lock: int, source: Path, timeout: float) -> bool:
-    """Whether this process has the lock; it has not where another compiled the source, or the disk has no locks."""
+    """Acquire the lock; return False if another process compiled the source, or the disk has no locks."""
     for _ in _moments(timeout, "forms are compiled by another process"):
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -127,7 +127,7 @@ def _acquire(lock: int, source: Path, timeout: float) -> bool:
 
 
 def _wait_for_other_programs(source: Path, patience: float) -> None:
-    """Waits while a source may be compiled by a program that knows no lock, as plain dolfinx."""
+    """Wait while a program without locks, such as plain dolfinx, may compile a source."""
     times = [0.0]
     for file in source.parent.glob(f"{source.stem}.*"):
         with suppress(FileNotFoundError):
@@ -139,7 +139,7 @@ def _wait_for_other_programs(source: Path, patience: float) -> None:
 
 
 def _moments(seconds: float, words: str) -> Iterator[None]:
-    """Moments of a wait, of which the user is told."""
+    """Yield moments of a wait, and report it to the user."""
     begin = told = time.monotonic()
     while (now := time.monotonic()) < begin + seconds:
         if now > told + PERIOD:
@@ -155,7 +155,7 @@ def _remove(source: Path) -> None:
 
 
 def _tell_of_compilation() -> None:
-    """The first time, and where the last word was long ago."""
+    """Report a compilation, the first time and long after the last message."""
     now = time.monotonic()
     if not _told or now > _told[-1] + PERIOD:
         say("still compiling forms" if _told else "compiling forms (once)")

@@ -1,4 +1,4 @@
-"""Words to whoever watches a run."""
+"""Messages to the user during a run."""
 
 import sys
 
@@ -7,6 +7,6 @@ from tqdm import tqdm
 
 
 def say(text: str) -> None:
-    """Prints a line to stderr, beside any progress bar; one process of all speaks."""
+    """Print a line to stderr, beside any progress bar; only one process prints."""
     if MPI.COMM_WORLD.rank == 0 and sys.stderr is not None:
         tqdm.write(text, file=sys.stderr)

@@ -1,7 +1,7 @@
-"""PETSc, loaded after MPI and without a signal handler of its own where a pipe closes.
+"""PETSc, loaded after MPI and without its signal handler for closed pipes.
 
-dolfinx's wheel needs the MPI library to be loaded before it. PETSc takes a pipe that is closed at its other end,
-`script.py | head`, for a crash; to Python it is an exception: the handler that was there is put back.
+dolfinx's wheel needs the MPI library to be loaded before it. PETSc takes a pipe closed at its other end, `script.py |
+head`, for a crash; Python raises an exception. So the previous handler is restored.
 """
 
 import signal

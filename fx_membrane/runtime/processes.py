@@ -1,4 +1,4 @@
-"""Processes that share the work: errors of one that are raised by all, and input that differs between them."""
+"""Processes that share the work: errors of one raised by all, and refusal of differing input."""
 
 import pickle
 from collections.abc import Callable, Iterator, Mapping
@@ -8,16 +8,16 @@ from typing import ParamSpec
 
 from mpi4py import MPI
 
-OUTCOME = 2003  # tag of messages that say how an act ended
+OUTCOME = 2003  # tag of messages with the outcome of an act
 
 P = ParamSpec("P")
 
 
 @contextmanager
 def together(comm: MPI.Intracomm) -> Iterator[None]:
-    """Raises an exception of any process on all of them, so that none waits for one that has left.
+    """Raise an exception of any process on all of them, so that none waits for one that has left.
 
-    The block must not communicate. Where several processes raise, all raise what the first of them does.
+    The block must not communicate. If several processes raise, all raise the exception of the first one.
     """
     error: Exception | None = None
     try:
@@ -36,9 +36,9 @@ def together(comm: MPI.Intracomm) -> Iterator[None]:
 
 
 def by_the_first(act: Callable[P, None]) -> Callable[P, None]:
-    """Leaves an act to the first process of all; what it raises is raised on every one.
+    """Leave an act to the first process; raise its exceptions on all processes.
 
-    The first process tells and does not wait: it may be the only one that is called.
+    The first process sends and does not wait: it may be the only one that calls.
     """
 
     @wraps(act)
@@ -60,11 +60,11 @@ def by_the_first(act: Callable[P, None]) -> Callable[P, None]:
 
 
 def refuse_differences(comm: MPI.Intracomm, digests: Callable[[], Mapping[str, str]]) -> None:
-    """Refuses input that is not the same on all processes, on all of them.
+    """Refuse input that differs between processes, on all of them.
 
     Args:
         comm: The processes.
-        digests: Digests of the input by what it is; not asked for where there is one process.
+        digests: Digests of the input by subject; not called for one process.
 
     Raises:
         ValueError: The input differs.
@@ -85,7 +85,7 @@ def refuse_differences(comm: MPI.Intracomm, digests: Callable[[], Mapping[str, s
 
 
 def _portable(error: Exception | None) -> Exception | None:
-    """The exception, or one of the same words where it cannot be sent."""
+    """Replace an exception that cannot be sent by one with the same text."""
     try:
         copy = pickle.loads(pickle.dumps(error))
         return error if str(copy) == str(error) else RuntimeError(f"{type(error).__name__}: {error}")

@@ -1,13 +1,13 @@
-"""Standard streams that were closed, as by `2>&-` or in a service, are opened on the null device."""
+"""Replacement of closed standard streams, as by `2>&-` or in a service, by the null device."""
 
 import os
 import sys
 
 
 def _open_closed() -> None:
-    """Before other files are opened: they would get the numbers 1 and 2, and C libraries would write errors into them.
+    """Open closed standard streams before other files get their numbers 1 and 2, where C libraries write errors.
 
-    UFL, tqdm and others take it for granted that `sys.stdout` and `sys.stderr` are there.
+    UFL, tqdm and others rely on `sys.stdout` and `sys.stderr`.
     """
     for number in (0, 1, 2):
         try:
