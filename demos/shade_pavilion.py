@@ -2,7 +2,7 @@
 # # Shade pavilion
 #
 # The second example of Gil (2006): a roof between two masts and a low point, found by force densities, prestressed by
-# pulling its anchors, then loaded by snow. Half is computed, x >= 0 [kN, m]; where the paper is silent we say so.
+# pulling its anchors, then loaded by snow. Half is computed, x >= 0 [kN, m]; gaps of the paper are named here.
 
 # %%
 import sys
@@ -17,22 +17,22 @@ from fx_membrane import (
 )  # fmt: skip
 
 folder = Path("output/shade_pavilion")
-shown = __name__ == "__main__"  # not where `solvers.py` takes the structure from here
+shown = __name__ == "__main__"  # False where `solvers.py` imports the structure
 say = print if shown and MPI.COMM_WORLD.rank == 0 else (lambda *_: None)
 
 # %% [markdown]
 # ## Form finding
 #
-# A 19 x 13 grid of rows and columns; the paper's node 13 (row - 1) + column is row `node(row, column)` of `points`.
-# Force density 1 along rows and columns, ten times that on cables: the perimeter, and row 10 from low point to low
-# point (our reading of Figs. 10 to 13). Branches in the plane of symmetry belong half to each half.
+# A 19 x 13 grid of rows and columns; the paper's node 13 (row - 1) + column is row `node(row, column)` of `points`. The
+# force density is 1 along rows and columns, and ten times that on cables: the perimeter, and row 10 from low point to
+# low point (our reading of Figs. 10 to 13). Half of each branch in the plane of symmetry belongs to each half.
 
 # %%
 rows, columns = np.arange(1, 20), np.arange(1, 14)
 
 
 def node(row, column):
-    """Number of the node in a row and a column, both from 1."""
+    """Row in `points` of the node in a row and a column, both from 1."""
     return 13 * (row - 1) + column - 1
 
 
@@ -48,8 +48,8 @@ fixed = [Support([south, low, north]), Support(symmetry, "x")]
 found = force_density(corners, branches, q, fixed)
 
 # %%
-# Hand-over: the net, with the forces found as its prestress, is in equilibrium as it is. Pushed aside and let go, it
-# comes back to where it was found. (The roof below takes over the shape only; its prestress comes from its anchors.)
+# Hand-over: the net, with the forces found as its prestress, is in equilibrium. Pushed aside and released, it returns
+# to its shape. (The roof below takes over the shape only; its prestress comes from its anchors.)
 cable_net = Structure(found.points, {"net": Cable(branches, axial_stiffness=1.2e4, prestress=found.forces)}, fixed)
 push = Stage("pushed", [PointLoad(node(5, 5), (0, 0, -10.0))])
 let_go = Stage("let go", [PointLoad(node(5, 5), (0, 0, 10.0))], after="pushed")
@@ -62,8 +62,8 @@ say(f"  pushed aside by {aside:.0e} of the size and let go, it comes back to wit
 # %% [markdown]
 # ## Structure
 #
-# Each grid cell is two triangles, symmetric about y = 0. Masts and stays are added (Table 4). Prestress to begin with:
-# 0.01 kN/m in the fabric and 0.1 kN in the cables, negligible beside what the anchors will bring.
+# Each grid cell is two triangles, symmetric about y = 0. Masts and stays are added (Table 4). The initial prestress is
+# 0.01 kN/m in the fabric and 0.1 kN in the cables, negligible beside that from the anchors.
 
 # %%
 triangles = np.vstack([rectangle(1, 1, 12, 9, "right")[1], rectangle(1, 1, 12, 9, "left")[1] + node(10, 1)])
@@ -88,7 +88,7 @@ structure = Structure(
 # ## Stages
 #
 # Prestress: anchors and low point are pulled by 5 cm in each direction (Table 5). Snow: 1 kN/m2 of plan area on the
-# central 6 m2, that is on the triangles nearest to the origin in plan that make up 3 m2 of this half.
+# central 6 m2. These are the triangles nearest to the origin in plan, 3 m2 of them in this half.
 
 # %%
 pulls = [([249, 250], (5, 5, -5)), ([251, 252], (5, -5, -5)), (low, (5, 0, -5))]  # [cm]
@@ -122,9 +122,9 @@ if shown and "--no-pictures" not in sys.argv:
 # ## Beside the paper, and check
 #
 # The paper gives contour plots, and two sentences: strain of "a maximum value less than 1.0e-2", and after prestress
-# "the whole membrane is under pure tension". Averages at nodes, which contour plots show, are in tension here too,
-# though some cells wrinkle. They do not explain the strain, which is up to a quarter above the paper's, with other
-# diagonals or valley cables too; where the paper took it is not said. The assertions below are our own bounds.
+# "the whole membrane is under pure tension". Contour plots show averages at nodes. They are in tension here too, though
+# some cells wrinkle. They do not explain the strain, which is up to a quarter above the paper's, with other diagonals
+# or valley cables too. The paper does not say where it took the strain. The assertions below are our own bounds.
 
 # %%
 assert max(moved, left, unbalanced) < 1e-9

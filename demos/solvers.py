@@ -2,8 +2,8 @@
 # # Solvers
 #
 # Section 7 of Gil (2006) has steepest descent, conjugate gradients and Newton-Raphson, all with a line search, and
-# compares them in words: first-order methods find their way from anywhere, but slowly; Newton's method is fast near the
-# solution, and the line search brings it there. Here are the numbers, for both of the paper's examples: the square
+# compares them in words. First-order methods converge from any start, but slowly. Newton's method is fast near the
+# solution, and the line search brings it there. This demo gives numbers for both of the paper's examples: the square
 # membrane under a point load, and the prestress of the shade pavilion.
 
 # %%
@@ -36,9 +36,9 @@ solvers = {
 # %% [markdown]
 # ## Two structures
 #
-# The square of the first example (kip, in), flat, with any prestress; and the pavilion (kN, m) as `shade_pavilion.py`
-# has it, almost without prestress until its anchors and its low point are pulled. Each is solved in one load increment,
-# so that the iterations of one method can be compared with those of another.
+# The square of the first example (kip, in) is flat, with any prestress. The pavilion (kN, m) of `shade_pavilion.py` has
+# almost no prestress until its anchors and its low point are pulled. Each is solved in one load increment, so that the
+# iterations of the methods can be compared.
 
 # %%
 grid, square_cells = rectangle(240.0, 240.0, 4, 4, diagonals="to centre")
@@ -46,7 +46,7 @@ middle = int(np.argmin(np.hypot(*grid[:, :2].T)))
 
 
 def square(prestress):
-    """The square membrane with a prestress [ksi]."""
+    """Square membrane with a prestress [ksi]."""
     fabric = Membrane(square_cells, Fabric.from_modulus(30_000.0, 0.3, 0.004167), prestress=prestress * 0.004167)
     return Structure(grid, {"membrane": fabric}, [Support(np.unique(boundary(square_cells)))])
 
@@ -58,12 +58,12 @@ cases = {"square": (square(80.0), push, "kip", "kip in"), "pavilion": (pavilion,
 # %% [markdown]
 # ## All solvers on both
 #
-# Where a solver needs more iterations than it is given, the number ends in dots.
+# Dots after the number mean that a solver needs more iterations than the limit.
 
 
 # %%
 def solve(structure, stage, solver):
-    """Iterates, seconds, and displacements; without these where the iterations were too few."""
+    """Solve a stage; return iterates, seconds, and displacements, the last None if the iterations were too few."""
     analysis, began = Analysis(structure, solver), perf_counter()
     try:
         result = analysis.run([stage])[stage.name]
@@ -89,7 +89,7 @@ for case, (structure, stage, *units) in cases.items():
         if ended:
             errors[case, name] = np.abs(displacement - expected).max() / np.abs(expected).max()
     tail = [entry.residual for entry in found["Newton"][0][-4:]]
-    orders[case] = np.polyfit(np.log(tail[:-1]), np.log(tail[1:]), 1)[0]  # of each as a power of the one before
+    orders[case] = np.polyfit(np.log(tail[:-1]), np.log(tail[1:]), 1)[0]  # of each as a power of the previous one
     say(f"Newton's last residuals: {', '.join(f'{r:.1e}' for r in tail)}; order {orders[case]:.2f}")
     lagging = found["steepest descent"][0][-1].energy
     behind[case] = sum(entry.energy > lagging for entry in found["conjugate gradients, PR"][0])
@@ -101,9 +101,9 @@ for case, (structure, stage, *units) in cases.items():
 # %% [markdown]
 # ## The line search
 #
-# The weaker the prestress of the square, the further a full first step overshoots, and the more steps it takes to come
-# back; without prestress there is no first step at all. With the line search, and artificial tension where there is no
-# stiffness, the prestress hardly matters.
+# With a weaker prestress of the square, the first full step overshoots further, and more steps are needed to come back.
+# Without prestress there is no first step at all. With the line search and the shift by artificial tension, the
+# prestress hardly matters.
 
 # %%
 searched, full = {}, {}
@@ -120,11 +120,11 @@ for prestress in (80.0, 8.0, 0.8, 0.08, 0.008, 0.0):
 # %% [markdown]
 # ## Check
 #
-# All that came to an end came to the same state. Newton's method needs 5 and 9 steps, the last of them quadratic; full
-# steps lead it there too, but the first of them overshoots, and on the pavilion it takes half as many steps again.
-# Conjugate gradients need two to five times as many as there are unknowns, a third of that or less when divided by the
-# diagonal of the tangent, and fewer still when divided by the first tangent, at the price of a back-substitution each.
-# Steepest descent is after 1000 steps where they are after fewer than 100; the diagonal takes it to the end on the
+# All converged solves found the same state. Newton's method needs 5 and 9 steps, the last of them quadratic. Full steps
+# converge too, but the first of them overshoots, and on the pavilion they take half as many steps again. Conjugate
+# gradients need two to five times as many steps as there are unknowns. The diagonal of the tangent as preconditioner
+# reduces that to a third or less. The first tangent reduces it further, at the price of a back-substitution each.
+# Steepest descent needs 1000 steps for the accuracy of fewer than 100 of theirs. The diagonal makes it converge on the
 # square, but not on the pavilion.
 
 # %%

@@ -1,9 +1,9 @@
 # %% [markdown]
 # # Square membrane under a point load
 #
-# The first example of Gil (2006), after Levy and Spillers: a flat square of side 240 in, prestressed to 80 ksi, held
-# along its edges and pulled down at the centre by 10 kip, in one load increment. Thickness 0.004167 in, E = 30 000 ksi,
-# nu = 0.3. Units: kip, in, ksi. Fig. 7 of the paper is of full Newton steps, so the line search is off.
+# The first example of Gil (2006), after Levy and Spillers: a flat square of side 240 in, prestressed to 80 ksi. It is
+# held along its edges and pulled down at the centre by 10 kip, in one load increment. Thickness 0.004167 in, E = 30 000
+# ksi, nu = 0.3. Units: kip, in, ksi. Fig. 7 of the paper shows full Newton steps, so the line search is off.
 
 # %%
 import sys
@@ -38,12 +38,12 @@ points, triangles = rectangle(side, side, 4, 4, diagonals="to centre")
 
 
 def node(x, y):
-    """Number of the node at (x, y)."""
+    """Row in `points` of the node at (x, y)."""
     return int(np.argmin(np.hypot(points[:, 0] - x, points[:, 1] - y)))
 
 
 def element(x, y):
-    """Number of the triangle whose centroid is at (x, y)."""
+    """Row of the triangle with its centroid at (x, y)."""
     centroids = points[triangles].mean(axis=1)
     return int(np.argmin(np.hypot(centroids[:, 0] - x, centroids[:, 1] - y)))
 
@@ -61,7 +61,7 @@ results = Analysis(structure, Newton(line_search=False)).run([Stage("point load"
 # %% [markdown]
 # ## Tables 1 and 2
 #
-# The paper's stress is Gil (19) with J = det(I + grad u); the area ratio, which belongs to a force per current length,
+# The paper's stress is Gil (19) with J = det(I + grad u). The area ratio, which belongs to a force per current length,
 # gives up to 0.24 % less. Node 1 of Table 1 is a misprint in the paper: 1.423 for 1.429 (Levy and Spillers: 1.431).
 
 # %%
@@ -92,14 +92,14 @@ for label, (place, levy, paper) in table_2.items():
 
 
 def print_table(title, rows, digits):
-    """Three columns and the difference from the paper."""
+    """Print three columns and the difference from the paper."""
     print(f"\n{title}\n{'':8}{'Levy & Spillers':>16}{'paper':>12}{'ours':>16}{'ours - paper':>14}")
     for name, levy, paper, ours in rows:
         print(f"{name:8}{levy:16.{digits}f}{paper:12.{digits}f}{ours:16.{digits + 4}f}{ours - paper:14.{digits + 2}f}")
 
 
 def print_convergence(history):
-    """The numbers of Fig. 7."""
+    """Print the numbers of Fig. 7."""
     print(f"\nFig. 7, convergence\n{'iteration':>9}{'energy [kip in]':>18}{'residual [kip]':>16}{'step':>6}")
     for number, (_, entry) in enumerate(history):
         print(f"{number:9}{entry.energy:18.10f}{entry.residual:16.3g}{entry.step:6.2g}")
@@ -136,7 +136,7 @@ numbers = {
 # %% [markdown]
 # ## Check
 #
-# Against the digits that the paper prints, and against an independent computation of the same model.
+# The checks compare with the digits that the paper prints, and with an independent computation of the same model.
 
 # %%
 for name, _, paper, ours in rows_1:
