@@ -1,4 +1,4 @@
-"""Values that users give by mistake, by class, and the arguments that take some of them all the same."""
+"""Values that users give by mistake, by class, and the arguments that accept some of them."""
 
 import datetime
 from decimal import Decimal
@@ -64,13 +64,13 @@ TAKES = {
 
 
 def values(kind):
-    """All values, and whether an argument of a kind may take each; one that ends in ? may be None."""
+    """All values, each with True if an argument of a kind accepts it; a kind that ends in ? accepts None."""
     taken = TAKES[kind.rstrip("?")] | ({"none"} if kind.endswith("?") else set())
     return [(value, name in taken) for name, group in VALUES.items() for value in group]
 
 
 def scalars():
-    """Values that may stand in the place of a number in an array, and whether they are right there."""
+    """Values in the place of a number in an array, each with True if it is right there."""
     groups = (
         "none",
         "truth",

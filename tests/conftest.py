@@ -1,6 +1,6 @@
 """Marks of tests that run again on several processes, and one report under MPI.
 
-Processes other than the first test in silence; their exit codes count nevertheless.
+Only the first process reports tests; the exit codes of the others count, too.
 """
 
 import os
@@ -47,6 +47,6 @@ def pytest_configure(config):
 
 @pytest.hookimpl(trylast=True)
 def pytest_unconfigure():
-    # The first process to end in failure ends them all: not before the report is out.
+    # The first process that ends with a failure ends all others: wait until the report is out.
     sys.stdout.flush()
     MPI.COMM_WORLD.Barrier()

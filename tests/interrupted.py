@@ -1,4 +1,4 @@
-"""Runs with a checkpoint that are cut short."""
+"""Runs with a checkpoint that are interrupted."""
 
 import numpy as np
 import pytest
@@ -37,11 +37,11 @@ def stages(snow=-200.0, steps=3):
 
 
 class Killed(Exception):
-    """Stands for the end of the process."""
+    """End of the process."""
 
 
 def counted(analysis, most=10**6):
-    """Counts the increments that are solved; ends the run in place of one too many."""
+    """Count the increments solved; end the run instead of one too many."""
     solve, calls = analysis._solve, []
 
     def wrapped(x, *monitor):
@@ -65,7 +65,7 @@ def assert_same(found, expected):
         assert mine.membrane("fabric").principal == pytest.approx(result.membrane("fabric").principal, rel=1e-9)
         assert mine.cable("ridge").force == pytest.approx(result.cable("ridge").force, rel=1e-9)
         assert [factor for factor, _ in mine.history] == [factor for factor, _ in result.history]
-        # Unbalanced forces at the end are rounding, in which processes differ.
+        # Unbalanced forces at the end are rounding, which differs between processes.
         for (_, mine_entry), (_, entry) in zip(mine.history, result.history, strict=True):
             assert mine_entry == pytest.approx(entry, rel=1e-6, abs=1e-5)
 

@@ -1,4 +1,4 @@
-"""Starts scripts on several processes, with the launcher that belongs to the interpreter of the tests."""
+"""Start of scripts on several processes, with the launcher that belongs to the interpreter of the tests."""
 
 import os
 import shutil
@@ -24,15 +24,15 @@ SCRIPTS = Path(__file__).parent
 
 
 def launcher():
-    """The wheel brings its own, beside the interpreter; Debian's is on the path."""
+    """Find the launcher: beside the interpreter for the wheel, on the path for Debian."""
     own = Path(sys.executable).with_name("mpiexec")
     return str(own) if own.exists() else shutil.which("mpirun")
 
 
 def start(arguments, processes, timeout=1500):
-    """Runs a script with this interpreter; ends all processes where they do not end themselves."""
+    """Run a script with this interpreter; kill processes that do not end."""
     tests = str(Path(__file__).parent)
-    # Not the C environment: MPI has written into that.
+    # without the C environment, into which MPI has written
     environment = dict(os.environ) | ENVIRONMENT
     environment["PYTHONPATH"] = os.pathsep.join([tests, str(Path(tests).parent), environment.get("PYTHONPATH", "")])
     several = [launcher(), "-n", str(processes)] if processes > 1 else []

@@ -1,4 +1,4 @@
-"""Resident memory that repeated work leaves behind [MB], one line for each kind of work.
+"""Resident memory left behind by repeated work [MB], one line for each kind of work.
 
 mpirun -n 2 python tests/memory_use.py
 """
@@ -67,7 +67,7 @@ def resident():
 
 
 for name, act in WORK.items():
-    act()  # what is made once
+    act()  # objects made once
     before = resident()
     act()
     grown = MPI.COMM_WORLD.allreduce(resident() - before, MPI.MAX)

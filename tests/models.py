@@ -36,18 +36,18 @@ def rotation(seed):
 
 
 def sheet(*supports, prestress=1e3, points=POINTS, triangles=TRIANGLES):
-    """A membrane, flat and held along its edge unless said otherwise."""
+    """Flat membrane, held along its edge by default."""
     fabric = Membrane(triangles, FABRIC, prestress=prestress)
     return Structure(points, {"fabric": fabric}, supports or [Support(np.unique(boundary(triangles)))])
 
 
 def inclined_sheet(triangles=TRIANGLES):
-    """No two cells alike."""
+    """Sheet in which no two cells are alike."""
     return sheet(points=INCLINED, triangles=triangles)
 
 
 def flipped(seed):
-    """The triangles, some with their nodes in the other sense; the first keeps its own."""
+    """Triangles, some with their nodes in the other sense; the first keeps its own."""
     flip = np.random.default_rng(seed).random(len(TRIANGLES)) < 0.5
     flip[0] = False
     assert 5 < np.count_nonzero(flip) < len(TRIANGLES) - 5

@@ -1,4 +1,4 @@
-"""Errors of one process and input that differs between them: each case prints how it ended on every process.
+"""Errors of one process and input that differs between processes: each case prints its outcome on every process.
 
 mpirun -n 2 python tests/one_process.py FOLDER
 """
@@ -69,7 +69,7 @@ def full_disk():
 
 
 def seen_by_the_first():
-    """The folder of each process is its own."""
+    """Use a different folder on each process."""
     path = FOLDER / str(COMM.rank) / "state"
     Analysis(structure()).run(stages()[:2], path)
     again = Analysis(structure())

@@ -6,7 +6,7 @@ import numpy as np
 def half_disc(n):
     """Half of a unit disc, y >= 0: n rings, equilateral triangles in the middle that become circular outwards.
 
-    Circular rings all the way in have a kink at the centre: nodes there do not get their share of the load, which
+    With circular rings up to the centre there would be a kink: nodes there do not get their share of the load, which
     costs a factor log(1/h).
     """
     corners = np.stack([np.cos(np.pi / 3 * np.arange(4)), np.sin(np.pi / 3 * np.arange(4))], axis=-1)
@@ -33,7 +33,7 @@ def octant(n, R):
     inside = i + j <= n
     number = np.cumsum(inside).reshape(n + 1, n + 1) - 1
     flat = np.stack([n - i - j, i, j], axis=-1)[inside] / n
-    # Equal angles along the edges, so that triangles are of nearly the same size.
+    # Equal angles along the edges give triangles of nearly the same size.
     bent = np.sin(np.pi / 2 * flat)
     cells = [(number[a, b], number[a + 1, b], number[a, b + 1]) for a in range(n) for b in range(n - a)]
     cells += [(number[a + 1, b], number[a + 1, b + 1], number[a, b + 1]) for a in range(n) for b in range(n - 1 - a)]

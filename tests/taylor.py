@@ -1,4 +1,4 @@
-"""Remainders of the residual: their order shows whether the tangent is consistent."""
+"""Remainders of the residual: their order shows if the tangent is consistent."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Every demo runs, passes its own check, and draws pictures that show something."""
+"""Every demo runs, passes its own check, and draws visible pictures."""
 
 import importlib.util
 import json
@@ -35,15 +35,15 @@ STORED = Path(__file__).parent / "demo_numbers.json"
 
 
 def run(name):
-    """What a demo defines, run as by `python demos/name.py`: its neighbours can be imported."""
+    """Run a demo as by `python demos/name.py`, with its folder on the path; return its variables."""
     with mock.patch.object(sys, "path", [str(DEMOS), *sys.path]):
         return runpy.run_path(str(DEMOS / f"{name}.py"), run_name="__main__")
 
 
 def compare(name, numbers):
-    """Every version of dolfinx and every number of processes must print the same, to 1e-10 of the largest in a group.
+    """Check for the same numbers, to 1e-10 of the largest in a group, in every version and for any number of processes.
 
-    To store numbers anew, after a change that is meant to move them, run this file as a script.
+    To store numbers again after an intended change, run this file as a script.
     """
     stored = json.loads(STORED.read_text())[name]
     assert numbers.keys() == stored.keys()
@@ -53,7 +53,7 @@ def compare(name, numbers):
 
 
 def check_pictures(name):
-    """All pictures of a demo are there, and show something."""
+    """Check that all pictures of a demo exist and are not blank."""
     pictures = sorted(Path("output", name).glob("*.png"))
     assert [picture.name for picture in pictures] == PICTURES[name]
     for picture in pictures:

@@ -1,4 +1,4 @@
-"""What users install: a wheel and an sdist with the forms in them, which run from anywhere."""
+"""Installed packages: a wheel and an sdist with the forms in them, which run from anywhere."""
 
 import importlib.util
 import os
@@ -31,7 +31,7 @@ def run(*command, **options):
 
 @pytest.fixture(scope="module")
 def sources(tmp_path_factory):
-    """A copy, so that nothing is left behind in the working tree."""
+    """Copy the sources, so that nothing is left behind in the working tree."""
     copy = tmp_path_factory.mktemp("sources")
     names = ["pyproject.toml", "README.md", "LICENSE", "forms", "fx_membrane"]
     run("tar", "cf", str(copy / "all.tar"), "--exclude=__pycache__", "-C", str(ROOT), *names)
@@ -69,7 +69,7 @@ def test_pip_keeps_the_numpy_that_dolfinx_is_built_for(tmp_path):
         refused = subprocess.run([*pip, wanted], capture_output=True, text=True, check=False)
         assert refused.returncode != 0
         assert "constraint" in refused.stdout + refused.stderr
-    run(*pip, wanted, env={**os.environ, "PIP_CONSTRAINT": os.devnull})  # it is the constraint that refuses
+    run(*pip, wanted, env={**os.environ, "PIP_CONSTRAINT": os.devnull})  # the constraint is the reason for the refusal
 
 
 def test_wheel_has_the_forms_as_files(wheel):
@@ -93,11 +93,11 @@ def test_installed_wheel_runs_the_demo_from_another_folder(wheel, tmp_path):
     python = str(tmp_path / "env/bin/python")
     run(sys.executable, "-m", "pip", "-q", "--python", python, "install", "--no-deps", "--no-index", str(wheel))
     site = Path(run(python, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))").strip())
-    (site / "dependencies.pth").write_text(sysconfig.get_path("purelib"))  # what the tests themselves run with
+    (site / "dependencies.pth").write_text(sysconfig.get_path("purelib"))  # packages of the tests themselves
     elsewhere = tmp_path / "elsewhere"
     elsewhere.mkdir()
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
-    libraries = [f"{sys.prefix}/lib", os.environ.get("LD_LIBRARY_PATH", "")]  # the first has those of the MPI wheel
+    libraries = [f"{sys.prefix}/lib", os.environ.get("LD_LIBRARY_PATH", "")]  # the first is that of the MPI wheel
     environment["LD_LIBRARY_PATH"] = ":".join(filter(None, libraries))
     where = run(python, "-c", "import fx_membrane; print(fx_membrane.__file__)", cwd=elsewhere, env=environment)
     assert Path(where.strip()).is_relative_to(site)

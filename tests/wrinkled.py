@@ -25,7 +25,7 @@ ROW, COLUMN = np.array([0, 1, 0]), np.array([0, 1, 1])  # components 11, 22, 12
 
 
 def as_woven(fabric):
-    """The same fabric, as an orthotropic one."""
+    """Orthotropic fabric with the same constants."""
     if isinstance(fabric, OrthotropicFabric):
         return fabric
     return OrthotropicFabric(fabric.Et, fabric.Et, fabric.nu, fabric.Et / (2 * (1 + fabric.nu)))

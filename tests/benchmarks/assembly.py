@@ -2,7 +2,7 @@
 
     .venv/bin/python tests/benchmarks/assembly.py [cells along a side]
 
-Each time is the least of five. The bound is the bare `assemble_matrix` of dolfinx into a matrix of its own.
+Each time is the minimum of five. The bound is the bare `assemble_matrix` of dolfinx into a matrix of its own.
 """
 
 import sys
@@ -40,7 +40,7 @@ def bare_assembly(form: object) -> Callable[[], None]:
 
 
 def main(n: int) -> None:
-    """Prints the table."""
+    """Print the table."""
     points, triangles = rectangle(1.0, 1.0, n, n)
     fabric = Membrane(triangles, Fabric(1e5, 0.3), prestress=1e3)
     structure = Structure(points, {"fabric": fabric}, [Support(np.unique(boundary(triangles)))])

@@ -1,22 +1,21 @@
-"""Structures whose first equilibrium is hard to find, and what it takes to find it.
+"""Structures whose first equilibrium is hard to find, and the cost of finding it.
 
     .venv/bin/python tests/benchmarks/hard_cases.py [part of a name]
 
 Flat and curved, prestress from none to large, loads from everyday to a hundred times that, slack cables, wrinkles,
-coarse meshes and one of 1e5 unknowns; each solved twice: by Newton's method of the textbook, which takes its steps as
-they come, and by that of this package. For both: whether equilibrium was found, the unbalanced force over the largest
-nodal force, load increments (more than there are stages where some were halved) and their iterations; and, with all
-that was tried in vain, factorizations, assemblies (of residual or tangent; with each residual goes an energy) and time
-[s]. Then, of the second, iterations with artificial tension in the tangent, those with a shortened step, and increments
-that began with the structure drawn smooth.
+coarse meshes and one of 1e5 unknowns. Each is solved twice: by the textbook's Newton method with full steps, and by
+that of this package. For both the table gives: success, the unbalanced force over the largest nodal force, load
+increments (more than stages if some were halved) and their iterations. With all rejected attempts it gives
+factorizations, assemblies (of residual or tangent; each residual comes with an energy) and time [s]. For the second it
+adds iterations with a shifted tangent, those with a shortened step, and increments that began with the homotopy.
 
-Cheaper linear solves were measured and left out. Factors without artificial tension that are kept while the residual
-falls tenfold find all of the 72 quickest cases as well, with 7 % fewer factorizations, 6 % more iterations and 7 %
-more time; with 1e5 unknowns they save 20 % of the time where the square of `assembly.py` is loaded, 9 % or nothing
-here. The price is the last quadratic step: displacements end 1e-9 off instead of at rounding, and with that step in
-full 7 % are left of the 20. Conjugate gradients preconditioned by the old factors, to tolerances after Eisenstat and
-Walker, save a third of the factorizations for four times as many back-substitutions: 13 % more time in twelve cases,
-from 7 % less to 3 % more with 1e5 unknowns.
+Cheaper linear solves were measured and left out. Factors without shift that are kept while the residual falls tenfold
+solve all of the 72 quickest cases, with 7 % fewer factorizations, 6 % more iterations and 7 % more time. With 1e5
+unknowns they save 20 % of the time for the square of `assembly.py` under load, 9 % or nothing here. The price is the
+last quadratic step: displacements have an error of 1e-9 instead of rounding, and with that step in full the saving
+falls from 20 to 7 %. Conjugate gradients preconditioned by the old factors, to tolerances after Eisenstat and Walker,
+save a third of the factorizations for four times as many back-substitutions: 13 % more time in twelve cases, from 7 %
+less to 3 % more with 1e5 unknowns.
 """
 
 import sys
@@ -75,13 +74,13 @@ def sheet(prestress: float, load: float, n: int = 8, fabric: Fabric | Orthotropi
 
 
 def poked(prestress: float, force: float, n: int = 8) -> Case:
-    """The flat sheet under a point load."""
+    """Flat sheet under a point load."""
     structure, _ = sheet(prestress, 0.0, n)
     return structure, [Stage("point load", [PointLoad(len(structure.points) // 2, (0, 0, -force))])]
 
 
 def cushion(prestress: float, pressure: float, n: int = 8) -> Case:
-    """The flat sheet, blown up."""
+    """Flat sheet, blown up."""
     structure, _ = sheet(prestress, 0.0, n)
     return structure, [Stage("inflation", [Pressure(pressure, "fabric")])]
 
@@ -128,7 +127,7 @@ def cable_net(prestress: float, load: float, n: int = 8) -> Case:
 
 
 def hanging(sag: float, load: float, n: int = 20) -> Case:
-    """Cable without prestress under its weight: straight, or longer than its span and crumpled."""
+    """Cable without prestress under its weight: straight, or longer than its span and folded."""
     x = np.linspace(0, 10, n + 1)
     points = np.column_stack([x, 0 * x, sag * np.sin(np.pi * x / 10 * 4)])
     structure = Structure(points, {"cable": Cable(path(np.arange(n + 1)), 1e6)}, [Support([0, n])])
@@ -170,7 +169,7 @@ def tent(force: float, fabric_prestress: float, load: float, n: int = 12) -> Cas
 
 
 def slack_roof(move: float, load: float, n: int = 8) -> Case:
-    """Roof of 8 m by 8 m between two high and two low corners, its low ones let in and up: slack all over."""
+    """Roof of 8 m by 8 m between two high and two low corners, its low ones moved in and up: slack all over."""
     plan, triangles = rectangle(8.0, 8.0, n, n)
     node = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
     low, high = [node[0, -1], node[-1, 0]], [node[0, 0], node[-1, -1]]
@@ -257,13 +256,13 @@ def cables_clamps_masts() -> Iterator[tuple[str, Callable[[], Case]]]:
 
 
 def factorizations() -> int:
-    """Number of numeric factorizations since the start."""
+    """Count of numeric factorizations since the start."""
     events = ("MatCholFctrNum", "MatLUFactorNum")
     return int(sum(PETSc.Log.Event(name).getPerfInfo()["count"] for name in events))
 
 
 def count_assemblies() -> None:
-    """Makes the problem note in `assemblies` each residual and each tangent."""
+    """Make the problem note each residual and each tangent in `assemblies`."""
 
     def counted(assemble: Callable[[Problem, PETSc.Vec, PETSc.Object], None]) -> Callable[..., None]:
         def call(problem: Problem, x: PETSc.Vec, result: PETSc.Object) -> None:
@@ -276,7 +275,7 @@ def count_assemblies() -> None:
 
 
 def measure(make: Callable[[], Case], solver: Newton) -> str:
-    """One way's part of a line of the table."""
+    """Solve a case one way; return its part of a line of the table."""
     structure, stages = make()
     start, before, assembled = perf_counter(), factorizations(), assemblies.total()
     words = ""
@@ -299,14 +298,14 @@ def measure(make: Callable[[], Case], solver: Newton) -> str:
 
 
 def main() -> None:
-    """Prints the table."""
+    """Print the table."""
     chosen = [(name, make) for name, make in cases() if len(sys.argv) == 1 or any(w in name for w in sys.argv[1:])]
     if not chosen:
         families = dict.fromkeys(name.partition(",")[0] for name, _ in cases())
         sys.exit(f"No case has {' or '.join(map(repr, sys.argv[1:]))} in its name; there are: {'; '.join(families)}.")
     PETSc.Log.begin()
     count_assemblies()
-    warnings.simplefilter("ignore", LargeStrainWarning)  # a hundred times the snow is meant to strain
+    warnings.simplefilter("ignore", LargeStrainWarning)  # a hundred times the snow is intended to strain
     titles = f"{'found':>7}{'balance':>9}{'incr':>6}{'iter':>6}{'fact':>6}{'asm':>6}{'time':>8}"
     print(f"{'':50}{'     full steps':48}{'     line search, artificial tension'}")
     print(f"{'case':50}{titles}{titles}{'tense':>6}{'short':>6}{'drawn':>6}")

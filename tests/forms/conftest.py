@@ -1,4 +1,4 @@
-"""What several tests of wrinkling start from."""
+"""Fixtures of several tests of wrinkling."""
 
 import pytest
 
@@ -7,7 +7,7 @@ from wrinkled import COLUMN, FABRICS, ROW, Formula, compliance, strains, tensor
 
 @pytest.fixture(scope="module", params=list(FABRICS))
 def case(request):
-    """A fabric, its formulas, total strains and prestresses."""
+    """Fabric, its formulas, total strains and prestresses."""
     fabric = FABRICS[request.param]
     e, sigma0 = strains(fabric, len(request.param))
     return fabric, Formula(fabric, len(e)), e, sigma0, e - tensor(sigma0[:, ROW, COLUMN] @ compliance(fabric), 0.5)

@@ -41,7 +41,7 @@ def symmetric(rng, scale):
 
 
 def case(name, rng):
-    """A structure of disconnected elements and what the kernel needs: positions, sizes, prestress, moduli, warp."""
+    """Structure of disconnected elements, and the input of the kernel: positions, sizes, prestress, moduli, warp."""
     nodes = 3 if name in ("isotropic", "orthotropic") else 2
     X, size = random_elements(rng, nodes)
     cells = np.arange(COUNT * nodes).reshape(COUNT, nodes)
@@ -63,7 +63,7 @@ def case(name, rng):
 
 
 def dense(A, number):
-    """The matrix in the user's numbering."""
+    """Matrix in the user's numbering."""
     dofs = (3 * number[:, None] + np.arange(3)).ravel().astype(np.int32)
     return A.getValues(dofs, dofs)
 

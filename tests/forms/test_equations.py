@@ -1,4 +1,4 @@
-"""The index of the paper's equations is complete, and each entry leads to something that exists."""
+"""The index of the paper's equations is complete, and each entry leads to an existing function."""
 
 import importlib
 

@@ -12,7 +12,7 @@ from wrinkled import COLUMN, ROW, compliance, engineering, state_of, tensor
 
 
 def random_fabrics(rng, count, low, high):
-    """Stiffnesses that differ by up to 20, shear stiffness down to 1/50, nu between shares of its limit."""
+    """Fabrics with stiffness ratios up to 20, shear stiffness down to 1/50, nu between fractions of its limit."""
     for _ in range(count):
         weft = 1000.0 * 20.0 ** rng.uniform(-1, 1)
         nu = rng.uniform(low, high) * np.sqrt(1000.0 / weft)
@@ -55,7 +55,7 @@ def test_direction_of_tension_is_stationary_and_the_best(low, high, kind):
         assert np.abs(along).max() <= 1e-12, fabric
         assert across.min() >= -1e-12, fabric
         assert (e_tt > 0).all(), fabric
-        # Where e_tt is a small difference of large terms, rounding is in it: 1e-15 of the strain.
+        # Where e_tt is a small difference of large terms, it has a rounding of 1e-15 of the strain.
         sampled = np.maximum(engineering(e) @ fan, 0) / np.sqrt(np.einsum("ik,ij,jk->k", fan, H, fan))
         rounding = 1e-15 * np.abs(e).max(axis=(1, 2)) / np.sqrt(H_tt)
         assert (sampled.max(axis=1) <= e_tt / np.sqrt(H_tt) * (1 + 1e-12) + rounding).all(), fabric

@@ -1,7 +1,7 @@
 """Wrinkling and slack cables through the package: structures of cells that share no node.
 
 Claim: results are those of the formulas, which `test_wrinkling` compares with their definition; consistent tangent.
-Tolerance: rounding, 1e-11 of stresses; orders of remainders as said at the tests.
+Tolerance: rounding, 1e-11 of stresses; orders of remainders as given at the tests.
 """
 
 import numpy as np
@@ -38,7 +38,7 @@ from wrinkled import (
 
 
 def shapes(E, seed):
-    """Points, cells, warps and displacements of cells with the strains E, turned anyhow."""
+    """Points, cells, warps and displacements of cells with the strains E, in random orientation."""
     points, cells = cells_in_space(len(E), seed)
     rng = np.random.default_rng(seed)
     warp = rng.normal(size=(len(E), 3))
@@ -158,7 +158,7 @@ def test_cable_tangent_is_consistent(slack):
 
 
 def test_cable_at_the_switch():
-    """A cable without force has the stiffness EA when it is pulled, and the share of it when it is pushed."""
+    """A cable without force has the stiffness EA in tension, and its kept fraction in compression."""
     points, cells = np.array([[0.0, 0, 0], [2.0, 0, 0]]), np.array([[0, 1]])
     for push in (1e-3, 1e-6, 1e-9):
         for sign, share in ((1, 1.0), (-1, 1e-4)):

@@ -90,7 +90,7 @@ def test_taut_energy_is_the_full_one_and_slack_none(case):
 
 
 def difference(function, E, direction, h=3e-6):
-    """Derivative along a direction, fourth order."""
+    """Difference quotient along a direction, fourth order."""
     a, b, c, d = (function(E + k * h * direction) for k in (-2, -1, 1, 2))
     return (a - 8 * b + 8 * c - d) / (12 * h)
 
@@ -136,7 +136,7 @@ def test_energy_and_stress_are_continuous_across_switches(case, lower):
     state = state_of(e, fabric)
     zero = np.zeros_like(sigma0)
     a, b = e[state == lower].copy(), e[state == lower + 1].copy()
-    for _ in range(60):  # the line between them is halved until they are neighbours
+    for _ in range(60):  # the line between them is bisected until they are neighbours
         middle = (a + b) / 2
         here = (state_of(middle, fabric) <= lower)[:, None, None]
         a, b = np.where(here, middle, a), np.where(here, b, middle)

@@ -1,4 +1,4 @@
-"""What several unit tests start from."""
+"""Fixtures of several unit tests."""
 
 import pytest
 from mpi4py import MPI
@@ -9,11 +9,11 @@ from models import sheet
 
 @pytest.fixture(scope="module")
 def analysis():
-    """Of the square sheet."""
+    """Analysis of the square sheet."""
     return Analysis(sheet())
 
 
 @pytest.fixture
 def path(tmp_path):
-    """A file that all processes mean."""
+    """Path of one file for all processes."""
     return MPI.COMM_WORLD.bcast(tmp_path / "results" / "state.npz")

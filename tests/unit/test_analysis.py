@@ -1,4 +1,4 @@
-"""Stages: what they keep, what they share, where they start; supports and loads."""
+"""Stages: kept loads, shared states, starts; supports and loads."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Equilibrium paths: where they start and end, what they refuse, what is left when they are lost."""
+"""Equilibrium paths: starts, ends, refusals, and results after a failure."""
 
 import warnings
 from dataclasses import replace
@@ -146,7 +146,7 @@ def test_cables_that_slacken():
     assert path.complete
     assert last.cable("stays").slack.tolist() == [False, True]
     assert close(last.displacement, expected["pull"].displacement)
-    assert len(path.points) <= 6  # no step is taken back for the kink
+    assert len(path.points) <= 6  # no step is rejected for the kink
 
 
 def test_start_that_is_not_stable_is_reported():
@@ -278,7 +278,7 @@ def test_ends_where_a_component_is_that_the_stage_moves():
     assert path.load_factors[-1] == pytest.approx(0.75, rel=1e-13)
 
 
-@pytest.mark.parametrize("steps", [7, 10, 16])  # of seven and ten, the sum is one but for rounding
+@pytest.mark.parametrize("steps", [7, 10, 16])  # with 7 and 10 the sum is one up to rounding
 def test_last_point_comes_once(steps):
     drive = Stage("drive", displacements=[PrescribedDisplacement(1, (0, 0, -0.6), "z")], steps=steps)
     path = trace(arch(), drive)

@@ -1,4 +1,4 @@
-"""What Newton's method does to a problem on its way: artificial tension, held components brought to their places."""
+"""Stabilization and shift by artificial tension, and imposed displacements."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ def state(seed, size=0.1):
 
 
 def laplacian(structure):
-    """By hand: stiffness times the gradients of the hat functions, over areas and lengths, shape (n, n) [N/m]."""
+    """Laplacian by hand: stiffness times gradients of the hat functions, over areas and lengths, (n, n) [N/m]."""
     L = np.zeros(2 * [len(POINTS)])
     for name, k in {"fabric": 2e3, "woven": 3e3, "edge": 5e3, "mast": 9e3}.items():
         for cell in structure.parts[name].cells:
@@ -105,7 +105,7 @@ def test_stiffen_adds_the_same_stiffness_to_a_tangent_that_is_held(structure, pr
     assert close(product(problem, A, free), product(problem, K, free) + added)
     gap = np.where(held, state(1) - state(7), 0.0)
     assert close(product(problem, A, gap), problem.stiffness * gap)
-    # The right-hand side has what the held components do to the others through the added stiffness.
+    # The added stiffness couples the constrained components to the right-hand side of the others.
     effect = np.where(held, 0.0, TENSION * laplacian(structure) @ gap)
     assert close(problem.discretization.gather(b), before - effect)
 

@@ -1,4 +1,4 @@
-"""Every argument of every public function and class, given values of wrong kinds, refuses or takes them."""
+"""Every argument of every public function and class refuses or accepts values of wrong kinds."""
 
 import inspect
 import itertools
@@ -63,7 +63,7 @@ UNITS = {"force_unit": "text", "energy_unit": "text"}
 COMM = {"comm": MPI.COMM_SELF}
 MODES = {"state": STATE, "count": 1, **COMM}, {"state": "object", "count": "whole", "comm": "object"}
 
-# Each with arguments that are right, and the kind of each argument.
+# Correct arguments of each function, and the kind of each argument.
 CASES = {
     Fabric: ({"Et": 1e5, "nu": 0.3}, {"Et": "number", "nu": "number"}),
     Fabric.from_modulus: ({"E": 1e9, "nu": 0.3, "thickness": 1e-3}, dict.fromkeys(("E", "nu", "thickness"), "number")),
@@ -170,12 +170,12 @@ CASES = {
          "mirror": "object?", "odd": "list", "limits": "table?"},
     ),
 }  # fmt: skip
-NO_INPUT = {  # made by us
+NO_INPUT = {  # made by the package
     "BarResult", "Equilibrium", "EquilibriumPath",
     "Form", "Increment", "Iteration", "MembraneResult", "Modes", "Net", "PathPoint",
     "Stability", "StageResult", "StageResults", "plot",
 }  # fmt: skip
-NOT_RIGHT = structure_from_gmsh, type(STATE).cable, type(STATE).membrane  # what they are given is refused too
+NOT_RIGHT = structure_from_gmsh, type(STATE).cable, type(STATE).membrane  # their arguments are refused, too
 SLOW = plot.convergence, plot.compare_convergence, plot.wireframe, plot.contours, trace, updated_reference
 ALIASES = {
     "name": ("No M", "No C"), "result": ("first argument",), "Et_warp": ("stiffnesses",), "Et_weft": ("stiffnesses",),
@@ -190,7 +190,7 @@ def _in_a_folder_of_its_own(tmp_path, monkeypatch):
 
 
 def attempt(function, given, argument, value):
-    """What a call gives, or its refusal in words; anything else is a fault."""
+    """Call a function; return its value or the text of its refusal. Any other exception is a fault."""
     try:
         return function(**{**given, argument: value}), None
     except ValueError as refusal:
@@ -203,7 +203,7 @@ def attempt(function, given, argument, value):
 
 
 def faults(function, given, tries):
-    """What went wrong in some calls, in words."""
+    """List the faults of some calls, in words."""
     found = []
     for argument, value, allowed in tries:
         shown = f"{argument}={validation.shown(value)}"
@@ -221,7 +221,7 @@ def faults(function, given, tries):
 
 
 def kept(stored, value):
-    """Whether a value is stored as plain data, and as it was."""
+    """Return True if a value is stored as plain data, unchanged."""
     if isinstance(stored, tuple | list):
         return list(stored) == list(value)
     if isinstance(stored, np.ndarray):

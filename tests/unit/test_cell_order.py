@@ -1,4 +1,4 @@
-"""Results do not depend on the order of nodes within a cell: random rotations and reversals against a mesh in order."""
+"""Results are independent of the order of nodes in a cell: random rotations and reversals against one mesh."""
 
 import dataclasses
 
@@ -44,7 +44,7 @@ STAGES = [
 
 
 def shuffled(cells, seed):
-    """The cells, each with its nodes in a random order; that of the first is in its own sense."""
+    """Give each cell its nodes in a random order; the first keeps its sense."""
     random = np.random.default_rng(seed)
     mixed = random.permuted(cells, axis=1)
     mixed[0] = np.roll(cells[0], 1)
@@ -99,7 +99,7 @@ def test_two_triangles_have_one_shear():
     state = result.membrane("fabric")
     assert state.cauchy[:, 0, 1] == pytest.approx([4, 4], rel=1e-12)
     assert state.second_piola_kirchhoff[:, 0, 1] == pytest.approx([4, 4], rel=1e-12)
-    assert fabric.cells.tolist() == cells  # the user's own data are as they were
+    assert fabric.cells.tolist() == cells  # the user's own data are unchanged
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -216,7 +216,7 @@ def test_gmsh_model():
 
 
 def moebius(prestress, n=12):
-    """A strip with half a turn, held along its rim."""
+    """Strip with half a turn, held along its rim."""
     angle = 2 * np.pi * np.arange(n) / n
     radius = np.cos(angle / 2)
     half = 0.3 * np.stack([radius * np.cos(angle), radius * np.sin(angle), np.sin(angle / 2)], axis=1)

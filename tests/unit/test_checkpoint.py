@@ -1,4 +1,4 @@
-"""Checkpoints: a run that was cut short goes on where it was, and nothing is computed twice."""
+"""Checkpoints: an interrupted run resumes, and nothing is computed twice."""
 
 import os
 import subprocess

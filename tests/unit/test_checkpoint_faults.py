@@ -1,4 +1,4 @@
-"""Checkpoints in a hard world: disks that run full, two runs at once, kills at any moment, bits that turn over."""
+"""Checkpoints under faults: full disks, two runs at once, kills at any moment, flipped bits."""
 
 import os
 import resource
@@ -39,12 +39,12 @@ def loaded(path):
 
 @contextmanager
 def full_disk(size):
-    """A limit for the size of files, which makes writing beyond it fail as on a full disk."""
+    """Limit the size of files, so that writing beyond it fails as on a full disk."""
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
     try:
         yield
-    finally:  # before the report of the test is written, to a file perhaps
+    finally:  # before pytest writes the report of the test, perhaps to a file
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 

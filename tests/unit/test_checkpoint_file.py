@@ -1,4 +1,4 @@
-"""Checkpoint files: which are refused, and what is in them."""
+"""Checkpoint files: their content, and the refused ones."""
 
 import re
 import sqlite3
@@ -185,11 +185,11 @@ def test_increment_costs_its_own_state_however_many_came_before(tmp_path):
                 before = written()
                 kept.save(stage.name, replace(progress(count=count), displacement=shape))
                 costs.append(written() - before)
-    assert max(costs) < 4 * shape.nbytes  # the state before is kept until the new one is whole
+    assert max(costs) < 4 * shape.nbytes  # the previous state is kept until the new one is complete
     assert (tmp_path / "state").stat().st_size < 1.5 * len(many) * shape.nbytes
 
 
-# By other hands
+# Changed files
 
 
 def edit(path, change):

@@ -1,4 +1,4 @@
-"""Residuals that fall, that rest, and loads that are too much."""
+"""Residuals that fall or rest, and loads beyond the limit."""
 
 from fractions import Fraction
 

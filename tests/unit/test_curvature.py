@@ -1,4 +1,4 @@
-"""The softest motion of a state, and what counts as stable."""
+"""The lowest mode of a state, and the test of stability."""
 
 import numpy as np
 import pytest
@@ -59,7 +59,7 @@ def test_compressed_mast_in_the_middle_of_a_weak_cable_is_unstable():
 
 
 def dense(problem, motion):
-    """The tangent at rest as an array, of the components that are free; and those of a motion."""
+    """Dense tangent at rest of the free components; also a motion of these."""
     discretization = problem.discretization
     A, b, x = discretization.create_matrix(), discretization.create_vector(), discretization.create_vector()
     problem.tangent(x, A)
@@ -77,8 +77,8 @@ def dense(problem, motion):
     ("held", "negative"), [([0, 4, 20, 24], 0), (EDGE[POINTS[EDGE, 0] < -0.9], 1)], ids=["corners", "one side"]
 )
 def test_pressure_counts_by_its_symmetric_part(held, negative):
-    # The forces of a pressure at free edges leave the tangent A unsymmetric. Its own eigenvalues are above zero in both
-    # cases; of its lower triangle alone, which a factorization might read, one is negative in both.
+    # Pressure forces at free edges make the tangent A unsymmetric. Its own eigenvalues are positive in both cases; of
+    # its lower triangle alone, which a factorization might read, one is negative in both.
     structure = Structure(POINTS, sheet(1e3).parts, [Support(held)])
     problem, zero = Problem(structure), np.zeros(POINTS.shape)
     problem.apply(Actions(zero, structure.supported, zero, {"fabric": np.full(len(TRIANGLES), 1.2e4)}))
@@ -97,7 +97,7 @@ def test_pressure_counts_by_its_symmetric_part(held, negative):
 
 
 def test_ripples_are_no_instability():
-    """A sheet whose edges are let in by 1 %: what its slack cells keep has negative curvature, and they buckle."""
+    """Edges moved in by 1 % buckle a sheet: the compression stiffness of slack cells has negative curvature."""
     problem = Problem(sheet(0.0))
     x = problem.discretization.distribute(-0.01 * POINTS)
     assert softest(problem, x, WEAK).negative > 0
@@ -111,7 +111,7 @@ def test_ripples_are_no_instability():
 def test_mast_between_two_stays_stands_by_uplift_only(load, negative, kept):
     """Out of the plane of the stays, which pull it down, the load Q on a mast of length L has the stiffness -Q / L.
 
-    So it is whatever stays keep where they are slack: they are not.
+    The compression stiffness of the stays has no influence: they are not slack.
     """
     stays = Cable([[1, 2], [1, 3]], 1e7, prestress=1e4, compression_stiffness=kept)
     mast = Mast([[0, 1]], 1e9, prestress=-(2e4 / 2**0.5 + load))
@@ -125,10 +125,10 @@ def test_mast_between_two_stays_stands_by_uplift_only(load, negative, kept):
 
 
 def test_the_motion_downhill_is_the_steepest_of_several():
-    # Chains of struts of 1 m under 10 and 30 N: their middles give way, the second three times as readily.
+    # Chains of struts of 1 m under 10 and 30 N: their middles give way, the second with three times the curvature.
     points = [[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]]
     struts = Mast([[0, 1], [1, 2], [3, 4], [4, 5]], 1e6, prestress=[-10.0, -10.0, -30.0, -30.0])
     problem = Problem(Structure(points, {"struts": struts}, [Support([0, 2, 3, 5])]))
     result = downhill(problem, problem.discretization.create_vector())
     assert result.negative == 4
-    assert -30 / 1e6 <= result.stiffness < -29 / 1e6  # from above, as far as inverse iteration has come
+    assert -30 / 1e6 <= result.stiffness < -29 / 1e6  # from above, as inverse iteration converges

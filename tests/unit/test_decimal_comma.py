@@ -1,4 +1,4 @@
-"""A program that has chosen a decimal comma, as those with Qt do: same numbers, and the comma stays."""
+"""Programs with a decimal comma, such as those with Qt: same numbers, and the comma stays."""
 
 import locale
 import os
@@ -34,7 +34,7 @@ print(locale.localeconv()["decimal_point"])
 
 @pytest.fixture(scope="module")
 def german(tmp_path_factory):
-    """Environment in which the German locale is there, also where it is not installed."""
+    """Environment with the German locale, installed or not."""
     folder = tmp_path_factory.mktemp("locales")
     if shutil.which("localedef"):
         make = ["localedef", "-i", "de_DE", "-f", "UTF-8", str(folder / "de_DE.UTF-8")]

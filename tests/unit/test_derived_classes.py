@@ -1,4 +1,4 @@
-"""Classes derived from plain data are refused: nothing would use what they add or change."""
+"""Classes derived from plain data are refused: nothing would use their additions or changes."""
 
 from dataclasses import dataclass
 
@@ -28,13 +28,13 @@ from models import POINTS, TRIANGLES, arch, sheet
 
 @dataclass(frozen=True)
 class Stiffening(Fabric):
-    """With a law of its own."""
+    """Fabric with a law of its own."""
 
     exponent: float = 2.0
 
 
 class Woven(OrthotropicFabric):
-    """With nothing of its own."""
+    """Fabric without additions."""
 
 
 def derived(kind):

@@ -1,8 +1,8 @@
 """Directions of steepest descent and conjugate gradients.
 
-On a quadratic energy conjugate gradients with exact steps are those of linear systems, whose iterates SciPy gives. On
-any other, each step is parallel to the direction of the textbook, Nocedal & Wright (2006), (5.41), (5.44), whatever
-its length.
+On a quadratic energy conjugate gradients with exact steps are those of linear systems; SciPy gives their iterates. On
+any other, each step is parallel to the direction of the textbook, Nocedal & Wright (2006), (5.41), (5.44), for any
+length.
 """
 
 import numpy as np
@@ -41,14 +41,14 @@ class Reduced:
         return self.problem.discretization.gather(b)[self.free]
 
     def tangent(self, values):
-        """Column by column, from products with unit vectors."""
+        """Assemble column by column, from products with unit vectors."""
         A = self.problem.discretization.create_matrix()
         self.problem.tangent(self.vector(values), A)
         columns = [A * self.vector(row) for row in np.eye(len(values))]
         return np.array([self.problem.discretization.gather(column)[self.free] for column in columns]).T
 
     def iterates(self, solver, count, **settings):
-        """The iterates of the solver, each by a solve of its own that ends there."""
+        """List the iterates of the solver, each by a separate solve that ends there."""
         found = [self.start]
         for most in range(1, count + 1):
             x = self.vector(self.start)
@@ -144,7 +144,7 @@ def test_same_state_as_an_independent_implementation():
     assert solution.converged
     ours = reduced.problem.discretization.gather(x)[reduced.free]
     assert np.abs(ours).max() > 0.01
-    # gtol over the softest stiffness
+    # gtol over the lowest stiffness
     softest = np.linalg.eigvalsh(reduced.tangent(ours))[0]
     assert np.linalg.norm(ours - found.x) < 1e-3 * len(ours) ** 0.5 / softest
 

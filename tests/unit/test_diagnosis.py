@@ -1,4 +1,4 @@
-"""Failures in words: which node, which direction, what to try."""
+"""Sentences on failures: the node, the direction, the remedy."""
 
 import numpy as np
 import pytest
@@ -95,7 +95,7 @@ def test_linear_failure_of_a_mechanism_without_a_loose_node():
 
 
 def lifted(height):
-    """Nothing but a prescribed displacement of one corner."""
+    """Solve with a prescribed displacement of one corner alone."""
     displacement = np.zeros(POINTS.shape)
     displacement[0, 2] = height
     return Actions(np.zeros(POINTS.shape), sheet(1e3).supported, displacement)

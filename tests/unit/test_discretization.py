@@ -73,7 +73,7 @@ def test_mesh_vectors_add_up_at_shared_nodes(structure, discretization):
     shares = ((mesh, np.ones(3 * len(mesh.nodes))) for mesh in discretization.parts.values())
     total = discretization.create_vector()
     discretization.add_from_meshes(shares, total)
-    count = np.zeros(len(structure.points))  # in how many meshes, over all processes, a node is
+    count = np.zeros(len(structure.points))  # number of meshes with a node, over all processes
     for meshes in discretization.comm.allgather(
         [discretization.local[mesh.nodes] for mesh in discretization.parts.values()]
     ):

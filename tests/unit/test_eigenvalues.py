@@ -1,4 +1,4 @@
-"""The lowest eigenvalues of given matrices: all of them, also negative, multiple and infinite ones."""
+"""Lowest eigenvalues of given matrices: all of them, also negative, multiple and infinite ones."""
 
 import numpy as np
 import pytest
@@ -21,7 +21,7 @@ def matrix(dense):
 
 
 def spectrum(*values):
-    """A symmetric matrix with these eigenvalues first, then 100, 101, ..."""
+    """Symmetric matrix with these eigenvalues first, then 100, 101, ..."""
     values = np.concatenate([values, 100.0 + np.arange(N - len(values))])
     Q, _ = np.linalg.qr(np.random.default_rng(1).normal(size=(N, N)))
     A = Q @ np.diag(values) @ Q.T
@@ -80,7 +80,7 @@ def test_zero_does_not_cost_the_others_their_digits():
 
 @pytest.mark.parametrize(("copies", "count"), [(2, 4), (6, 6), (10, 10), (10, 15)])
 def test_all_copies_of_a_multiple_eigenvalue(copies, count):
-    """Of equal chains side by side, one search finds some."""
+    """One search finds some of the equal chains side by side."""
     size = N // copies
     K = np.kron(np.eye(copies), 2 * np.eye(size) - np.eye(size, k=1) - np.eye(size, k=-1))
     found, _ = lowest(matrix(K), None, count)
@@ -120,7 +120,7 @@ def test_unsymmetric_against_a_dense_solver():
     K, M = positive(3) + 0.3 * rng.normal(size=(N, N)), positive(4)
     exact = scipy.linalg.eigvals(K, M)
     found = lowest_unsymmetric(matrix(K), matrix(M), 10)
-    assert np.count_nonzero(values(found).imag) >= 4  # conjugate pairs are put to the test
+    assert np.count_nonzero(values(found).imag) >= 4  # conjugate pairs are tested
     for pair in found:
         assert np.abs(exact - pair.value).min() < 1e-10 * np.abs(exact).max()
         phi = whole(pair.real) + 1j * whole(pair.imaginary)

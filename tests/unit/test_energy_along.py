@@ -1,4 +1,4 @@
-"""Energy along a step: the work of follower pressures is in it, exactly."""
+"""Energy along a step includes the exact work of follower pressures."""
 
 from itertools import pairwise
 
@@ -32,7 +32,7 @@ def energy(problem, at):
 
 
 def work(problem, at, step):
-    """Of the pressures: what energy_along adds to the energy, at all lengths."""
+    """Work of the pressures: the difference of energy_along and the energy, at all lengths."""
     found = along(problem, at, step)
     return np.array([energy(problem, at + t * step) - found(t) for t in LENGTHS])
 

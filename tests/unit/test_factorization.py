@@ -1,4 +1,4 @@
-"""Direct factorization: signs of the pivots, and how often a matrix is factored."""
+"""Direct factorization: signs of the pivots, and number of factorizations of a matrix."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def count(events):
 
 
 def matrix(dense):
-    """Distributed over the processes."""
+    """Matrix distributed over the processes."""
     A = PETSc.Mat().createAIJ(dense.shape, nnz=dense.shape, comm=MPI.COMM_WORLD)
     for i in range(*A.getOwnershipRange()):
         A.setValues(i, range(len(dense)), dense[i])
@@ -69,7 +69,7 @@ def test_zero_pivots_of_a_diagonal_matrix(positive, negative, zero):
 
 @pytest.mark.parametrize("free", [1, 2])
 def test_zero_pivots_are_as_many_as_free_motions(free):
-    # Chains of springs that nothing holds.
+    # Unsupported chains of springs.
     chain = 2 * np.eye(6) - np.eye(6, k=1) - np.eye(6, k=-1)
     chain[0, 0] = chain[-1, -1] = 1.0
     ksp, _ = factored(np.kron(np.eye(free), chain))
@@ -129,7 +129,7 @@ def test_newton_factors_once_for_each_step(load, solver):
 
 
 def test_newton_factors_again_where_it_adds_tension():
-    # The first tangent is singular; then each step begins with the tension of the last, which suffices here.
+    # The first tangent is singular; then each step begins with the shift of the last, which suffices here.
     analysis = Analysis(sheet(prestress=0.0))
     before = count(NUMERIC)
     snow = analysis.run([Stage("snow", [DeadLoad((0, 0, -200.0), "fabric")])])["snow"]

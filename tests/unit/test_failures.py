@@ -1,4 +1,4 @@
-"""What is left when a load increment finds no equilibrium, and what the message says."""
+"""Results and message after a load increment without equilibrium."""
 
 import warnings
 
@@ -28,7 +28,7 @@ PLAIN = Newton(line_search=False)
 
 @pytest.mark.parametrize("R", [np.eye(3), *map(rotation, range(4))], ids=["z=0", *(f"turned {i}" for i in range(4))])
 def test_flat_membrane_without_prestress_has_no_stiffness_across(R):
-    # Where the line search and its artificial tension do not help out: see the test after this one.
+    # Without the line search and its shift; see the test after this one.
     structure = sheet(prestress=0.0, points=POINTS @ R.T)
     load = DeadLoad(R @ [0, 0, -200.0], "fabric")
     with pytest.raises(
@@ -72,14 +72,14 @@ def test_failure_keeps_the_completed_stages_and_the_state_before(analysis):
 
 
 def test_failure_in_a_later_step_keeps_the_steps_before():
-    # So near the largest load there is little stiffness left, and displacements have fewer digits than forces.
+    # So close to the limit load there is little stiffness left, and displacements have fewer digits than forces.
     analysis = Analysis(arch(), Newton(rtol=1e-13, max_iterations=12, line_search=False))
     with pytest.raises(ConvergenceError, match=r"\(the last found is at 0\.83") as error:
         analysis.run([Stage("push", [PointLoad(1, (0, 0, -1.2 * LIMIT))], steps=8)])
     failure = error.value
     factors = [increment.load_factor for increment in failure.last.increments]
     assert factors[:6] == [0.125, 0.25, 0.375, 0.5, 0.625, 0.75]
-    # Between the last state and the one that is not found lies the largest load; both within the shortest increment.
+    # The limit load lies between the last state and the failed one; both are within the shortest increment.
     assert factors[-1] < 1 / 1.2 < failure.failed.load_factor <= factors[-1] + 0.125 / 2**HALVINGS
     load = factors[-1] * 1.2 * LIMIT
     part = analysis.run([Stage("push", [PointLoad(1, (0, 0, -load))], steps=6)])["push"]
@@ -101,7 +101,7 @@ def test_load_above_the_largest_snaps_through():
 
 
 def test_failure_after_moving_supports_keeps_their_position():
-    # With more iterations one of them can land on the shape that has snapped through.
+    # With more iterations one of them can find the shape after the snap-through.
     analysis = Analysis(arch([Support(0), Support(1, "y")]), Newton(max_iterations=6, line_search=False))
     hold = Stage("hold", displacements=[PrescribedDisplacement(2, (0, 0, 0))])
     push = PointLoad(1, (0, 0, -1.2 * LIMIT))
@@ -132,7 +132,7 @@ def test_bad_stage_is_refused_before_anything_is_solved():
 
 @pytest.mark.parametrize("masts", [2, 4])
 def test_frame_that_sways_is_given_up_after_one_try(masts, monkeypatch):
-    """Hinged masts with cables between their tops: pushed aside they fall, on their way down at every load."""
+    """Hinged masts with cables between their tops: pushed aside they fall, at every load."""
     feet = np.array([[0.0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0]])[:masts]
     tops = np.arange(masts, 2 * masts)
     ties = np.column_stack([tops, np.roll(tops, -1)])[: 1 if masts == 2 else 4]
@@ -148,7 +148,7 @@ def test_frame_that_sways_is_given_up_after_one_try(masts, monkeypatch):
     motion = error.value.motion
     assert np.linalg.norm(motion, axis=1).max() == pytest.approx(1)
     assert motion[:masts] == pytest.approx(0)  # the feet
-    # Nothing gets longer or shorter to first order.
+    # Lengths are constant to first order.
     for part in parts.values():
         ends = structure.points[part.cells], motion[part.cells]
         along, apart = (np.diff(end, axis=1)[:, 0] for end in ends)
@@ -174,7 +174,7 @@ def test_soft_cable_that_is_stretched_far_is_reported_once():
         warnings.simplefilter("always")
         result = Analysis(structure).run([stage])["weight"]
     said = [str(entry.message) for entry in caught if entry.category is UnstableStateWarning]
-    assert len(result.increments) == 4  # in each of which it moves by more than 2
+    assert len(result.increments) == 4  # it moves by more than 2 in each
     assert len(said) == 1
     assert "up to load factor 1 node 4 moved by" in said[0]
     assert "hung down or been stretched" in said[0]

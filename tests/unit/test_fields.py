@@ -1,4 +1,4 @@
-"""Fields to be drawn: numbers and states are taken, everything else is refused with its title."""
+"""Fields to draw: numbers and states are accepted, everything else is refused with its title."""
 
 from decimal import Decimal
 from types import SimpleNamespace
@@ -10,7 +10,7 @@ from fx_membrane import plot
 from fx_membrane.plot.fields import checked, checked_scale
 from models import MIXED
 
-RESULT = SimpleNamespace(structure=MIXED)  # of a result a check needs its structure only
+RESULT = SimpleNamespace(structure=MIXED)  # a check needs the structure of the result only
 N = len(MIXED.points)
 
 

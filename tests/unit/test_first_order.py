@@ -1,4 +1,4 @@
-"""Steepest descent and conjugate gradients: where they end, and what they say."""
+"""Steepest descent and conjugate gradients: their solutions and messages."""
 
 from dataclasses import replace
 
@@ -32,7 +32,7 @@ def name(solver):
 
 
 def slack_net():
-    """A square of cables with a diagonal that goes slack."""
+    """Square of cables with a diagonal that goes slack."""
     points = [[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [-1, -1, 0], [2, -1, 0], [2, 2, 0], [-1, 2, 0]]
     lines = [[0, 1], [1, 2], [2, 3], [3, 0], [0, 4], [1, 5], [2, 6], [3, 7], [0, 2]]
     prestress = [100.0] * 4 + [100 * 2**0.5] * 4 + [1.0]
@@ -60,14 +60,14 @@ def test_same_state_as_newton(case, solver):
     structure, stages = CASES[case]
     expected = Analysis(structure).run(stages)["end"]
     found = Analysis(structure, solver).run(stages)["end"]
-    # The softest motion has about a thousandth of the stiffness of the stiffest.
+    # The lowest mode has about a thousandth of the stiffness of the highest.
     limit = 1e3 * solver.rtol * np.abs(expected.displacement).max()
     np.testing.assert_allclose(found.displacement, expected.displacement, rtol=0, atol=limit)
     assert found.equilibrium.residual <= 10 * solver.rtol * max(np.abs(expected.reactions).max(), 1.0)
     for increment in found.increments:
         assert increment.iterations[0].step == 0
         assert all(0 < entry.step <= 1 for entry in increment.iterations[1:])
-        if case != "pressure":  # whose work is not in the energy
+        if case != "pressure":  # its work is not in the energy
             energies = np.array([entry.energy for entry in increment.iterations])
             assert (np.diff(energies) <= 1e-12 * np.abs(energies).max()).all()
 
@@ -152,7 +152,7 @@ def test_tolerance_below_rounding_ends_at_rounding():
 
 
 def test_snapping_through_goes_downhill():
-    """Beyond the limit load Newton's method finds nothing by plain steps; downhill lies the shape that hangs."""
+    """Beyond the limit load Newton's method fails with full steps; descent leads to the hanging shape."""
     load = PointLoad(1, (0, 0, -1.2e4))
     found = Analysis(arch(), ConjugateGradient()).run([Stage("push", [load])])["push"]
     assert found.displacement[1, 2] < -0.6

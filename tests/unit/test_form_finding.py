@@ -1,4 +1,4 @@
-"""Force density method: shapes by hand, balance of forces, and which input is refused."""
+"""Force density method: shapes by hand, balance of forces, and refused input."""
 
 import numpy as np
 import pytest
@@ -22,7 +22,7 @@ def grid(n):
 
 
 def unbalanced(net, branches, q, loads):
-    """What is left of branch forces and loads at each node, shape (n, 3)."""
+    """Sum of branch forces and loads at each node, shape (n, 3)."""
     pull = np.broadcast_to(q, len(branches))[:, None] * (net.points[branches[:, 1]] - net.points[branches[:, 0]])
     total = np.array(loads, dtype=float)
     np.add.at(total, branches[:, 0], pull)

@@ -1,4 +1,4 @@
-"""Form finding with masts and junctions of cables: found with their forces, or refused with the bar and the remedy."""
+"""Form finding with masts and cable junctions: found with their forces, or refused with the bar and the remedy."""
 
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ CENTRE = 40
 
 
 def sail_on_masts(n):
-    """A sail on two low points and two masts that lean outwards, each held by two stays; its forces do not balance."""
+    """Sail on two low points and two masts that lean outwards, each held by two stays; its forces do not balance."""
     points, triangles = rectangle(10.0, 10.0, n, n)
     points = (points @ [[1, 1, 0], [-1, 1, 0], [0, 0, 1]]) / np.sqrt(2)
     reach = 10 / np.sqrt(2)
@@ -53,14 +53,14 @@ def star(*forces):
 
 
 def guyed(force):
-    """A mast on a fixed foot, its head held by three guys."""
+    """Mast on a fixed foot, its head held by three guys."""
     points = [[0.0, 0, 0], [0, 0, 3], [3, 2, 0], [3, -2, 0], [-4, 0, 0]]
     parts = {"mast": Mast([[0, 1]], 1e6, force), "guys": Cable([[1, 2], [1, 3], [1, 4]], 1e6, [300.0, 300, 600])}
     return Structure(points, parts, [Support([0, 2, 3, 4])])
 
 
 def flying(force):
-    """A mast between two crosses of cables."""
+    """Mast between two crosses of cables."""
     ends = [[x, y, z] for z in (1, -1) for x, y in ((-3, 0), (3, 0), (0, 3), (0, -3))]
     cells = [[k, 8 + k // 4] for k in range(8)]
     parts = {"mast": Mast([[8, 9]], 1e6, force), "crosses": Cable(cells, 1e6, 300.0)}
@@ -68,7 +68,7 @@ def flying(force):
 
 
 def under_a_sheet():
-    """A mast on a fixed foot below the middle of a sheet."""
+    """Mast on a fixed foot below the middle of a sheet."""
     points = np.vstack([PLAN, [[0, 0, -1.0]]])
     points[CENTRE, 2] = 0.5
     parts = {"sheet": Membrane(TRIANGLES, FABRIC, 2e3), "mast": Mast([[81, CENTRE]], 1e6, -800.0)}
@@ -76,7 +76,7 @@ def under_a_sheet():
 
 
 def between_supports():
-    """A mast that carries nothing to a sheet of which it holds no free node."""
+    """Mast that carries nothing to a sheet of which it holds no free node."""
     parts = {"sheet": Membrane(TRIANGLES, FABRIC, 2e3), "mast": Mast([[0, 8]], 1e6, -800.0)}
     return Structure(PLAN, parts, [Support(RIM)])
 
@@ -143,7 +143,7 @@ def test_sheet_held_at_one_point_has_no_form():
         updated_reference(structure)
 
 
-@pytest.mark.serial  # one process warns for all
+@pytest.mark.serial  # only one process warns, for all
 def test_form_with_a_stress_that_is_far_off_has_not_settled():
     # One step leaves a change below a wide tolerance, and a stress that is not the prescribed one.
     points = PLAN * [1, 1, 0] + np.column_stack([np.zeros((81, 2)), PLAN[:, 0] * PLAN[:, 1]])

@@ -1,4 +1,4 @@
-"""Ready-made grids, edges, areas, lengths and normals."""
+"""Grids, edges, areas, lengths and normals."""
 
 import numpy as np
 import pytest
@@ -122,7 +122,7 @@ OCTAHEDRON = np.array(
 
 
 def flipped(triangles, seed):
-    """The triangles, some in the other sense, and the sign of each."""
+    """Triangles, some in the other sense, and the sign of each."""
     signs = np.random.default_rng(seed).choice([1.0, -1.0], size=len(triangles))
     return np.where(signs[:, None] > 0, triangles, triangles[:, ::-1]), signs
 
@@ -150,13 +150,13 @@ def test_pieces_that_share_a_node_only_are_apart():
 
 
 def test_three_sheets_on_one_edge_have_each_their_own_sense():
-    # No sense of all three is consistent, and none is asked for.
+    # No sense of all three is consistent; none is requested.
     triangles = np.array([[0, 1, 2], [2, 3, 1], [0, 1, 4], [0, 1, 5], [5, 1, 6]])
     assert orientation(triangles).tolist() == [1, -1, 1, 1, 1]
 
 
 def strip(n, turned):
-    """A closed strip of n rectangles, with half a turn or without."""
+    """Strip of n rectangles, closed with half a turn or without."""
     low, high = np.arange(n), n + np.arange(n)
     next_low, next_high = np.roll(low, -1), np.roll(high, -1)
     if turned:

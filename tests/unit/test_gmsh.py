@@ -30,7 +30,7 @@ SUPPORTS = {"fixed": "xyz", "corners": "xyz"}
 
 @pytest.fixture
 def model(tmp_path):
-    """A rectangle, held along one side and at the ends of the opposite one, where a cable is; and its file."""
+    """Rectangle, held along one side and at the ends of the opposite one, where a cable is; and its file."""
     gmsh.initialize()
     gmsh.option.setNumber("General.Terminal", 0)
     gmsh.model.add("sail")
@@ -62,7 +62,7 @@ def test_model_in_memory_and_file_are_the_same(model):
     np.testing.assert_allclose(file.points, memory.points, atol=1e-15)
     for name in PARTS:
         np.testing.assert_array_equal(file.parts[name].cells, memory.parts[name].cells)
-    assert gmsh.model.getCurrent() == "sail"  # what was open is open still
+    assert gmsh.model.getCurrent() == "sail"  # the open model stays open
 
 
 def test_physical_curve_node_line_and_submesh_give_the_same(model):
@@ -147,7 +147,7 @@ def test_unknown_physical_name(model):
     [(0, r"a point \(tag 77\) and a surface \(tag 1\)"), (1, r"a curve \(tag 77\) and a surface \(tag 1\)")],
 )
 def test_two_groups_of_one_name(model, dimension, message):
-    """Of different dimension: within one, gmsh itself keeps names apart."""
+    """Groups of different dimension: within one, gmsh itself keeps names apart."""
     gmsh.model.addPhysicalGroup(dimension, [1], 77)
     gmsh.model.setPhysicalName(dimension, 77, "fabric")
     gmsh.write(str(model))

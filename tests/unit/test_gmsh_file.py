@@ -1,4 +1,4 @@
-"""Mesh files as users read them: in a process that has not started gmsh; files that would run commands, or end gmsh."""
+"""Mesh files in a process that has not started gmsh; files that would run commands, or end gmsh."""
 
 import os
 import shutil
@@ -78,13 +78,13 @@ def python(code, *arguments, **options):
 
 
 def script(folder):
-    """What gmsh would run, wherever the process that reads it stands."""
+    """Script that gmsh would run, in any working directory of the reader."""
     return f'SystemCall "touch {folder}/ran";\nPrintf("hi") > "{folder}/printed";\n'
 
 
 @pytest.fixture(scope="module")
 def meshes(tmp_path_factory):
-    """One mesh in all formats, written by another process: this one has not started gmsh."""
+    """Write one mesh in all formats in another process: this one has not started gmsh."""
     folder = tmp_path_factory.mktemp("meshes")
     written = python(WRITE.replace("FORMATS", str(FORMATS)), cwd=folder)
     assert written.returncode == 0, written.stderr
@@ -103,7 +103,7 @@ def test_mesh_in_a_fresh_process(good):
     assert read.returncode == 0, read.stderr
     nodes, held, segments = map(int, read.stdout.split())
     assert nodes > 15
-    assert held == segments + 1  # the opposite side, as long
+    assert held == segments + 1  # the opposite side, of the same length
 
 
 def test_all_formats_give_the_same(meshes):
@@ -222,7 +222,7 @@ def test_source_that_is_no_file(source, message):
 
 
 def test_cells_at_nodes_that_the_file_does_not_have(good):
-    """A damaged file; such a number once made an array of that size."""
+    """A damaged file; its large node number once made an array of that size."""
     good.write_text(
         '$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 1 "fabric"\n$EndPhysicalNames\n'
         "$Nodes\n3\n1 0 0 0\n2 1 0 0\n999999999 0 1 0\n$EndNodes\n$Elements\n1\n1 2 2 1 1 1 2 999999999\n$EndElements\n"

@@ -84,7 +84,7 @@ def test_ordinary_sail_finds_its_form_and_carries_snow_and_wind():
     largest = np.abs(prestress.displacement).max()
     assert turned == pytest.approx(prestress.displacement[here], abs=1e-6 * largest)
     assert snow.displacement[:, 2].mean() < prestress.displacement[:, 2].mean() < wind.displacement[:, 2].mean()
-    # Here full steps get there too.
+    # Full steps converge here, too.
     plain = Analysis(structure, PLAIN).run(stages[:1])["prestress"]
     assert prestress.displacement == pytest.approx(plain.displacement, abs=1e-6 * largest)
     assert prestress.energy == pytest.approx(plain.energy, rel=1e-12)
@@ -115,7 +115,7 @@ def test_sail_that_crumples_is_given_more_iterations_once_it_was_drawn_smooth():
 
 @pytest.fixture
 def iterates(monkeypatch):
-    """One entry for each iterate, whatever comes of it."""
+    """List with one entry for each iterate, rejected ones included."""
     found = []
     residual = newton._NewtonRaphson.residual
     monkeypatch.setattr(newton._NewtonRaphson, "residual", lambda *args: found.append(1) or residual(*args))
@@ -127,7 +127,7 @@ def test_increment_tells_that_the_structure_was_drawn_smooth(iterates):
     (twisted,) = solved(structure, stages)
     (increment,) = twisted.increments
     assert increment.drawn_smooth
-    assert increment.unlisted > Newton().max_iterations  # of the first try
+    assert increment.unlisted > Newton().max_iterations  # of the first attempt
     assert increment.unlisted + len(increment.iterations) == len(iterates)
     assert f"drawn smooth first ({increment.unlisted} iterates more)" in report(twisted)
     iterates.clear()
@@ -167,7 +167,7 @@ ENERGY_CASES = {
 @pytest.mark.filterwarnings("ignore:.* moved by")  # the slack cable drops
 @pytest.mark.parametrize("name", ENERGY_CASES)
 def test_energy_falls_in_every_step(name):
-    # Without pressure, which is not in the energies of the history.
+    # Without pressure: the energies of the history do not include it.
     structure, stages = ENERGY_CASES[name]()
     stages = [stage for stage in stages if not any(isinstance(load, Pressure) for load in stage.loads)]
     for result in solved(structure, stages):
@@ -199,7 +199,7 @@ def test_tension_in_the_structure_is_gone_after_the_solve():
     short = Newton(max_iterations=1).prepare(problem)
     solution = short(problem.discretization.create_vector())
     assert solution.converged
-    assert solution.drawn_smooth  # what one step could not
+    assert solution.drawn_smooth  # impossible in one step
     assert problem.tension == 0.0
 
 

@@ -1,4 +1,4 @@
-"""Length of load increments: halved where they fail, growing back afterwards."""
+"""Length of load increments: halved after a failure, growing back afterwards."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ POINT = [PointLoad(CENTRE, (0, 0, -2e4)), WIND]
 
 
 def unwilling(analysis, failing, retry=True):
-    """Makes the solver fail at some of its calls, counted from zero, and leave nonsense behind; gives the targets."""
+    """Make the solver fail at some calls, counted from zero, and leave nonsense behind; return the targets."""
     solve, problem, tried = analysis._solve, analysis._problem, []
 
     def wrapped(x, *monitor):
@@ -32,7 +32,7 @@ def unwilling(analysis, failing, retry=True):
 
 
 def pushed(failing, steps, retry=True):
-    """Load factors that are tried and those that are found, and the state."""
+    """Load factors tried, those found, and the state."""
     analysis = Analysis(sheet())
     tried = unwilling(analysis, failing, retry)
     result = analysis.run([Stage("push", [PointLoad(CENTRE, (0, 0, -100.0))], steps=steps)])["push"]

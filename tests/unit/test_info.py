@@ -1,4 +1,4 @@
-"""The command `fx-membrane info` reports what an import finds, and what is missing."""
+"""The command `fx-membrane info` reports the versions in use, and missing modules."""
 
 import sys
 import types

@@ -1,4 +1,4 @@
-"""First runs that are killed, or have no compiler or no cache: the next one works, or is told how to."""
+"""First runs that are killed, or lack a compiler or a cache: the next one works, or reports the remedy."""
 
 import fcntl
 import importlib.machinery
@@ -24,7 +24,7 @@ Analysis(Structure(np.eye(3)[:2], masts, [Support([0, 1])])).run([Stage("prestre
 
 @pytest.fixture
 def environment(tmp_path):
-    """A cold cache, and a compiler that does not end as long as the file `slow` is there."""
+    """Cold cache, and a compiler that does not end as long as the file `slow` is there."""
     compiler = tmp_path / "cc"
     compiler.write_text(
         f'#!/bin/sh\ntouch "{tmp_path}/begun"\nwhile [ -e "{tmp_path}/slow" ]; do sleep 0.1; done\nexec gcc "$@"\n'
@@ -55,7 +55,7 @@ def stop_while_compiling(environment, folder, number):
 
 
 def unfinished(cache):
-    """What FFCx would wait for."""
+    """Files that FFCx would wait for."""
     return {file.name for file in cache.glob("*.c") if not file.with_suffix(".c.cached").exists()}
 
 
@@ -122,7 +122,7 @@ class FFCx:
 
 
 def test_source_of_another_program_is_waited_for(tmp_path, monkeypatch):
-    """A program that knows no lock may still compile it."""
+    """A program without locks may still compile it."""
     monkeypatch.setattr(jit_cache, "DEAD", 1.0)
     (tmp_path / "form.c").touch()
     begin = time.monotonic()
@@ -141,7 +141,7 @@ def test_what_is_incomplete_is_compiled_again(damage, tmp_path, monkeypatch):
 
 
 def test_interrupted_in_the_same_process(tmp_path):
-    """As in a notebook: at once, not after the time that other programs are given."""
+    """At once, as in a notebook: without the waiting time for other programs."""
     with pytest.raises(KeyboardInterrupt):
         FFCx(None).compile(tmp_path, KeyboardInterrupt)
     assert (tmp_path / jit_cache.LOCK).read_text() == "form.c"

@@ -1,4 +1,4 @@
-"""The warning of strains that the material law is not meant for."""
+"""Warning of strains outside the range of the material law."""
 
 import warnings
 
@@ -26,7 +26,7 @@ LINE = [[0.0, 0, 0], [1, 0, 0]]
 
 
 def stretched(points, part, x, y=0.0):
-    """Everything moved in the plane, by relative changes of length along x and y."""
+    """Move all nodes in the plane, by relative changes of length along x and y."""
     points = np.asarray(points)
     structure = Structure(points, {"part": part}, [Support(range(len(points)), "z")])
     moves = PrescribedDisplacement(range(len(points)), points * [x, y, 0], "xy")
@@ -99,11 +99,11 @@ def test_most_strained_part_and_the_number_of_others_are_named():
     ) as found:
         analysis.run([Stage("stretch", displacements=[moves])])
     assert len(found) == 1
-    assert found[0].filename == __file__  # where the user called
+    assert found[0].filename == __file__  # the user's call
 
 
 def at_rest(part, points=POINTS):
-    """Everything held, the prestress alone."""
+    """Structure with all nodes held, under the prestress alone."""
     return Analysis(Structure(points, {"part": part}, [Support(range(len(points)))]), comm=MPI.COMM_SELF).run(
         [Stage("first"), Stage("second", after="first")]
     )
@@ -134,7 +134,7 @@ def test_large_prestress(points, part, strain, advice):
 
 @pytest.mark.parametrize("material", [Fabric(1e5, 0.3), WOVEN], ids=["isotropic", "woven"])
 def test_strain_is_that_of_the_stress(material):
-    """The inverse of the law that the forms have, in a warp frame that is turned."""
+    """Inverse of the law of the forms, in a turned warp frame."""
     part = Membrane(TRIANGLES, material, warp=(1, 2, 0), compression_stiffness=1)
     state = stretched(POINTS, part, 0.03, -0.01)["stretch"].membrane("part")
     assert np.abs(state.strain[:, 0, 1]).min() > 0.01
@@ -173,7 +173,7 @@ def test_what_takes_up_an_excess_is_no_strain(points, excess, stretch, large):
 
 @pytest.mark.parametrize(("excess", "stiffer"), [(0.02, 1.06), (0.1, 1.31)])
 def test_stiffness_of_a_cable_with_an_excess(excess, stiffer):
-    """As the docstring of `Cable` says: the force at a strain of 1e-6 beyond its own length."""
+    """Docstring of `Cable`: the force at a strain of 1e-6 beyond its own length."""
     own = np.sqrt(1 + 2 * excess)
     cable = Cable([[0, 1]], 1e6, prestress=-excess * 1e6)
     with warnings.catch_warnings():
@@ -184,7 +184,7 @@ def test_stiffness_of_a_cable_with_an_excess(excess, stiffer):
 
 
 def test_stiffness_of_a_membrane_with_an_excess():
-    """As the docstring of `Membrane` says, the same in both directions."""
+    """Docstring of `Membrane`: the same in both directions."""
     own = np.sqrt(1 + 2 * 0.02) * (1 + 1e-6) - 1
     result = stretched(POINTS, membrane(prestress=-0.02 * 1e5 / 0.7), own, own)["stretch"]
     assert result.membrane("part").principal / (1e-6 * 1e5 / 0.7) == pytest.approx(1.04, rel=1e-4)

@@ -1,4 +1,4 @@
-"""What `import fx_membrane` loads and changes, in processes of their own."""
+"""Effects of `import fx_membrane`: loaded modules and changes, in separate processes."""
 
 import subprocess
 import sys
@@ -29,7 +29,7 @@ def test_command_shows_its_help_without_dolfinx():
 
 
 def test_signal_handlers_stay_those_of_the_process():
-    """PETSc puts one of its own on closed pipes."""
+    """PETSc sets its own handler for closed pipes."""
     script = (
         "import signal; before = signal.signal(signal.SIGPIPE, lambda *_: None), signal.getsignal(signal.SIGPIPE); "
         "import fx_membrane; fx_membrane.Analysis; print(signal.getsignal(signal.SIGPIPE) is before[1])"
@@ -42,7 +42,7 @@ def test_one_environment_variable_is_set_unless_the_user_did():
         "import os; {} before = dict(os.environ); import fx_membrane; fx_membrane.Analysis; "
         "print(*(f'{{name}}={{value}}' for name, value in os.environ.items() if before.get(name) != value))"
     )
-    mpi = ("OMPI_", "PMIX_", "PRTE_", "OPAL_", "ORTE_")  # what the MPI library sets
+    mpi = ("OMPI_", "PMIX_", "PRTE_", "OPAL_", "ORTE_")  # set by the MPI library
     assert [
         entry for entry in output(script.format("os.environ.pop('OMP_NUM_THREADS', 0);")) if not entry.startswith(mpi)
     ] == ["OMP_NUM_THREADS=1"]

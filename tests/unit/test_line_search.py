@@ -1,4 +1,4 @@
-"""Line search on functions of one variable: what length it finds, and in how many calls."""
+"""Line search on functions of one variable: the length found, and the number of calls."""
 
 import math
 
@@ -9,7 +9,7 @@ from fx_membrane.solvers.line_search import DECREASE, Point, search
 
 
 def watched(energy, slope):
-    """The function of one variable that `search` takes, and the lengths at which it is called."""
+    """Make a function of one variable for `search`, and the list of lengths at which it is called."""
     called = []
 
     def along(length):
@@ -20,14 +20,14 @@ def watched(energy, slope):
 
 
 def quadratic(curvature, scale=1.0):
-    """Falls with slope -scale at zero, and is least at 1 / curvature."""
+    """Quadratic with slope -scale at zero and its minimum at 1 / curvature."""
     return watched(lambda t: scale * (curvature * t**2 / 2 - t), lambda t: scale * (curvature * t - 1))
 
 
 @pytest.mark.parametrize("scale", [1e-12, 1.0, 1e12])
 @pytest.mark.parametrize(("curvature", "calls"), [(1.2, 3), (2.0, 3), (19.0, 3), (100.0, 4), (1e6, 7)])
 def test_quadratic_is_searched_exactly(curvature, calls, scale):
-    # Each trial is at least a twentieth of the one before; where the minimum is within reach, it is hit.
+    # Each trial is at least a twentieth of the previous one; a minimum within reach is found exactly.
     along, called = quadratic(curvature, scale)
     assert search(along, 0.0) == pytest.approx(1 / curvature, rel=1e-9)
     assert len(called) == calls
@@ -49,7 +49,7 @@ def test_full_step_that_lowers_the_energy_but_ends_on_a_steep_rise_is_shortened(
 @pytest.mark.parametrize("flatness", [0.5, 0.1, 1e-3, 1e-6])
 @pytest.mark.parametrize("stiffening", [1.0, 10.0, 1e3, 1e6])
 def test_quartic_is_searched_until_it_is_flat(stiffening, flatness):
-    # A cable pulled across: first it gives way, then it stiffens.
+    # A cable pulled across is soft at first, then it stiffens.
     along, called = watched(lambda t: stiffening * t**4 / 4 - t, lambda t: stiffening * t**3 - 1)
     found = along(search(along, 0.0, flatness))
     assert abs(found.slope) <= flatness
@@ -71,7 +71,7 @@ def test_stiffness_that_sets_in_within_the_step(kink, stiffness):
 
 @pytest.mark.parametrize("kink", [0.01, 0.3, 0.95])
 def test_energy_with_a_kink_is_followed_down_to_it(kink):
-    # There is no flat place: the slope jumps from -1 to 3.
+    # There is no flat point: the slope jumps from -1 to 3.
     along, called = watched(lambda t: 4 * max(t - kink, 0) - t, lambda t: 3.0 if t > kink else -1.0)
     length = search(along, 0.0)
     assert 0 < length <= 1

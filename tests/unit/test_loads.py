@@ -1,4 +1,4 @@
-"""Loads, prescribed displacements and stages: which input they refuse, alone and together with a structure."""
+"""Loads, prescribed displacements and stages: refused input, alone and together with a structure."""
 
 import numpy as np
 import pytest

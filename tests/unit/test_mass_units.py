@@ -1,4 +1,4 @@
-"""Units of mass: consistent ones give the same frequencies without a word, mixed ones a warning."""
+"""Units of mass: consistent ones give the same frequencies without a warning, mixed ones with one."""
 
 import numpy as np
 import pytest
@@ -38,7 +38,7 @@ MIXED = {
 
 
 def roof(force, length, mass, size=8.0, kind=Membrane):
-    """A roof of a usual fabric with a steel cable across it, in given units; mass on one or both."""
+    """Roof of a usual fabric with a steel cable across it, in given units; mass on one or both."""
     points, triangles = rectangle(size / length, 0.75 * size / length, 8, 6)
     fabric = Fabric(Et=500e3 / force * length, nu=0.3)
     parts = {

@@ -1,4 +1,4 @@
-"""Memory is given back: by an analysis that is no longer used, and by work that is done again and again."""
+"""Memory is released: by an analysis that is no longer used, and by repeated work."""
 
 import gc
 import re
@@ -29,7 +29,7 @@ def test_problem_is_released(driver, monkeypatch):
     assert problem() is None
 
 
-BOUND = 1.0  # MB; forms left 2.1 behind and conjugate gradients 31, when PETSc kept what Python drops
+BOUND = 1.0  # MB; forms left 2.1 behind and conjugate gradients 31, when PETSc kept vectors that Python drops
 
 
 @pytest.mark.serial

@@ -1,4 +1,4 @@
-"""Modes and stiffnesses of states: what is held, massless parts, pressure, the user's order, refusals."""
+"""Modes and stiffnesses of states: constraints, massless parts, pressure, the user's order, refusals."""
 
 import os
 import subprocess
@@ -36,7 +36,7 @@ def rest(structure):
 
 
 def guyed(mass=0.0, prestress=T):
-    """A cable from node 0 to node 1, held on the other side by a guy in two pieces that has no mass by default."""
+    """Cable from node 0 to node 1, held on the other side by a guy in two pieces, massless by default."""
     points = [[0.0, 0, 0], [L, 0, 0], [2 * L, 0, 0], [3 * L, 0, 0]]
     parts = {"cable": Cable([[0, 1]], EA, T, mass=MASS), "guy": Mast([[1, 2], [2, 3]], EA, prestress, mass=mass)}
     return Structure(points, parts, [Support([0, 3])])
@@ -63,7 +63,7 @@ def test_results_are_shown_in_short():
 @pytest.mark.parametrize("count", [4, 10])
 @pytest.mark.parametrize("stiffness", [1.0, 1e6, 1e12])
 def test_no_stiffness_is_no_instability(stiffness, count):
-    """A string without tension has none across: a zero frequency, whatever rounding leaves."""
+    """A string without tension has no stiffness across: a zero frequency, up to rounding."""
     nodes = np.arange(count + 1)
     line = np.linspace([0.0, 0.1, 0.3], [2.0, 0.7, 1.2], count + 1)
     string = Cable(np.column_stack([nodes[:-1], nodes[1:]]), stiffness, mass=1.0)
@@ -89,7 +89,7 @@ def test_little_stiffness_is_not_taken_for_none(prestress):
 
 
 def wrinkled():
-    """A clamped sheet whose far end is let in by 5 %: wrinkled and slack, and held at its ends."""
+    """Clamped sheet whose far end is moved in by 5 %: wrinkled and slack, and held at its ends."""
     points, triangles = rectangle(2.0, 1.0, 8, 4)
     low, high = (np.flatnonzero(np.abs(points[:, 0] - x) < 1e-9) for x in (-1.0, 1.0))
     structure = Structure(points, {"fabric": Membrane(triangles, Fabric(5e5, 0.3), 10.0)}, [Support(low)])
@@ -109,7 +109,7 @@ def test_wrinkles_are_no_instability_and_slack_nodes_are_left_out():
 @pytest.mark.filterwarnings("ignore:Stage 'rest'")
 @pytest.mark.parametrize("kept", [1e-6, 1e-3])
 def test_what_slack_cables_keep_holds_no_mast(kept):
-    """A mast within guys longer than the way: what they keep pushes it up a little, nothing holds it."""
+    """A mast within guys that are too long: their compression stiffness pushes it up a little, nothing holds it."""
     feet = [[3.0, 0, 0], [-2, 2, 0], [-2, -2, 0]]
     guys = Cable([[1, 2], [1, 3], [1, 4]], 12e6, prestress=-1e4, compression_stiffness=kept)
     parts = {"mast": Mast([[0, 1]], 200e6), "guys": guys}
@@ -140,7 +140,7 @@ def test_without_mass():
 
 @pytest.mark.parametrize("prestress", [0.0, -T])
 def test_part_without_mass_that_nothing_holds(prestress):
-    """The guy can be had at rest like that; with a mass it is an unstable state, and zero frequencies at its limit."""
+    """The guy can rest without tension; with a mass its state is unstable, and zero frequencies are its limit."""
     structure = guyed(prestress=prestress)
     loads = [PointLoad(1, (T - prestress, 0, 0))]
     hold = [PrescribedDisplacement([1, 2], np.zeros(3))]
@@ -160,11 +160,11 @@ def test_not_a_state(function):
         function({})
 
 
-# What a state holds
+# Constraints of a state
 
 
 def sheet(seed=None):
-    """A prestressed sheet with a cable on its free edge and two nodes that no part uses; its nodes in any order."""
+    """Prestressed sheet with a cable on its free edge and two nodes that no part uses; its nodes in any order."""
     points, triangles = rectangle(2.0, 1.5, 5, 4, "right")
     points = np.vstack([points, [[9.0, 9, 9], [8, 8, 8]]])
     edge = np.flatnonzero(points[:30, 0] == 1)
@@ -198,7 +198,7 @@ def test_prescribed_components_are_held():
 
 
 def test_neither_processes_nor_numbering_matter():
-    """Frequencies are distinct here, so that shapes are known, and their sign by its largest component."""
+    """Frequencies are distinct here, so that shapes are unique, and their sign is that of the largest component."""
     state, _ = pulled(comm=MPI.COMM_SELF)
     alone, weakest = natural_frequencies(state, comm=MPI.COMM_SELF), stability(state, 3, comm=MPI.COMM_SELF)
     assert (np.diff(alone.frequencies) > 0.01 * alone.frequencies[:-1]).all()
@@ -228,7 +228,7 @@ def matrices(state):
 
 
 def inflated(pressure, held=None):
-    """A twisted sheet under a pressure: not an equilibrium, but a tangent."""
+    """Twisted sheet under a pressure: no equilibrium, but a tangent."""
     points, triangles = rectangle(2.0, 1.0, 6, 3, "right")
     points[:, 2] = 0.1 * points[:, 0] * points[:, 1] + 0.2 * points[:, 0] ** 2
     fabric = Membrane(triangles, Fabric(1e3, 0.3), 50.0, mass=1.0)
@@ -258,7 +258,7 @@ def test_pressure_on_free_edges_has_none(pressure, flutter):
     motion = modes.shapes.reshape(6, -1)[:, place]
     assert (modes.growth[:2] > 1).all() == flutter
     assert not modes.growth[2:].any()
-    if flutter:  # the motion that grows, and its real and imaginary part
+    if flutter:  # the growing motion, and its real and imaginary part
         assert modes.frequencies[0] == pytest.approx(modes.frequencies[1], rel=1e-12)
         motion = np.concatenate([[motion[0] + 1j * motion[1]], motion[2:]])
         omega = 2 * np.pi * modes.frequencies - 1j * modes.growth

@@ -1,4 +1,4 @@
-"""Newton's method: how it ends, and what it records on the way."""
+"""Newton's method: its outcome, and its history."""
 
 import numpy as np
 import pytest
@@ -127,7 +127,7 @@ def test_units_do_not_matter(scale):
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("load", [0.0, 1e-3])
 def test_prestress_in_balance_with_itself_is_in_equilibrium(seed, load):
-    # All that is left of forces of 1 kN is rounding, and no support or load gives a scale for it.
+    # The sum of forces of 1 kN is rounding, and no support or load gives a scale for it.
     R = rotation(seed)
     points = np.array([[0, 0, 0], [0.7, 0, 0], [2, 0, 0]]) @ R.T
     parts = {"cable": Cable([[0, 1], [1, 2]], 1e6, 1e3), "mast": Mast([[0, 2]], 1e8, -1e3)}
@@ -136,7 +136,7 @@ def test_prestress_in_balance_with_itself_is_in_equilibrium(seed, load):
     problem.apply(Actions(loads, problem.discretization.structure.supported, np.zeros((3, 3))))
     solution, displacement = solve(problem)
     assert solution.converged, solution.reason
-    # Energies tell nothing here: the work of the prestress cancels, but for rounding that is above that of the load.
+    # Energies show nothing here: the work of the prestress cancels, but for rounding above the work of the load.
     assert {entry.step for entry in solution.iterations[1:]} <= {1.0}
     assert len(solution.iterations) <= 4
     assert not solution.drawn_smooth

@@ -1,4 +1,4 @@
-"""Errors of one process end all of them, with its words."""
+"""Errors of one process end all of them, with the same message."""
 
 import ast
 import re

@@ -1,4 +1,4 @@
-"""The result depends neither on the number of processes nor on the user's numbering; run it with mpirun too."""
+"""Results are independent of the number of processes and of the user's numbering; run it with mpirun, too."""
 
 import numpy as np
 import pytest
@@ -107,7 +107,7 @@ def assert_same(result, model, expected, expected_model):
 
 @pytest.fixture(scope="module")
 def alone():
-    """The model in its own order, on one process."""
+    """Model in its own order, on one process."""
     model = Model()
     return model, model.run(MPI.COMM_SELF)
 

@@ -1,4 +1,4 @@
-"""Membranes, cables and masts: what they hold, and which input they refuse."""
+"""Membranes, cables and masts: their data, and refused input."""
 
 import numpy as np
 import pytest

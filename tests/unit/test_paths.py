@@ -1,4 +1,4 @@
-"""Files to be written: names that cannot be are refused before anything is computed or drawn."""
+"""Output files: impossible names are refused before anything is computed or drawn."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Pictures: something is on them, they are of a sensible size, and wrong fields are refused."""
+"""Pictures: visible content, a sensible size, and refusal of wrong fields."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ FOOT, CENTRE = 25, 12
 
 @pytest.fixture(scope="module")
 def result():
-    """A roof of two membranes, a cable on their common line and a mast; one is stretched, one has folds."""
+    """Roof of two membranes, a cable on their common line and a mast; one is stretched, one has folds."""
     rim = np.unique(boundary(TRIANGLES))
     parts = {
         "south": Membrane(TRIANGLES[HALF], Fabric(Et=1e5, nu=0.3), prestress=1e3),
@@ -52,7 +52,7 @@ def picture(path):
 
 
 def assert_drawn(path, colours=10):
-    """A picture on white, with something on a good part of it, in many colours; its width over its height."""
+    """Check for a picture on white with enough content in many colours; return its width over its height."""
     pixels = picture(path)
     height, width, _ = pixels.shape
     assert 300 < height < 3000
@@ -161,7 +161,7 @@ def test_contours_of_nodal_and_cell_values_and_states(result, tmp_path, drawing)
 
 
 def test_wrinkled_and_slack_cells_are_coloured(tmp_path, drawing):
-    """One strip of the square wrinkles, the other is slack: the map, not only the legend, shows it."""
+    """One strip of the square wrinkles, the other is slack: the map shows it, not only the legend."""
     points, triangles = rectangle(2.0, 2.0, 4, 4)
     fabric = {"fabric": Membrane(triangles, Fabric(Et=1e5, nu=0.3))}
     east = np.where(points[:, 0] > 0, -0.02, 0.02)
@@ -219,7 +219,7 @@ def test_values_beyond_limits_have_the_colour_of_the_end(result, tmp_path, drawi
 
 
 def half(result):
-    """The part of the roof with y < 0 alone, as a model cut at its plane of symmetry."""
+    """Part of the roof with y < 0 alone, as a model cut at its plane of symmetry."""
     parts = {"south": result.structure.parts["south"]}
     nodes = np.unique(parts["south"].cells)
     structure = Structure(POINTS, parts, [Support(nodes)])
@@ -232,7 +232,7 @@ def test_mirror_draws_the_other_half(result, mirror, ratio, drawing):
     colours = scene.Colours("viridis", -1.0, 1.0, 16)
     drawn = scene.picture(
         half(result), POINTS[:, 0], colours, scale=1.0, view=(0, -0.2, 1), mirror=mirror, odd=False
-    )  # without the scale of a whole figure, which would be measured too
+    )  # without the scale of a whole figure, which would be measured, too
     ink = np.argwhere((drawn < 250).any(axis=2))
     height, width = np.ptp(ink, axis=0)
     assert width / height == pytest.approx(ratio, rel=0.1)

@@ -1,4 +1,4 @@
-"""Prescribed displacements: reached exactly, from where a node is, with the force that is needed."""
+"""Prescribed displacements: reached exactly, from the present position, with the force needed."""
 
 import numpy as np
 import pytest
@@ -80,7 +80,7 @@ def test_node_taken_hold_of_moves_in_equal_steps_from_where_it_is():
     back = Stage("back", displacements=[PrescribedDisplacement(1, (0, 0, 0), "z")], after="push", steps=4)
     results = Analysis(arch()).run([push, back])
     assert results["push"].displacement[1, 2] < -0.01
-    # At the start of a step: what is left of the way, times a stiffness that is the same in all steps.
+    # At the start of a step: the remaining displacement, times a stiffness that is the same in all steps.
     gaps = [increment.iterations[0].residual for increment in results["back"].increments]
     assert gaps == pytest.approx([gaps[0]] * 4, rel=1e-9)
     assert gaps[0] > 0

@@ -1,4 +1,4 @@
-"""Follower pressure: along the current normals, on one side, added up from stage to stage."""
+"""Follower pressure: along the current normals, on one side, added from stage to stage."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Remarks on states that hang on slack parts, have fallen, or have lost their prestress; and states without any."""
+"""Remarks on states that hang on slack parts, have fallen, or have lost their prestress; and states without remarks."""
 
 import warnings
 
@@ -38,7 +38,7 @@ pytestmark = pytest.mark.filterwarnings(
 
 
 def guyed(kept=1e-4, prestress=0.0, head=(0.0, 0, 4)):
-    """A mast on a hinge with guys on one side only."""
+    """Mast on a hinge with guys on one side only."""
     points = np.array(POINTS)
     points[1] = head
     guys = Cable([[1, 2], [1, 3]], 12e6, prestress, compression_stiffness=kept)
@@ -46,7 +46,7 @@ def guyed(kept=1e-4, prestress=0.0, head=(0.0, 0, 4)):
 
 
 def three_guys(count=3, prestress=1e3):
-    """The mast with guys all around, or some of them forgotten."""
+    """Mast with guys all around, or with some of them forgotten."""
     angles = np.arange(count) * 2 * np.pi / 3
     feet = np.column_stack([3 * np.cos(angles), 3 * np.sin(angles), 0 * angles])
     guys = Cable([[1, 2 + i] for i in range(count)], 12e6, prestress)
@@ -72,7 +72,7 @@ def test_mast_that_is_pushed_towards_its_only_guys_is_reported(kept, load, prest
         result = Analysis(structure).run([Stage("rest"), push(-load, 0, 0, after="rest")])["push"]
     words = " ".join(result.remarks)
     assert "guys" in words
-    assert "load factors" not in words  # no load is safe: a buckling load would be a false one
+    assert "load factors" not in words  # no load is safe: a reported buckling load would be wrong
     if not any(increment.fallen for increment in result.increments):
         assert CARRY in words
         assert f"'guys' is compressed by {-result.cable('guys').force.min():.3g} in cell" in words
@@ -136,7 +136,7 @@ def test_forgotten_guy_loses_the_prestress_and_lets_the_mast_go():
     with pytest.warns(LostPrestressWarning, match="'rest': all prestress is lost: no cell of 'guys' has more than 1 %"):
         results = Analysis(three_guys(2)).run(stages)
     assert CARRY in " ".join(results["push"].remarks)
-    # The other guy holds the mast along itself; across it there is a slack one.
+    # The other guy holds the mast along itself; across it there is a slack guy.
     assert "mast 'mast' (cell 0, at node 1) is not held in the direction (0, " in results["back"].remarks[0]
 
 

@@ -1,4 +1,4 @@
-"""The table of a stage says what the result holds."""
+"""The table of a stage agrees with the result."""
 
 import re
 
@@ -26,7 +26,7 @@ from fx_membrane import (
 
 @pytest.fixture(scope="module")
 def result():
-    """A sheet that is stretched one way and brought together the other, a slack cable on it, a mast under it."""
+    """Sheet that is stretched one way and shortened the other, a slack cable on it, a mast under it."""
     points, triangles = rectangle(2.0, 2.0, 4, 4)
     points = np.vstack([points, [[0, 0, -1]]])
     rim = np.unique(boundary(triangles))

@@ -28,7 +28,7 @@ UNUSED = 0
 
 @pytest.fixture(scope="module")
 def result():
-    """A sheet with cables around it on four corners, a mast under its centre, a load of everything."""
+    """Sheet with cables around it on four corners, a mast under its centre, under all kinds of loads."""
     points, triangles = rectangle(2.0, 2.0, 2, 2)
     points[:, 2] = 0.2 * points[:, 0] * points[:, 1]
     points = np.vstack([[[9.0, 9, 9]], points, [[0.1, 0, -1]]])
@@ -215,7 +215,7 @@ def test_wrong_name_is_refused_with_the_names_there_are(result, kind, name, mess
 
 
 def patch(x, y, material=FABRIC, **data):
-    """A square whose rim is stretched or brought together by these strains along its sides."""
+    """Square whose rim is strained by these values along its sides."""
     points, triangles = rectangle(1.0, 1.0, 2, 2)
     fabric = Membrane(triangles, material, warp=(1, 0, 0), **data)
     rim = np.unique(boundary(triangles))
@@ -237,7 +237,7 @@ def test_state_of_a_patch(x, y, state, material):
     assert fabric.state.tolist() == [state] * 8
     number = {"taut": 2, "wrinkled": 1, "slack": 0}[state]
     assert (fabric.principal > 100).sum(axis=1).tolist() == [number] * 8
-    compression = 1e-4 * 2e5 * 0.02 * 2  # a share of the stiffness is kept
+    compression = 1e-4 * 2e5 * 0.02 * 2  # a fraction of the stiffness is kept
     assert fabric.principal.min() > -compression
 
 

@@ -130,7 +130,7 @@ def test_floating_cable_is_named_with_its_cell():
 
 
 def with_a_bar(kind, *supports):
-    """The sheet and a bar from its middle down to node 9."""
+    """Sheet and a bar from its middle down to node 9."""
     parts = {"fabric": Membrane(TRIANGLES, Fabric(Et=1e5, nu=0.3)), "bar": kind([[0, 8], [4, 9]], 1e6)}
     return Structure(np.vstack([POINTS, [[0.0, 0, -1]]]), parts, [Support(CORNERS), *supports])
 

@@ -1,4 +1,4 @@
-"""What counts as rounding: node by node, and from the nodes that parts use."""
+"""Test of rounding: node by node, and by the nodes that parts use."""
 
 import warnings
 
@@ -47,7 +47,7 @@ def roof(unit=1.0, prestress=2e3):
 
 
 def beside(part, unit=1.0, prestress=2e3):
-    """The roof, and a part of two nodes that has nothing to do with it."""
+    """Roof beside an independent part of two nodes."""
     points = np.vstack([POINTS, [[9, 0, 0], [9, 0, 3.0]]])
     supports = [Support([*EDGE, COUNT]), Support(COUNT + 1, "xy")]
     return Structure(points, {"fabric": fabric(unit, prestress), "other": part}, supports)
@@ -126,7 +126,7 @@ def test_stiff_fabric_alone_carries_its_load(stiffness):
 
 @pytest.mark.parametrize("stiffness", [1e9, 1e18, 1e24, 1e30])
 def test_rounding_that_is_no_equilibrium_is_told(stiffness):
-    """A mast that carries a corner of the roof, up to so stiff a one that its force has no digits left."""
+    """A mast carries a corner of the roof; the stiffest ones leave no digits of its force."""
     corner = EDGE[-1]
     points = np.vstack([POINTS, POINTS[corner] + [[1.0, 1, 0.3], [0, 0, -3]]])
     mast, guy = Mast([[corner, COUNT + 1]], stiffness), Cable([[corner, COUNT]], 1e6, 1e3)
@@ -162,7 +162,7 @@ def test_small_load_on_a_strong_prestress_is_carried(prestress):
 
 
 def test_form_of_a_stiff_cable_is_found():
-    """The elasticity is set aside in form finding, and excuses nothing."""
+    """Form finding ignores the elasticity, which must not loosen its tolerance."""
     edges = [[i, i + 1] for i in range(4)]
     points = np.array([[i, 0, 0.3 * i * (4 - i)] for i in range(5)], dtype=float)
     form = updated_reference(Structure(points, {"cable": Cable(edges, 1e30, 1e3)}, [Support([0, 4])]))

@@ -1,4 +1,4 @@
-"""Views: what is up, what is to the right, and that lengths across the view are true."""
+"""Views: up, right, and true lengths across the view."""
 
 import sys
 import types
@@ -48,7 +48,7 @@ def test_plan_of_a_slope_is_not_in_perspective(drawn):
 @pytest.mark.serial
 @pytest.mark.parametrize("lack", ["pyvista", "screen", "library"])
 def test_picture_that_cannot_be_drawn_is_a_warning_with_the_remedy(lack, monkeypatch, tmp_path):
-    """The script goes on: what was computed is not lost for a picture."""
+    """The script continues: computed results must survive a failed picture."""
     (rest,) = Analysis(sheet()).run([Stage("rest")]).values()
     pyvista = types.ModuleType("pyvista")
     pyvista.vtk_version_info = (9, 5, 2) if lack == "library" else (9, 3, 0)  # Debian 13's aborts without a screen

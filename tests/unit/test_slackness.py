@@ -1,4 +1,4 @@
-"""What is slack where no equilibrium is found, in words."""
+"""Sentences on slack parts where no equilibrium is found."""
 
 import numpy as np
 import pytest
@@ -38,7 +38,7 @@ def test_nothing_is_said_where_all_is_taut():
 
 
 def idle(prestress=0.0, stiffness=1e6, **data):
-    """The cables in the shape they were given, under no load."""
+    """Cables in their initial shape, without load."""
     cables = Cable([[0, 1], [1, 2], [1, 3]], stiffness, prestress, **data)
     structure = Structure(POINTS, {"net": cables}, [Support([0, 2, 3]), Support(1, "z")])
     return Analysis(structure).run([Stage("rest")])["rest"]

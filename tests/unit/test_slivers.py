@@ -1,4 +1,4 @@
-"""Slivers: refused where nothing is left of their stiffness, warned of where digits are lost, right otherwise."""
+"""Slivers: refused without stiffness left, warned of if digits are lost, correct otherwise."""
 
 import re
 import warnings
@@ -25,14 +25,14 @@ from models import rotation
 
 
 def strip(aspect, move=0.0):
-    """A sheet of 4 x 4 pairs of cells of an aspect, in any plane, held along its edge."""
+    """Sheet of 4 x 4 pairs of cells of an aspect, in any plane, held along its edge."""
     points, triangles = rectangle(2.0, 2.0 / aspect, 4, 4)
     fabric = Membrane(triangles, Fabric(Et=1e5, nu=0.3), prestress=1e3)
     return Structure(points @ rotation(1).T + move, {"strip": fabric}, [Support(np.unique(boundary(triangles)))])
 
 
 def deflection(structure):
-    """Of the middle under a small load, over the height of the strip: the same for all heights."""
+    """Deflection of the middle under a small load, over the height of the strip: equal for all heights."""
     normal = structure.normals("strip")[0]
     state = Analysis(structure).run([Stage("load", [PointLoad(12, 1e-3 * normal)])])["load"]
     height = np.ptp(structure.points @ rotation(1), axis=0)[1]

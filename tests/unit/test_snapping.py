@@ -1,4 +1,4 @@
-"""Structures that snap or buckle in a load increment, and such that do not: what is reported, and where it happens."""
+"""Structures that snap through or buckle in a load increment, and others: the report and the load."""
 
 import warnings
 
@@ -36,13 +36,13 @@ def pyramid(rise=0.6):
 
 
 def cap():
-    """A stiff shell, as far as triangles without compression to avoid can be one."""
+    """Stiff shell, as far as triangles can form one without compression."""
     shell = Membrane(TRIANGLES, Fabric(5e5, 0.3), compression_stiffness=1.0)
     return Structure([*SQUARE, [0, 0, 0.6]], {"shell": shell}, [Support(range(4))])
 
 
 def tent():
-    """A mast that carries a fabric, held by its prestress and two guys."""
+    """Mast that carries a fabric, held by its prestress and two guys."""
     points = [*SQUARE, [0, 0, 3.0], [0, 0, -2.0]]
     parts = {
         "fabric": Membrane(TRIANGLES, Fabric(5e5, 0.3), prestress=1e3),
@@ -53,7 +53,7 @@ def tent():
 
 
 def snapped(result):
-    """The load factors between which it snapped: none, or two."""
+    """Load factors between which it snapped: none, or two."""
     factors = [0.0, *(increment.load_factor for increment in result.increments)]
     where = [number for number, increment in enumerate(result.increments) if increment.snapped]
     return [bound for number in where for bound in factors[number : number + 2]]
@@ -80,7 +80,7 @@ def test_arch_below_its_largest_load_does_not():
 
 
 def test_arch_driven_past_its_largest_load_does_not():
-    """What a jack holds goes through all shapes."""
+    """A jack holds all shapes in between."""
     with warnings.catch_warnings():
         warnings.simplefilter("error", UnstableStateWarning)
         result = Analysis(arch()).run([Stage("jack", displacements=[PrescribedDisplacement(1, (0, 0, -0.7), "z")])])
@@ -94,7 +94,7 @@ def test_arch_driven_past_its_largest_load_does_not():
     ids=["pyramid", "cap under pressure"],
 )
 def test_snaps_where_the_path_turns(structure, load, steps):
-    """Also where Newton's steps pass over all shapes that are not stable."""
+    """Also if Newton's steps pass over all unstable shapes."""
     stages = [Stage("rest"), Stage("load", [load], after="rest", steps=steps)]
     with pytest.warns(UnstableStateWarning, match="Stage 'load': between"):
         results = Analysis(structure).run(stages)
@@ -115,7 +115,7 @@ def test_column_buckles_under_the_load_of_its_spring():
     stages = [Stage("rest"), Stage("load", [PointLoad(2, (0, 0, -1.05e4))], after="rest")]
     with pytest.warns(UnstableStateWarning, match="buckled"):
         result = Analysis(structure).run(stages)["load"]
-    # The lateral stiffness is lost at 0.9999e4 (`stability`); 1 % further it counts as negative for sure.
+    # The lateral stiffness is lost at 0.9999e4 (`stability`); 1 % further it certainly counts as negative.
     critical = 0.9999 / 1.05
     assert snapped(result) == pytest.approx([critical, critical], abs=0.01)
 
@@ -139,7 +139,7 @@ def test_what_does_not_snap_is_not_reported(name):
 
 
 def test_a_state_that_smaller_increments_do_not_reach_is_kept(monkeypatch):
-    """The structure has snapped between the last they reach and that."""
+    """The structure has snapped between the last increment and that."""
     analysis = Analysis(arch())
     solve, tried = analysis._solve, []
 
@@ -159,7 +159,7 @@ def test_a_state_that_smaller_increments_do_not_reach_is_kept(monkeypatch):
 @pytest.mark.filterwarnings("ignore::fx_membrane.UnstableStateWarning")
 @pytest.mark.parametrize("saves", [1, 3, 5])
 def test_run_that_is_killed_goes_on_to_the_same_snap(saves, tmp_path, monkeypatch):
-    """Before it, while it is being located, and past it."""
+    """Before the snap-through, during its bracketing, and after it."""
     stages = [Stage("push", [PointLoad(1, (0, 0, -1.4 * LIMIT))], steps=3)]
     whole = Analysis(arch()).run(stages)["push"]
     save, done = Checkpoint.save, []

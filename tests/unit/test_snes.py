@@ -1,4 +1,4 @@
-"""SNES in the place of dolfinx's NewtonSolver: the same iterates and the same words."""
+"""SNES instead of dolfinx's NewtonSolver: the same iterates and the same sentences."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Programs without standard streams: closed by the shell or a service, or taken away, as where there is no console."""
+"""Programs without standard streams: closed by the shell or a service, or absent without a console."""
 
 import os
 import subprocess
@@ -31,7 +31,7 @@ def test_closed_streams(closed, tmp_path):
     numbers, rest = (tmp_path / "after").read_text().split("] ")
     assert numbers == str([True] * len(closed))[:-1]
     number, *absent = rest.split()
-    assert int(number) > 2  # a file of the user's is not where C libraries write errors
+    assert int(number) > 2  # a user's file must not receive errors of C libraries
     assert absent == ["False", "False"]
 
 

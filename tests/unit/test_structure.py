@@ -1,4 +1,4 @@
-"""Supports and structures: what they hold, and which input they refuse."""
+"""Supports and structures: their data, and refused input."""
 
 import re
 import warnings
@@ -93,7 +93,7 @@ def test_branching_membrane_has_no_normals():
 def test_one_sided_membrane_has_no_normals():
     points = np.random.default_rng(1).normal(size=(5, 3))
     strip = [[0, 1, 2], [1, 2, 3], [2, 3, 4], [3, 4, 0], [4, 0, 1]]  # the shortest Moebius strip
-    structure = sheet(points=points, cells=strip)  # is a structure all the same
+    structure = sheet(points=points, cells=strip)  # is allowed
     with pytest.raises(ValueError, match=r"^Part 'fabric' has only one side, like a Moebius strip"):
         structure.normals("fabric")
     assert structure.parts["fabric"].cells.tolist() == strip
@@ -206,7 +206,7 @@ def test_parts_that_meet_without_sharing_nodes(scale, apart):
     with pytest.warns(CoincidentNodesWarning, match=message) as found:
         Structure(points, SQUARES)
     assert len(found) == 1
-    assert found[0].filename == __file__  # where the user made it
+    assert found[0].filename == __file__  # the user's line
 
 
 def test_cells_of_one_part_that_do_not_share_nodes():
@@ -262,9 +262,9 @@ def test_coincident_nodes_of_separate_parts_are_meant(separate, recwarn):
     points = np.vstack([POINTS, POINTS])
     structure = Structure(points, skins, separate=separate)
     assert not recwarn.list
-    assert replace(structure, points=2 * points).separate == [tuple(separate[0])]  # answered for good
+    assert replace(structure, points=2 * points).separate == [tuple(separate[0])]  # kept by a copy
     assert not recwarn.list
-    cable = Cable(np.array([[0, 1]]), 1e6)  # of the top, so that what it crosses of the bottom is meant too
+    cable = Cable(np.array([[0, 1]]), 1e6)  # of the top, so that its crossings with the bottom are intended, too
     Structure(points, {**skins, "cable": cable}, separate=separate)
     assert not recwarn.list
     other = Structure(

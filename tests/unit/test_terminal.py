@@ -1,4 +1,4 @@
-"""Progress on a terminal, and silence where there is none; a pipe that is closed."""
+"""Progress on a terminal, silence without one, and a closed pipe."""
 
 import contextlib
 import fcntl
@@ -53,7 +53,7 @@ def test_silence_is_never_longer_than_ten_seconds_or_one_iteration(capfd, monkey
 
 
 class Gone:
-    """Stands for a stderr whose reader is gone."""
+    """Standard error whose reader is gone."""
 
     def isatty(self):
         return False

@@ -1,4 +1,4 @@
-"""Form finding with prescribed stress: what is found is in equilibrium, and an analysis takes it over as it is."""
+"""Form finding with prescribed stress: the form is in equilibrium, and an analysis takes it over unchanged."""
 
 import numpy as np
 import pytest
@@ -40,7 +40,7 @@ def saddle(height=0.4):
 
 
 def film():
-    """A film of constant stress on a saddle-shaped rim."""
+    """Film of constant stress on a saddle-shaped rim."""
     points = saddle()
     points[np.setdiff1d(np.arange(len(points)), RIM), 2] = 0.1
     return Structure(points, {"film": Membrane(TRIANGLES, FABRIC, prestress=2e3)}, [Support(RIM)]), ()
@@ -68,7 +68,7 @@ def inflated():
 
 
 def loaded():
-    """A film with edge cables and one across it, with a force at a node and a pressure."""
+    """Film with edge cables and one across it, with a force at a node and a pressure."""
     structure, _ = film_with_edge_cables()
     lines = np.column_stack([np.arange(N) + N // 2 * (N + 1), np.arange(1, N + 1) + N // 2 * (N + 1)])
     structure = Structure(structure.points, {**structure.parts, "ridge": Cable(lines, 1e7, 2e3)}, structure.supports)
@@ -76,7 +76,7 @@ def loaded():
 
 
 def weighed_down():
-    """The same with weights of the film and the ridge, which are per area and length of the form."""
+    """Film with edge cables and a ridge that have weights, per area and length of the form."""
     structure, loads = loaded()
     return structure, [*loads, DeadLoad((0, 0, -150.0), "film"), DeadLoad((0, 20.0, -200.0), "ridge")]
 
@@ -286,7 +286,7 @@ def test_settings_out_of_range(settings, message):
 
 
 def test_film_without_an_equilibrium_is_reported():
-    # Nothing but a film of tension on four points: it shrinks to lines between them.
+    # A film of tension on four points only shrinks to lines between them.
     structure = Structure(saddle(), {"film": Membrane(TRIANGLES, FABRIC, prestress=1e3)}, [Support(CORNERS)])
     with pytest.raises(RuntimeError, match=r"^Form finding stopped at step \d+: "):
         updated_reference(structure)

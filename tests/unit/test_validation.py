@@ -1,4 +1,4 @@
-"""Checks of user input: what passes, what is refused, and whether the refusal names the thing and its value."""
+"""Checks of user input: accepted and refused values, and the name and value in the message."""
 
 import re
 

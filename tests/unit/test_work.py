@@ -1,4 +1,4 @@
-"""A bound on the work of a stage, and what is left where it is used up."""
+"""Limit of the work of a stage, and the results when it is used up."""
 
 import numpy as np
 import pytest
@@ -55,7 +55,7 @@ def test_limit_is_that_of_each_stage():
 
 @pytest.mark.parametrize("most", [20, 150, 230, 400])
 def test_every_fallback_counts(most, monkeypatch):
-    """Attempts, those that draw it smooth, those from there, and halved increments: the flag flies off."""
+    """Attempts, the homotopy, attempts after it, and halved increments: the flag flies off."""
     residuals = []
     residual = newton._NewtonRaphson.residual
     monkeypatch.setattr(newton._NewtonRaphson, "residual", lambda *args: residuals.append(1) or residual(*args))
@@ -68,7 +68,7 @@ def test_every_fallback_counts(most, monkeypatch):
     assert list(error.value.results) == ["weight"]
     assert most < len(residuals) < 1.2 * most + 40
     assert analysis._problem.tension == 0
-    assert "weight" in analysis.run([weight])  # it goes on as if nothing had been
+    assert "weight" in analysis.run([weight])  # the analysis continues normally
 
 
 def test_limit_of_seconds(monkeypatch):
@@ -106,7 +106,7 @@ def test_odd_limits_are_refused(arguments, message):
 
 
 def test_flag_that_flies_off_is_said_to(recwarn):
-    """A strip with a free end under a pressure bears no more than its own weight."""
+    """A strip with a free end carries no pressure above its own weight."""
     with pytest.raises(ConvergenceError) as error:
         Analysis(flag()).run(weight_and_wind(20.0))
     message = str(error.value)

@@ -11,10 +11,10 @@ A post of the length l and the stiffness EA', shortened to d between the apex an
 Q(d) = EA' d (l^2 - d^2) / (2 l^3). Equilibrium is P(z) = Q(d) = load, with the top of the post at z + d. The tangent at
 apex and top is [[P' + Q', -Q'], [-Q', Q']] with derivatives counted as stiffnesses, -dP/dz and -dQ/dd. Where the struts
 unload faster than the post can follow, -dP/dz < -(-dQ/dd), the top goes back up: snap-back.
-Claim: every point that the arc length finds is on these curves, in its whole course: over both limit points of the
-load; with the post, under a load, over four turns of the path; and with the top driven down, when the load factor,
-which is now the displacement, turns back. Negative pivots are as many as negative eigenvalues of the closed tangent.
-Limit points are points of the path.
+Claim: every point of the path is on these curves, over its whole course: over both limit points of the load; with the
+post, under a load, over four turns of the path; and with the top driven down, when the load factor, now the
+displacement, turns back. Negative pivots are as many as negative eigenvalues of the closed tangent. Limit points are
+points of the path.
 Tolerance: the solver's, 1e-10 of the 2-norm of all nodal forces. That of reactions and loads is below 8 times the
 largest load: struts carry at most EA h^2 / (2 L^2) each, 3.5 times that load. On forces: 1e-9 of the largest load.
 Limit points are where the path is flat within 1e-5, which the cubic is at a distance of 1e-5 h times a constant: 2e-5
@@ -154,7 +154,7 @@ def star_dome():
 
 
 def test_loops_of_a_star_dome():
-    """The dome upside down is the same, with opposite loads: so is its path, which loops from the one to the other."""
+    """The dome upside down is the same, with opposite loads: its path loops from the one to the other."""
     dome = star_dome()
     stage = Stage("push", [PointLoad(0, (0, 0, -60.0))], steps=15)
     path = trace(dome, stage, None, (0, "z", -2 * dome.points[0, 2]), max_points=1000)

@@ -29,7 +29,7 @@ def hoop(stretch):
 
 
 def tube(n, rows=2):
-    """A grid rolled to a regular polygon with n corners; z is the axis, normals point outwards."""
+    """Grid rolled to a regular polygon with n corners; z is the axis, normals point outwards."""
     flat, triangles = rectangle(2 * np.pi, LENGTH, n, rows, "right")
     angle = flat[:, 0]
     points = np.stack([R * np.cos(angle), R * np.sin(angle), flat[:, 1]], axis=-1)

@@ -51,7 +51,7 @@ CASES = [
 
 
 def meridian_stretch(T1, l2, Eh, nu):
-    """The largest root of l1 Eh / (1 - nu^2) (E1 + nu E2) = T1."""
+    """Largest root of l1 Eh / (1 - nu^2) (E1 + nu E2) = T1."""
     C = Eh / (1 - nu**2)
     l1 = 1.0 + T1 / C
     for _ in range(50):
@@ -108,7 +108,7 @@ def solve(p, follower, n, Eh=EH, nu=NU):
 
 
 def volume(state):
-    """Of the whole disc, below the membrane."""
+    """Volume of the whole disc, below the membrane."""
     a, b, c = state.position[state.structure.parts["disc"].cells].transpose(1, 0, 2)
     return np.sum(np.cross(b - a, c - a)[:, 2] * (a + b + c)[:, 2]) / 3
 

@@ -24,7 +24,7 @@ MESHES = (8, 16, 32)
 
 
 def disc(n):
-    """Unit disc of n rings: equilateral triangles in the middle that become circular outwards; its centre is node 0."""
+    """Disc of radius one and n rings: equilateral triangles at the centre, node 0, that become circular outwards."""
     points = [np.zeros((1, 2))]
     angle = np.pi / 3 * np.arange(7)
     for k in range(1, n + 1):

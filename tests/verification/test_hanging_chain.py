@@ -19,7 +19,7 @@ EXACT = jn_zeros(0, 3) / 2 * np.sqrt(G / L) / (2 * np.pi)
 
 
 def chain(n):
-    """In equilibrium as it is: each element carries what hangs below its middle."""
+    """In equilibrium from the start: each element carries the weight below its middle."""
     points = np.linspace([0, 0, 0], [0, 0, -L], n + 1)
     cells = np.stack([np.arange(n), np.arange(1, n + 1)], axis=1)
     tension = MASS * G * L * (1 - (np.arange(n) + 0.5) / n)

@@ -1,4 +1,4 @@
-"""Inflation past the largest pressure, and deflation past the least.
+"""Inflation past the maximum pressure, and deflation past the minimum.
 
 References: closed forms.
 Bubble: a membrane of constant 2nd Piola-Kirchhoff stress N0 in all directions (its stiffness is next to none) on a
@@ -15,7 +15,7 @@ Sphere: with C = Eh / (2 (1 - nu)) the balloon of test_sphere_pressure.py, p = 2
 has a limit point only through its prestress, the least pressure at lambda = sqrt(N0 / C - 1): without, Saint
 Venant-Kirchhoff balloons become stiffer and stiffer. With N0 = 1.36 C that is at 0.6; smaller spheres are unstable.
 Claim: at a given rise, or mean radius, the pressure converges with second order to these values before, at and after
-the limit point; Newton's method converges quadratically there; negative pivots tell the branches apart.
+the limit point. Newton's method converges quadratically there; negative pivots distinguish the branches.
 Tolerance: orders: the next term has the relative size of the error, 4e-2 at most on the coarser mesh of the last pair
 (3e-3 to 1e-2 on the finer): 0.02. Extrapolated values leave the square of the error of the coarser mesh, 1e-4 at
 most. The film's stiffness adds its share 1e-7 times the strain (below 50): 1e-5 at the most.
@@ -39,7 +39,7 @@ PRESTRESS = 1.36 * C
 
 
 def second_order(values, exact):
-    """Asserts the order of convergence, and the extrapolated value."""
+    """Assert the order of convergence, and the extrapolated value."""
     error = np.abs(np.array(values) - exact)
     np.testing.assert_allclose(np.log2(error[:-1] / error[1:]), 2, rtol=0, atol=0.02)
     assert (4 * values[-1] - values[-2]) / 3 == pytest.approx(exact, rel=2e-4)
@@ -60,7 +60,7 @@ def film(n):
 
 
 def blow(n, rise, **options):
-    """The path from the flat film until its centre, the first node, has risen so far."""
+    """Path from the flat film up to a rise of its centre, the first node."""
     stage = Stage("blow", [Pressure(LARGEST, "film")], steps=5)
     return trace(film(n), stage, None, (0, "z", rise), **options)
 
@@ -78,7 +78,7 @@ def test_bubble(bubbles):
 
 
 def test_largest_pressure():
-    """That at the half sphere."""
+    """The pressure at the half sphere."""
     paths = [blow(n, 1.5 * A) for n in MESHES]
     assert all(len(path.limit_points) == 1 for path in paths)
     second_order([LARGEST * path.load_factors.max() for path in paths], LARGEST)
@@ -110,7 +110,7 @@ def test_bubbles_above_the_half_sphere_are_unstable(bubbles):
 
 
 def test_stress_of_the_bubble(bubbles):
-    """That of a soap film: N0 in all directions; on average, since single cells are not spherical."""
+    """Stress of a soap film: N0 in all directions; on average, since single cells are not spherical."""
     _, paths = bubbles
     mean = [abs(path.state(-1).membrane("film").principal.mean() / N0 - 1) for path in paths]
     assert mean[-1] < mean[-2] / 3.5 < mean[-3] / 3.5**2
@@ -119,7 +119,7 @@ def test_stress_of_the_bubble(bubbles):
 
 @pytest.mark.parametrize("rise", [0.5, 1.0, 2.0])
 def test_newton_with_the_plane_is_quadratic(rise):
-    """Disturbed by h, in displacement and load factor, a step leaves h^2, as near to the limit point as may be."""
+    """Disturbed by h, in displacement and load factor, a step leaves h^2, even close to the limit point."""
     path = blow(8, rise * A, rtol=1e-13)
     problem = Problem(path.structure)
     distribute = problem.discretization.distribute
@@ -154,7 +154,7 @@ def balloon(n):
 
 
 def let_out(n, stretch):
-    """The path from a full balloon until a pole has moved inwards to the stretch."""
+    """Path from a full balloon to a pole moved inwards to the stretch."""
     structure = balloon(n)
     full = Pressure(pressure(1.0), "balloon")
     start = Analysis(structure).run([Stage("fill", [full])])["fill"]
@@ -165,7 +165,7 @@ def let_out(n, stretch):
 
 @pytest.mark.parametrize("stretch", [0.8, 0.6, 0.5, 0.4])
 def test_sphere(stretch):
-    """Pressure and volume; the pole is only where the path ends."""
+    """Pressure and volume; the pole only ends the path."""
     shares = []
     for n in MESHES:
         path = let_out(n, stretch)

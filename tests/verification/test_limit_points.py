@@ -1,11 +1,11 @@
-"""Limit points whatever the steps, and in wrinkled states.
+"""Limit points for any number of steps, and in wrinkled states.
 
-References: the path itself in 200 steps; limit points of the structure with a kept stiffness a hundred times smaller.
+References: the path itself in 200 steps; limit points of the structure with a hundredth of the compression stiffness.
 Nets: bars on a shallow cap, pushed at one node, which snaps through long before the cap does. Truss: closed form,
 EA z (h^2 - z^2) / L^3 with limit points at z = +-h / sqrt(3).
-Claim: from one step on, `trace` finds the limit points that many steps find, in the same order; at each of them the
-negative pivots change by one. Steps that are far too long are taken back, and few more factorizations are spent.
-A blown cap under snow is wrinkled where it loses its stability; its limit load is that without kept stiffness.
+Claim: from one step on, `trace` finds the limit points that many steps find, in the same order. At each of them the
+negative pivots change by one. Steps that are far too long are rejected, at the cost of few factorizations. A blown cap
+under snow is wrinkled where it loses its stability; its limit load is that without compression stiffness.
 Tolerance: load factors at smooth limit points are exact to the second order of the flatness, 1e-5: 1e-7. Wrinkled: the
 0.01 % that is claimed; the reference is off by the difference of shares, 1e-3 of 0.05 %.
 """

@@ -110,7 +110,7 @@ def solve_cable(n):
 
 
 def solve_strip(n):
-    """The strip is two grid cells wide and 0.5 m; forces and energy per width."""
+    """Solve for a strip of two grid cells and 0.5 m across; return forces and energy per width."""
     width, Et = 0.5, EA * (1 - NU**2)
     points, triangles = rectangle(L, width, n, 2, "right")
     end = np.abs(points[:, 0]) == L / 2

@@ -31,7 +31,7 @@ STRESS = 2.0
 
 
 def grid(n, shape):
-    """A square grid on which a map (s, t) in [-1, 1]^2 -> space gives the boundary; inside, an even net."""
+    """Square grid on which a map (s, t) in [-1, 1]^2 -> space gives the boundary; inside, an even net."""
     flat, triangles = rectangle(2.0, 2.0, n, n, "right")
     edge = np.unique(boundary(triangles))
     points = shape(flat[:, 0], flat[:, 1])
@@ -58,7 +58,7 @@ def helicoid(n):
 
 
 def catenoid(n, height=8.0):
-    """Starts as a cylinder between the rings."""
+    """Catenoid form: the start is a cylinder between the rings."""
     around = 4 * n
     angle = np.arange(around) * 2 * np.pi / around
     z = np.linspace(-height / 2, height / 2, n + 1)

@@ -7,7 +7,7 @@ Reference: Taylor's theorem. For a state x and a direction d, with residual R an
 and near a solution with a regular tangent the error of a Newton step is of the order of the square of the last one.
 Claim: the orders 2, 3, 2 and 2 on a saddle of fabric with edge cables and a mast, in a random deformed state; also with
 a pressure that follows the fabric, and with wrinkles as long as no cell changes its state.
-Under a pressure the whole run to equilibrium shows it, and that the load stiffness makes the difference.
+Under a pressure the whole run to equilibrium shows the order, and the effect of the load stiffness.
 Tolerance: the remainders are polynomials in h of degree 4 (3 for the residual), since the strains are quadratic in u;
 the next term spoils the observed order by its share, of the relative size h times 10, below 0.05 for the h used.
 Rounding, 1e-16 of the energy against h^3 = 1e-9 of it, does so less. Order of Newton: with r' = c r^2 from step to
@@ -49,7 +49,7 @@ DISTURBANCES = 2e-7 / 2.0 ** np.arange(4)  # so small that no cell changes its s
 
 
 def saddle(material, prestress):
-    """A saddle with edge cables, held at three corners, the fourth on a mast with two stays.
+    """Saddle with edge cables, held at three corners, the fourth on a mast with two stays.
 
     It carries compression: the energy has all its derivatives only within one state of wrinkling.
     """
@@ -94,7 +94,7 @@ def test_newton_is_quadratic(name, load):
 
 @pytest.mark.parametrize("name", SADDLES)
 def test_line_search_and_artificial_tension_leave_a_fast_end(name):
-    """Ten times the load, whose first steps are short: at the end each gains more digits than the one before."""
+    """Ten times the load, with short first steps: at the end each step gains more digits than the previous one."""
     structure = SADDLES[name]
     problem, zero = Problem(structure), np.zeros(structure.points.shape)
     solve, x = Newton(rtol=1e-12).prepare(problem), problem.discretization.create_vector()

@@ -41,7 +41,7 @@ def irregular_mesh():
 
 
 def stretch_edge(material, prestress, turn):
-    """The patch, turned with everything that belongs to it, its edge displaced; and the displacement expected."""
+    """Patch with its data in a turned frame, its edge displaced; also the expected displacement."""
     flat, triangles, edge, inside = irregular_mesh()
     Q = turn.as_matrix()
     points = flat @ Q.T + [4.0, -3.0, 2.0]

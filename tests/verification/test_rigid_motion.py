@@ -43,14 +43,14 @@ def moved(points, turn, share=1.0):
 
 
 def motion_stage(name, points, target, nodes, after=None):
-    """Moves nodes to their place in a target."""
+    """Stage that moves nodes to their place in a target."""
     return Stage(name, displacements=[PrescribedDisplacement(nodes, (target - points)[nodes])], after=after)
 
 
 def motion(points, nodes, axis, first):
-    """A stage that holds nodes where they are, then stages of 15 degrees up to 150 degrees.
+    """Stages: the first holds nodes at their place, the others turn by 15 degrees each up to 150 degrees.
 
-    The way is short enough for Newton, none of them compresses much.
+    The motion is short enough for Newton; none of the stages compresses much.
     """
     axis = np.array(axis) / np.linalg.norm(axis)
     turns = [Rotation.from_rotvec(np.radians(angle) * axis) for angle in range(15, 151, 15)]
@@ -69,7 +69,7 @@ def edges_of(grid):
 
 
 def scalloped_sail():
-    """A sail over the square |x|, |y| <= 1 whose edges are circular arcs, and the force of its edge cables."""
+    """Sail over the square |x|, |y| <= 1 whose edges are circular arcs, and the force of its edge cables."""
     half = 0.3  # half the opening angle of each arc
     radius = 1 / np.sin(half)
     angle = np.linspace(-half, half, N + 1)
@@ -124,7 +124,7 @@ def test_scalloped_sail_follows_its_corners(axis):
 def test_edge_moved_at_once(axis):
     """All edges of a woven membrane with a sheared prestress and cables across, turned by 170 degrees in one step.
 
-    The motion is affine and the state uniform, so already the first Newton step, from the resting start, ends there.
+    The motion is affine and the state uniform: the first Newton step, from the resting start, reaches it.
     """
     points, triangles = rectangle(2.0, 2.0, N, N)
     grid = np.arange(len(points)).reshape(N + 1, N + 1)
@@ -144,7 +144,7 @@ def test_edge_moved_at_once(axis):
 
 
 def tent():
-    """A saddle with edge cables; one high corner stands on a mast and is tied back to two anchors."""
+    """Saddle with edge cables; one high corner stands on a mast and is tied back to two anchors."""
     points, triangles = rectangle(2.0, 2.0, N, N)
     points[:, 2] = 0.8 * points[:, 0] * points[:, 1]
     top = CORNERS[3]

@@ -28,7 +28,7 @@ def pressure(stretch):
 
 
 def sphere(n):
-    """All eight of them, joined."""
+    """Whole sphere, its eight parts joined."""
     points, cells = octant(n, R)
     signs = np.array(list(np.ndindex(2, 2, 2))) * -2 + 1
     all_points = np.concatenate([points * sign for sign in signs])
@@ -38,7 +38,7 @@ def sphere(n):
 
 
 def inflate(structure, stretch):
-    """The prestress alone would draw the sphere together: it comes with the pressure that holds it."""
+    """Apply the pressure and its prestress together: the prestress alone would collapse the sphere."""
     stages = [Stage("fill", loads=[Pressure(pressure(1.0), "balloon")])]
     more = Pressure(pressure(stretch) - pressure(1.0), "balloon")
     stages.append(Stage("inflate", loads=[more], steps=3, after="fill"))

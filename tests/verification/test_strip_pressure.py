@@ -71,7 +71,7 @@ def polygon(N0, p, n):
 
 
 def solve(N0, p, n, width=0.1):
-    """The final state of a strip of n grid cells, two across; without prestress, let in from a stretched shape."""
+    """End state of a strip of n grid cells, two across; without prestress, moved in from a stretched shape."""
     s0 = 1.0 if N0 else 1.002
     e = (s0**2 - 1) / 2
     points, triangles = rectangle(2 * A * s0, width, n, 2, "right")
@@ -128,7 +128,7 @@ def test_every_mesh_is_the_polygon(n, N0, p):
 
 
 def test_load_is_pressure_times_projected_area():
-    """Whatever the mesh: the vector area depends on the boundary alone."""
+    """The vector area depends on the boundary alone, for any mesh."""
     state = solve(1e4, 1e3, 8)
     np.testing.assert_allclose(state.equilibrium.loads[[0, 2]], [0, 1e3 * 2 * A * 0.1], rtol=0, atol=1e-10)
     np.testing.assert_allclose(state.equilibrium.reactions, -state.equilibrium.loads, rtol=0, atol=1e-8)

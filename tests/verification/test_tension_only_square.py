@@ -55,7 +55,7 @@ def test_forces_of_stiff_bars(node, force, bars, diagonals):
 
 @pytest.mark.parametrize(("node", "force", "bars", "diagonals"), CASES)
 def test_share_of_the_slack_cable(node, force, bars, diagonals):
-    """It is that share of what a bar of its shortening carries; the other forces change with it, not with more."""
+    """The slack cable carries its fraction of the force in a bar; the other forces change in proportion."""
     EA = 1e6
     none = solve(EA, node, force, share=1e-9)
     for share in (1e-4, 1e-3):
@@ -69,7 +69,7 @@ def test_share_of_the_slack_cable(node, force, bars, diagonals):
 
 
 def test_load_turns_round():
-    """The state does not depend on the way."""
+    """The state is independent of the load history."""
     direct, after = solve(1e6, 3, -P), solve(1e6, 3, -P, before=P)
     np.testing.assert_allclose(after.displacement, direct.displacement, rtol=0, atol=1e-12)
     np.testing.assert_array_equal(after.cable("diagonals").slack, [True, False])

@@ -49,7 +49,7 @@ def tangent(z):
 
 
 def pushed(z, held="y"):
-    """The apex at the height z, let go of there, also across the truss if so told: loads in place of the reactions."""
+    """Put the apex at the height z and release it, also across the truss if not held: loads replace reactions."""
     push = PrescribedDisplacement(APEX, (0, 0, z - H), "z")
     state = Analysis(truss()).run([Stage("push", displacements=[push])])["push"]
     return replace(state, actions=replace(state.actions, held=truss(held).supported))
@@ -94,7 +94,7 @@ def test_small_motions(z):
 
 @pytest.mark.parametrize("share", [0.9, 0.999])
 def test_under_a_load(share):
-    """As many of the load at the limit point; the height is the largest root of the cubic 2 EA E z / L + load."""
+    """Fractions of the load at the limit point; the height is the largest root of the cubic 2 EA E z / L + load."""
     load = share * EA * LIMIT * (H**2 - LIMIT**2) / L**3
     state = Analysis(truss()).run([Stage("load", [PointLoad(APEX, (0, 0, -load))], steps=4)])["load"]
     z = np.roots([1, 0, -(H**2), load * L**3 / EA]).real.max()
