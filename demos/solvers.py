@@ -1,7 +1,7 @@
 # %% [markdown]
 # # Solvers
 #
-# Section 7 of Gil (2006) has steepest descent, conjugate gradients and Newton-Raphson, all with a line search, and
+# Section 7 of Gil (2006) has steepest descent, conjugate gradients and Newton-Raphson, all with a line search. It
 # compares them in words. First-order methods converge from any start, but slowly. Newton's method is fast near the
 # solution, and the line search brings it there. This demo gives numbers for both of the paper's examples: the square
 # membrane under a point load, and the prestress of the shade pavilion.
@@ -101,8 +101,8 @@ for case, (structure, stage, *units) in cases.items():
 # %% [markdown]
 # ## The line search
 #
-# With a weaker prestress of the square, the first full step overshoots further, and more steps are needed to come back.
-# Without prestress there is no first step at all. With the line search and the shift by artificial tension, the
+# The weaker the prestress of the square, the further the first full step overshoots. More steps are needed to come
+# back. Without prestress there is no first step at all. With the line search and the shift by artificial tension, the
 # prestress hardly matters.
 
 # %%

@@ -6,8 +6,8 @@ With the total elastic strain e = E + C^-1 : sigma0, the relaxed energy is the l
 
 Pipkin's tension field. It is convex, and its derivative is continuous. There are three states. Taut: the stress C : e
 has no compression, the energy is that of `elasticity.strain_energy`. Slack: e has no extension, no energy. Wrinkled:
-tension s = e_tt / H_tt along one direction t only, the one with the largest energy e_tt^2 / (2 H_tt), where H_tt is the
-compliance along t. In an isotropic membrane t is the principal direction and the energy Et e1^2 / 2.
+tension s = e_tt / H_tt along one direction t only, with H_tt the compliance along t. The direction t has the largest
+energy e_tt^2 / (2 H_tt). In an isotropic membrane t is the principal direction and the energy Et e1^2 / 2.
 
 Energies are counted from E = 0, as in Gil (40): w(e) - sigma0 : C^-1 : sigma0 / 2. The derivative of a `conditional` is
 the consistent tangent. The taut branch is written in E, not in principal strains: their square root has no derivative

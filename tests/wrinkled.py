@@ -1,4 +1,4 @@
-"""Fabrics, random strains in each state, and what the formulas of the relaxed energy give for them."""
+"""Fabrics, random strains in each state, and the formulas of the relaxed energy for them."""
 
 import itertools
 

@@ -69,9 +69,8 @@ def trace(
     The load factor multiplies the stage's own loads and prescribed displacements. It grows from 0, falls after a limit
     point of the load, and so on. From point to point it changes by 1 / `stage.steps`, seldom by up to half as much
     more; points are closer where the path turns. Each limit point, where the load factor turns, is a point of the path.
-    The path between points is checked, and steps that are too long are halved, so that the limit points hardly depend
-    on `stage.steps`. At a bifurcation the path continues straight on, and only `negative_pivots` shows it. Small loads
-    or
+    The path between points is checked, and steps that are too long are halved. So limit points hardly depend on
+    `stage.steps`. At a bifurcation the path continues straight on, and only `negative_pivots` shows it. Small loads or
     imperfections may bend it aside there, and long steps may miss that: compare with more `steps`.
 
     Args:
@@ -83,8 +82,8 @@ def trace(
         displacement: Node, component "x", "y" or "z", and displacement [m] at which the path ends, too. The component
             must be free, or one that the stage moves.
         max_points: Maximum number of points, the start included.
-        rtol: Converged when the 2-norm of the unbalanced forces is below rtol times that of all nodal forces,
-            reactions and loads included, or at rounding.
+        rtol: Relative tolerance of the unbalanced forces: their 2-norm over that of all nodal forces, reactions and
+            loads included. Rounding counts as converged.
         comm: The processes that share the work; each must give the same start and stage.
 
     Raises:

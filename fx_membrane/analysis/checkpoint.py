@@ -88,8 +88,8 @@ def opened(
     A missing file is created. The path is that of the first process, which alone reads and writes.
 
     Raises:
-        ValueError: The file cannot be written, another run has it open, it is not a checkpoint, or it is that of
-            another structure or of other stages.
+        ValueError: The file cannot be written; another run has it open; it is not a checkpoint, or that of another
+            structure or of other stages.
     """
     file = None
     try:

@@ -94,7 +94,7 @@ class EquilibriumPath:
         """Indices of the points at which the load factor turns, shape (count,).
 
         Wrinkled and slack cells keep a fraction of their stiffness, `compression_stiffness`. It raises the load factors
-        of the points by 0.05 to 0.2 % at the default of 1e-4, about in proportion to it. Limit points are those of the
+        of the points about in proportion, by 0.05 to 0.2 % at the default of 1e-4. Limit points are those of the
         structure with a hundredth of that, within 0.01 %. Where their `kept` is 1 they have the same error as the other
         points. Points beside a limit point can be above it by the difference.
         """

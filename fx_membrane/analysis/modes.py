@@ -98,8 +98,8 @@ def natural_frequencies(state: StageResult, count: int = 6, comm: MPI.Intracomm 
     """Lowest natural frequencies about a state, and their mode shapes; the constraints of the state hold.
 
     Parts without mass follow the others by their stiffness alone. Frequencies are in Hz if masses are in the unit that
-    the other data imply: force unit times s2 over length unit. That is kg with N and m, t with kN and m (1.05 kg/m2 is
-    1.05e-3 t/m2), t with N and mm (1.05e-9 t/mm2), lbf s2/in with lbf and in. Masses 1000 times too large give
+    the other data imply: force unit times s2 over length unit. Examples: kg with N and m; t with kN and m (1.05 kg/m2
+    is 1.05e-3 t/m2); t with N and mm (1.05e-9 t/mm2); lbf s2/in with lbf and in. Masses 1000 times too large give
     frequencies 32 times too low.
 
     Args:

@@ -120,16 +120,16 @@ class Analysis:
             stages: The stages, each after the one it follows.
             checkpoint_file: File in which to save the state after each converged increment. States in an existing file
                 are not computed again, and the run continues from it. Stages may be added or left out, and have other
-                `steps`. The solver may be another, too: states in the file are in equilibrium to the tolerance of the
-                solver that found them, the rest to that of the present one. It is one file of any name, an SQLite
-                database. While a run has it, no other can use it. Its journal, with "-journal" after its name, lies
-                beside it and belongs to it. The first process alone reads and writes it.
+                `steps`. The solver may be another, too: each state is in equilibrium to the tolerance of the solver
+                that found it. It is one file of any name, an SQLite database. While a run has it, no other can use it.
+                Its journal, with "-journal" after its name, lies beside it and belongs to it. The first process alone
+                reads and writes it.
 
         Raises:
-            ValueError: A stage does not fit the structure or the other stages, or leaves the structure free to move
-                as a rigid body (one turn about a line is allowed: loads may hold it); the checkpoint belongs to
-                another structure or to other stages, was changed, is in use by another run or cannot be written;
-                the processes have different input.
+            ValueError: A stage does not fit the structure or the other stages; it leaves a free rigid-body motion (one
+                turn about a line is allowed: loads may hold it); the checkpoint belongs to another structure or to
+                other stages, was changed, is in use by another run or cannot be written; the processes have different
+                input.
             ConvergenceError: A load increment found no equilibrium, or the limit of work is used up; the exception has
                 the results computed before.
 

@@ -1,9 +1,9 @@
 """A structure as dolfinx meshes, one for each part, joined by one displacement vector.
 
 Every process knows the whole structure (plain arrays) and makes meshes of its own cells only. The meshes share the
-numbering of nodes. A node is known by its row in the user's `points`, and `number` maps that row to a 3-block of the
-PETSc vectors and matrices. So cables, masts and membranes, also sheets that branch, meet in one system. A process may
-have no cell of a part.
+numbering of nodes. The row in the user's `points` identifies a node; `number` maps it to a 3-block of the PETSc vectors
+and matrices. So cables, masts and membranes, also sheets that branch, meet in one system. A process may have no cell of
+a part.
 """
 
 from collections.abc import Iterator

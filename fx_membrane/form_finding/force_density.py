@@ -62,8 +62,8 @@ def force_density(
     Raises:
         ValueError: Force densities of both signs throw a node a thousand times farther than the fixed nodes are apart;
             numbers are not finite or do not fit; in some component a part of the net is tied to no fixed node; the
-            system is singular. Force densities at or below zero can make it singular (if those at a free node add up to
-            zero, its place is undefined), as can positive ones that differ by twelve powers of ten.
+            system is singular. Force densities at or below zero can make it singular: if those at a free node add up to
+            zero, its place is undefined. So can positive ones that differ by twelve powers of ten.
 
     Source:
         H.-J. Schek, The force density method for form finding and computation of general networks, Computer Methods

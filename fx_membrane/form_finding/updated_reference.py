@@ -100,8 +100,8 @@ def updated_reference(
     """Find the shape in which the prestress of membranes, cables and masts is in equilibrium, without elasticity.
 
     The length of a mast is not prescribed, but found with its force. A mast is found if the forces at its free ends
-    have an equilibrium, as between guys that leave its head no other place. Otherwise hold the mast heads by supports,
-    and add masts and stays for the analysis, with forces that balance the reactions of the form.
+    have an equilibrium, as under guys that fix its head. Otherwise hold the mast heads by supports. Then add masts and
+    stays for the analysis, with forces that balance the reactions.
 
     Args:
         structure: Initial shape with the intended prestress and the supports of the form.
@@ -115,8 +115,8 @@ def updated_reference(
         The form, in equilibrium even if the steps were too few.
 
     Raises:
-        ValueError: The structure has no prestress anywhere or a compressive one in a membrane or a cable, is not
-            supported, or the loads do not fit it.
+        ValueError: The structure has no prestress at all, or a compressive one in a membrane or a cable; it is not
+            supported; the loads do not fit it.
         RuntimeError: A step found no equilibrium, or the shape collapses, as a catenoid between rings too far apart; a
             cable or a mast shrinks to a point or grows without bound; or dead loads grow with the form faster than the
             prestress can carry.

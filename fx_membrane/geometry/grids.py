@@ -23,10 +23,10 @@ def rectangle(
         height: Size along y [m].
         columns: Number of grid cells along x.
         rows: Number of grid cells along y.
-        diagonals: Split of a grid cell: "right" from its lower left to its upper right corner, "left" the other way,
-            "to centre" along the diagonal that points to the centre of the rectangle. The last is the pattern of Gil's
-            Fig. 6, symmetric about both axes for even columns and rows; its centre node has eight triangles and so a
-            larger share of a uniform load.
+        diagonals: Split of a grid cell: "right", from its lower left to its upper right corner; "left", along the other
+            diagonal; "to centre", along the diagonal that points to the centre of the rectangle. The last is the
+            pattern of Gil's Fig. 6, symmetric about both axes for even columns and rows; its centre node has eight
+            triangles and so a larger share of a uniform load.
 
     Returns:
         Points, shape ((columns + 1) (rows + 1), 3) [m], and triangles, shape (2 columns rows, 3).

@@ -133,10 +133,10 @@ class Cable(Bar):
         cells: Segments as rows of node numbers, shape (n, 2).
         axial_stiffness: Young's modulus times cross-section [N].
         prestress: Axial force in the reference shape [N], a number or one per cell, shape (n,). A negative prestress is
-            an excess of length: the cable is slack until it is stretched by the Green-Lagrange strain -prestress /
-            axial_stiffness, about its relative excess over the reference length. Keep the excess small: stiffness and
-            loads are per length of the reference shape. A cable with the excess strain E0 is (1 + 2 E0)^1.5 times as
-            stiff as its data: 6 % more with 2 %, 31 % with 10 %.
+            an excess of length: the cable is slack up to the Green-Lagrange strain -prestress / axial_stiffness, about
+            its relative excess length. Keep the excess small: stiffness and loads are per length of the reference
+            shape. A cable with the excess strain E0 is (1 + 2 E0)^1.5 times as stiff as its data: 6 % more with 2 %, 31
+            % with 10 %.
         compression_stiffness: Fraction of the stiffness that a slack cable keeps, in (0, 1] [-]. It keeps slack nodes
             in place. It shows in results as a small negative force of a slack cable: that fraction of the compression
             that a mast would have there. 1 switches slackness off: the cable carries compression like tension, and is

@@ -64,16 +64,15 @@ class Structure:
             `[("top", "bottom")]`. Their nodes may coincide. Pair a part with itself for a slit.
 
     Raises:
-        ValueError: A cell names a node that does not exist, has no area or no length, is a sliver more than 1e7 times
-            as long as it is high, or is normal to its warp vector; a part is of a class derived from `Membrane`,
+        ValueError: A cell names a node that does not exist, has no area or no length, or is normal to its warp vector;
+            a triangle is more than 1e7 times as long as it is high; a part is of a class derived from `Membrane`,
             `Cable` or `Mast`; a support is on a node that does not exist or that no part uses; a value is not finite; a
-            membrane without two sides has one prestress tensor with shear; separate names a
-            part that is not there.
+            membrane without two sides has one prestress tensor with shear; separate names a part that is not there.
 
     Warns:
-        CoincidentNodesWarning: Nodes of the parts coincide, closer than 1e-9 of the size of the structure, and supports
-            do not constrain all of them there. If they are meant to be apart (two skins, a slit, two cables that
-            cross), name their parts in `separate`.
+        CoincidentNodesWarning: Nodes of the parts are closer than 1e-9 of the size of the structure, and supports do
+            not constrain all of them. If they are meant to be apart (two skins, a slit, two cables that cross), name
+            their parts in `separate`.
         SliverWarning: A triangle is more than 5e5 times as long as it is high.
     """
 

@@ -199,7 +199,7 @@ def contours(
 ) -> None:
     """Plot fields on the deformed structure, one picture beside the other; cables and masts are drawn as tubes.
 
-    Without pyvista, or if VTK can draw neither on a screen nor in memory, a warning is given, and no file is written.
+    Without pyvista, or if VTK cannot draw on a screen or in memory, a warning replaces the file.
 
     Args:
         result: A stage.

@@ -20,10 +20,9 @@ def report(
 
     It begins with the remarks on the state, if any. For each part it gives the minimum and maximum: forces of cables
     and masts, principal stresses of membranes and, with a given warp, stresses along warp and weft. Then follow the
-    largest strain, from the reference shape and with the elastic strain of the prestress, the number of slack or
-    wrinkled cells, and free cable ends. Largest values (in masts of either sign) come with their cell, a row of the
-    part's cells, and the place of its centroid in the reference shape. The largest displacement is the length of a
-    vector.
+    largest strain, from the reference shape and with the elastic strain of the prestress. The number of slack or
+    wrinkled cells and free cable ends come last. Largest values (in masts of either sign) come with their cell, a row
+    of the part's cells, and its centroid in the reference shape. The largest displacement is the length of a vector.
 
     No number is converted: a structure in kN and m gives a report in kN and m, labelled by the names of the units.
 
@@ -38,8 +37,8 @@ def report(
         The lines, without a line end after the last.
 
     Raises:
-        ValueError: The result is not that of a stage, a node does not exist, first is not a whole number, or the name
-            of a unit is not a text.
+        ValueError: The result is not that of a stage; a node does not exist; first is not a whole number; the name of a
+            unit is not a text.
     """
     validation.instance("The first argument of report", result, StageResult)
     listed = validation.rows("nodes", nodes, empty=True)

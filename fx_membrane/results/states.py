@@ -60,8 +60,8 @@ class MembraneResult:
         thread_forces: Normal components of `cauchy` along the current warp and weft, shape (cells, 2) [N/m].
         state: "taut", "wrinkled" or "slack", shape (cells,). With `compression_stiffness=1` the membrane neither
             wrinkles nor slackens: all cells are "taut", even if `principal` shows compression.
-        cauchy_projected: Cauchy stress with J the determinant of I + grad u, in global axes, shape (cells, 3, 3) [N/m],
-            as in Gil (19) and the paper's Table 2. It is larger than `cauchy` where cells have turned.
+        cauchy_projected: Cauchy stress of Gil (19) with J = det(I + grad u), the paper's Table 2, in global axes, shape
+            (cells, 3, 3) [N/m]. It is larger than `cauchy` where cells have turned.
     """
 
     strain: Array

@@ -16,8 +16,8 @@ ABSURD = 1.0  # strain that no fabric or cable bears
 class LargeStrainWarning(UserWarning):
     """Strains above 5 %, beyond the range of the Saint Venant-Kirchhoff law.
 
-    A force EA E (1 + e), with the Green-Lagrange strain E = e + e^2 / 2 of a relative change of length e, differs from
-    EA e by the fraction 3 e / 2: 8 % at e = 5 %.
+    A relative change of length e has the Green-Lagrange strain E = e + e^2 / 2. The force EA E (1 + e) differs from EA
+    e by the fraction 3 e / 2: 8 % at e = 5 %.
 
     For a prestress it is the elastic strain of the reference shape, prestress over stiffness.
     """

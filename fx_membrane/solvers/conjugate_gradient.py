@@ -45,8 +45,8 @@ class SteepestDescent:
             where stiffness differs from node to node, as in graded meshes or with stiff cables in soft fabric. The
             tangent helps where it changes little. Neither always helps: on an inflated flat disc the diagonal took two
             to four times as many iterations as none.
-        rtol: Converged when the 2-norm of the unbalanced forces is below rtol times that of all nodal forces, reactions
-            and loads included, or at rounding. A start converges only at rounding.
+        rtol: Relative tolerance of the unbalanced forces: their 2-norm over that of all nodal forces, reactions and
+            loads included. Rounding counts as converged. A start converges only at rounding.
         max_iterations: Maximum number of iterations for one load increment.
     """
 

@@ -1,7 +1,7 @@
 """Globalized Newton-Raphson, Gil (74): line search on the energy, then inertia correction, then homotopy.
 
-Prestressed nets and membranes are stiff in their surface and soft across, they slacken and wrinkle, and a flat one
-without prestress has no stiffness across at all. Three strategies make Newton's method converge:
+Prestressed nets and membranes are stiff in their surface and soft across. They slacken and wrinkle. Flat ones without
+prestress have no stiffness across at all. Three strategies make Newton's method converge:
 
 - A line search on the total potential energy shortens steps that overshoot.
 - A shift of the tangent, an artificial tension, corrects its inertia after negative curvature or a short step. The
@@ -50,9 +50,9 @@ class Newton:
         ValueError: rtol is out of range; max_iterations is not a positive whole number.
 
     Args:
-        rtol: Converged when the 2-norm of the unbalanced forces is below rtol times that of all nodal forces, reactions
-            and loads included, or at rounding. Rounding is that of the forces in each node, or stagnation below 1e-8 of
-            all forces. A start converges only at rounding.
+        rtol: Relative tolerance of the unbalanced forces: their 2-norm over that of all nodal forces, reactions and
+            loads included. Rounding counts as converged. Rounding is that of the forces in each node, or stagnation
+            below 1e-8 of all forces. A start converges only at rounding.
         max_iterations: Maximum number of iterations for one load increment; up to five times as many while residuals
             fall.
         line_search: False gives the method of the textbook: full steps, with the tangent as it is. For loads without a

@@ -275,7 +275,7 @@ def count_assemblies() -> None:
 
 
 def measure(make: Callable[[], Case], solver: Newton) -> str:
-    """Solve a case one way; return its part of a line of the table."""
+    """Solve a case by one solver; return its part of a line of the table."""
     structure, stages = make()
     start, before, assembled = perf_counter(), factorizations(), assemblies.total()
     words = ""

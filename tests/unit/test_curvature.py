@@ -41,7 +41,7 @@ def test_frame_sways_to_the_side():
 
 
 def test_taut_sheet_is_softest_across():
-    # T is Et times what the prestress N gives: a motion across has the stiffness N / Et.
+    # T has Et in place of the prestress N: a motion across has the stiffness N / Et.
     result, motion = found(sheet(1e3))
     assert result.negative == 0
     assert result.stiffness == pytest.approx(1e3 / 1e5, rel=1e-9)

@@ -269,9 +269,9 @@ def disturbed(problem, equilibrium, step, direction):
 def test_newton_under_pressure_is_quadratic(name, pressure):
     """Below 1e-4 of the largest reaction a residual r is followed by less than c r^2.
 
-    c is what a step leaves of a disturbance along the softest motion, in which a force moves the structure most: 200 to
-    6500 here. Steps without the stiffness of the pressure leave 1e-2 r to 8e-1 r, down to the smallest r judged, where
-    c r is 3e-5 at most. Rounding leaves 1e-15.
+    c is the remainder of a disturbance along the lowest mode, in which a force moves the structure most: 200 to 6500
+    here. Steps without the stiffness of the pressure leave 1e-2 r to 8e-1 r, down to the smallest r judged, where c r
+    is 3e-5 at most. Rounding leaves 1e-15.
     """
     structure = SADDLES[name]
     stages = [Stage("prestress"), Stage("load", loads=[Pressure(pressure, "sail")], after="prestress")]

@@ -6,7 +6,7 @@ A given N belongs to the largest real root of EA lambda^3 / 2 + (N0 - EA / 2) la
 lambda^2 = (1 - 2 N0 / EA) / 3, far from 1, the others begin.
 Claim: force, displacement and energy of a chain of unequal bars, for a prescribed elongation, a force at its end and
 a force between its ends.
-Tolerance: linear elements contain the solution, and Newton goes on to 1e-13 of the forces; what is left is rounding
+Tolerance: linear elements contain the solution, and Newton stops below 1e-13 of the forces; the rest is rounding
 (1e-16) times stiffness over force (20) and the condition of the tangent (1e2): 1e-12.
 """
 

@@ -5,7 +5,7 @@ as columns), so E = (F^T F - I) / 2, S = sigma0 + C : E and the Cauchy stress F 
 nodes inside are in equilibrium: the nodal forces of a uniform stress on a closed fan of triangles cancel.
 Claim: nodes inside follow, strain, stress and energy are those of the closed form, for any orientation in space; in the
 warp/weft frame they do not depend on the orientation at all.
-Tolerance: linear triangles contain the solution, so what is left is rounding: 1e-16 times the condition of the tangent
+Tolerance: linear triangles contain the solution, so the error is rounding: 1e-16 times the condition of the tangent
 (below 1e3) and, for stresses, times stiffness over stress (10): 1e-12.
 """
 

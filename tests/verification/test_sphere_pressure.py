@@ -4,7 +4,7 @@ Reference: closed form. A sphere of the radius R that stretches by lambda carrie
 directions, S = N0 + Eh (lambda^2 - 1) / (2 (1 - nu)), which holds the pressure on the area within an equator of the
 radius lambda R: p = 2 S / (lambda R).
 Claim: the volume and the area of one eighth, with supports in its planes of symmetry, converge with second order to
-those of lambda; the reactions in these planes are what the other parts would give, p times the area within. A whole
+those of lambda; the reactions in these planes are the forces of the other parts, p times the area within. A whole
 sphere, supported by three nodes so that it cannot move as a rigid body, gives the same and needs no reactions.
 Tolerance: orders: the next term is of the size of the error on 8 divisions, 3e-2, times a constant: 0.05. The
 extrapolation leaves it, 3e-2 squared over 4^4 on the finest mesh and four times that: 2e-5. Reactions: Newton stops

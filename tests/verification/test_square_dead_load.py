@@ -15,9 +15,9 @@ belongs to eight triangles and not to six and gets q h^2/3 too much of the load.
 the five-point difference operator, so this alone makes the difference between them, q h^2/3 times the value of Green's
 function at the load, which grows by log(2) / (2 pi N0) when h is halved: the order is h^2 log(1/h) in that node.
 Tolerance: the small load is such that the neglected nonlinear part is of relative size Et/N0 (pi w/a)^2, 3e-10, far
-below the error of the mesh. Observed orders approach 2 with the next terms of the error, of the relative size
-h^2 log(1/h), 0.03 on the coarsest mesh: 2 within 0.05. The extrapolation (4 fine - coarse) / 3 removes the h^2 term;
-what remains is of the order (h/a)^4 log(a/h), 3e-7 at h/a = 1/64, times a constant: 1e-5.
+below the error of the mesh. Observed orders approach 2 with the next terms of the error, of the relative size h^2
+log(1/h), 0.03 on the coarsest mesh: 2 within 0.05. The extrapolation (4 fine - coarse) / 3 removes the h^2 term; the
+rest is of the order (h/a)^4 log(a/h), 3e-7 at h/a = 1/64, times a constant: 1e-5.
 """
 
 import numpy as np

@@ -4,9 +4,9 @@ Reference: closed form. With all edges moved by x + gamma y the strain E12 = gam
 in equilibrium on any mesh. Its principal values are gamma/2 (gamma/2 +- sqrt(1 + gamma^2/4)): an extension e1 along t
 and a shortening that is more than nu times as large. So the tension is S = Et e1 t t^T. In a woven fabric t is not the
 principal direction, but where warp and weft lie alike to the shear the energy e_tt^2 / (2 t t^T : C^-1 : t t^T) is
-largest at 45 degrees to both for small gamma. There a shear force of E gamma / 4 per length results, whatever nu is,
-with the modulus E of that direction; the full law has G gamma (H. Wagner, Ebene Blechwandtraeger mit sehr duennem
-Stegblech, Zeitschrift fuer Flugtechnik und Motorluftschiffahrt 20 (1929): the complete tension field).
+largest at 45 degrees to both for small gamma. There a shear force of E gamma / 4 per length results for any nu, with
+the modulus E of that direction; the full law has G gamma (H. Wagner, Ebene Blechwandtraeger mit sehr duennem Stegblech,
+Zeitschrift fuer Flugtechnik und Motorluftschiffahrt 20 (1929): the complete tension field).
 Claim: state, stress, energy and reactions, with the share of the full law that `compression_stiffness` adds; Wagner's
 stiffness in the limit.
 Tolerance: linear triangles contain the solution, nothing holds inner nodes across but the tension, Newton stops below

@@ -12,10 +12,10 @@ Here the ends turn as planes and move along as the wanted k and P ask for; the l
 wrinkled part is in tension across, Poisson's ratio has no effect, and the state is the same all along.
 Claim: P, M and b, with second order in the size of the cells; nothing before the first wrinkle depends on wrinkling;
 the share of the compressed stiffness changes P and M by its part of the compression that the full law has.
-Tolerance: strains are 1e-6, so that what large rotations change is 1e-6. The switch lies anywhere within a row of
-cells, which moves the coefficient of h^2 from mesh to mesh, in M by 5 % and in P, whose error is smaller, by 15 %:
-orders within 0.05 of M, 0.15 of P on the average of the meshes; extrapolation leaves 4/3 of it, 0.1 and 0.25. b: the
-height of a row.
+Tolerance: strains are 1e-6, and so is the effect of large rotations. The switch lies anywhere within a row of cells,
+which moves the coefficient of h^2 from mesh to mesh, in M by 5 % and in P, whose error is smaller, by 15 %: orders
+within 0.05 of M, 0.15 of P on the average of the meshes; extrapolation leaves 4/3 of it, 0.1 and 0.25. b: the height of
+a row.
 """
 
 import numpy as np
