@@ -3,7 +3,7 @@
     R(u, factor) = 0,    across . u + share factor = distance
 
 Elimination solves the two equations. Each iteration takes one factorization of K and two solutions: for R, and for the
-derivative of R by the load factor. That derivative is minus the stage's own loads, pressures in the present shape.
+derivative of R by the load factor. That derivative is minus the stage's own loads, pressures as in the present shape.
 Convergence is quadratic where a smooth path crosses the plane, also at limit points of the load, where K is singular.
 
 Source: E. Ramm, Strategies for tracing the nonlinear response near limit points, in: W. Wunderlich, E. Stein,
