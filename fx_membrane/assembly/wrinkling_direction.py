@@ -21,7 +21,7 @@ def direction(e: NDArray[np.float64], fabric: OrthotropicFabric) -> NDArray[np.f
             the angle has no meaning.
         fabric: The fabric.
     """
-    angles = np.arange(SAMPLES) * (np.pi / SAMPLES)
+    angles = np.asarray(np.arange(SAMPLES) * (np.pi / SAMPLES), dtype=np.float64)
     energies = np.stack([_energy(angle, e, fabric) for angle in angles[:, None]])
     higher = np.maximum(np.roll(energies, 1, axis=0), np.roll(energies, -1, axis=0))
     peaks = np.where(energies >= higher, energies, -np.inf)

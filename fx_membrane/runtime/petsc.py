@@ -1,13 +1,16 @@
-"""PETSc, loaded after MPI and without its signal handler for closed pipes.
+"""PETSc, loaded after MPI, and without two habits that a script would notice.
 
-dolfinx's wheel needs the MPI library to be loaded before it. PETSc takes a pipe closed at its other end, `script.py |
-head`, for a crash; Python raises an exception. So the previous handler is restored.
+dolfinx's wheel needs the MPI library to be loaded before it. PETSc takes a pipe that is closed at its other end,
+`script.py | head`, for a crash; to Python it is an exception: the handler that was there is put back. At its end PETSc
+waits for all processes, before `python -m mpi4py` can end them for an exception of one: that is done here.
 """
 
+import atexit
 import signal
+import sys
 import threading
 
-from mpi4py import MPI  # noqa: F401
+from mpi4py import MPI
 
 
 def _load() -> None:
@@ -18,4 +21,12 @@ def _load() -> None:
         signal.signal(signal.SIGPIPE, handler)
 
 
+def _end_all() -> None:
+    """End all processes if this one ends by an exception and runs under `python -m mpi4py`."""
+    if "mpi4py.run" in sys.modules and MPI.COMM_WORLD.size > 1 and getattr(sys, "last_value", None) is not None:
+        sys.stderr.flush()
+        MPI.COMM_WORLD.Abort(1)
+
+
 _load()
+atexit.register(_end_all)

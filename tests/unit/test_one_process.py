@@ -58,3 +58,15 @@ def test_every_case_comes_to_its_end(ended):
 def test_all_processes_say_the_same(ended, case):
     assert re.match(EXPECTED[case], ended[case][0])
     assert len(set(ended[case])) == 1
+
+
+def test_error_of_a_script_on_one_process_ends_the_others():
+    """Run under `python -m mpi4py`, as the README says; PETSc is loaded, which waits for all at its end."""
+    script = (
+        "from mpi4py import MPI; from fx_membrane import Analysis\n"
+        "if MPI.COMM_WORLD.rank: raise ValueError('the words of one')\n"
+        "MPI.COMM_WORLD.Barrier()"
+    )
+    with pytest.raises(AssertionError, match="ValueError: the words of one") as told:
+        launch.start(["-m", "mpi4py", "-c", script], 2, timeout=120)
+    assert "did not end" not in str(told.value)
