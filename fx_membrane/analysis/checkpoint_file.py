@@ -119,7 +119,8 @@ class CheckpointFile:
                     content.stages[name] = document["digests"]
                     content.progress[name] = _progress(document, displacement, increments)
         except (sqlite3.Error, ValueError, KeyError, TypeError, AttributeError, OverflowError) as error:
-            raise self._no_checkpoint(f"({error})") from None
+            reason = error if isinstance(error, sqlite3.Error | ValueError) else "an entry is missing or damaged"
+            raise self._no_checkpoint(f"({reason})") from None
         return content
 
     def write(self, progress: Mapping[str, Progress], digests: Mapping[str, Digests]) -> None:
@@ -233,7 +234,7 @@ def _digest(key: str, document: bytes, displacement: bytes) -> str:
 def _checked(key: str, document: bytes, displacement: bytes, digest: str) -> tuple[Any, bytes]:
     """Return an entry that matches its digest."""
     if _digest(key, document, displacement) != digest:
-        raise ValueError(f"it was changed: entry {key!r}")
+        raise ValueError(f"it was changed: {key.rpartition(' ')[0] or key}")  # without the digest of the name
     return json.loads(document), displacement
 
 

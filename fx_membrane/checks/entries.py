@@ -52,7 +52,8 @@ def all_are(fits: Callable[[type], bool], array: NDArray[Any]) -> bool:
 def misfit(fits: Callable[[type], bool], value: Any) -> str:
     """Show a value in a message; if it is long, with the first entry that does not fit."""
     text = shown(value)
-    if not isinstance(value, list | tuple) or not text.endswith("entries"):
+    mixed = isinstance(value, list | tuple) or (isinstance(value, np.ndarray) and value.dtype.kind == "O")
+    if not mixed or not text.startswith(("a ", "an ")):
         return text
     array = np.array(value, dtype=object)
     for index, entry in np.ndenumerate(array):

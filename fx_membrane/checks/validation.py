@@ -193,7 +193,8 @@ def cells(name: str, value: ArrayLike, nodes: int, distinct: bool = True) -> NDA
     if array.ndim != 2 or array.shape[1] != nodes or not len(array):
         raise ValueError(f"{name} must be {wanted}, not {described(value)}.")
     if not all_are(is_whole, array):
-        raise ValueError(f"{name} must be {wanted}, not {described(value)} ({misfit(is_whole, value)}).")
+        found = misfit(is_whole, value) if isinstance(value, list | tuple) else described(value)
+        raise ValueError(f"{name} must be {wanted}, not {found}.")
     result = frozen_integers(name, array)
     ordered = np.sort(result, axis=1)
     twice = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))

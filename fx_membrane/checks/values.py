@@ -14,10 +14,9 @@ def shown(value: Any) -> str:
         return f"the class {value.__name__}"
     if isinstance(value, int) and abs(value) >= 10**50:  # Python does not print numbers of more than 4300 digits
         return f"a whole number of about {round(value.bit_length() * 0.30103)} digits"
-    with contextlib.suppress(ValueError):  # a list of long numbers
-        text = repr(
-            value.tolist() if isinstance(value, np.ndarray | np.generic) and value is not np.ma.masked else value
-        )
+    with contextlib.suppress(Exception):  # a list of long numbers, or an object that cannot show itself
+        numpy = isinstance(value, np.ndarray | np.generic) and value is not np.ma.masked
+        text = repr(value.tolist() if numpy and value.dtype.kind not in "mM" else value)
         if len(text) <= 50:
             return text
     if isinstance(value, np.ndarray):

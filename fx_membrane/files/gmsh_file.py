@@ -7,6 +7,7 @@ So it gets copies of files that begin as meshes do, and a child process limits t
 import os
 import shutil
 import signal
+import stat
 import subprocess
 import sys
 import tempfile
@@ -19,6 +20,7 @@ from .gmsh_reader import GmshMesh
 
 BEGIN = b"$MeshFormat"
 SECONDS, SECONDS_PER_MEGABYTE = 60, 1  # ten times the time of gmsh
+NO_SCRIPT = 2  # exit code of Python
 PERIOD = 10  # between messages to the user [s]
 MPI_VARIABLES = ("OMPI_", "PMIX_", "PRTE_", "PMI_", "MPICH_", "HYDRA_")  # the child is no process of the parent's MPI
 
@@ -37,33 +39,39 @@ def read(source: str | Path) -> GmshMesh:
         _run_reader(source, [mesh.name, arrays.name, str(seconds)], Path(folder), seconds)
         found = gmsh_reader.load(arrays)
     if not len(found.tags):
-        raise ValueError(_no_mesh(source))
+        raise ValueError(
+            f"{source} begins as a mesh, but has no nodes: it is damaged, or its model was not meshed; write it again "
+            "with gmsh.write."
+        )
     return found
 
 
 def _copy(source: str | Path, target: Path) -> None:
-    if Path(source).is_dir():
+    unreadable = f"{source} cannot be read ({{}}); make it readable, as by chmod +r."
+    try:
+        kind = os.stat(source).st_mode
+    except (FileNotFoundError, NotADirectoryError):
+        raise ValueError(f"There is no file {source}; give the name of a gmsh mesh.") from None
+    except OSError as error:
+        raise ValueError(unreadable.format(error.strerror)) from None
+    if stat.S_ISDIR(kind):
         raise ValueError(f"{source} is a folder; give the name of a gmsh mesh in it.")
-    if not Path(source).is_file():
-        raise ValueError(f"There is no file {source}; give the name of a gmsh mesh.")
+    if not stat.S_ISREG(kind):
+        raise ValueError(f"{source} is no ordinary file; give the name of a gmsh mesh.")
     with ExitStack() as opened:
         try:
             file = opened.enter_context(open(source, "rb"))
             begin = file.read(len(BEGIN))
         except OSError as error:
-            raise ValueError(f"{source} cannot be read ({error.strerror}); make it readable, as by chmod +r.") from None
+            raise ValueError(unreadable.format(error.strerror)) from None
         if begin != BEGIN:
-            raise ValueError(_no_mesh(source))
+            raise ValueError(
+                f"{source} does not begin with {BEGIN.decode()}, as meshes of gmsh's formats 2 and 4 do, but with "
+                f"{begin!r}; `gmsh -2` makes a mesh of a geometry, and gmsh.write of a meshed model."
+            )
         with open(target, "wb") as copy:  # of the checked content, from the same open file
             copy.write(begin)
             shutil.copyfileobj(file, copy)
-
-
-def _no_mesh(source: str | Path) -> str:
-    return (
-        f"{source} has no mesh that gmsh can read; give a .msh file, which begins with {BEGIN.decode()}: "
-        "`gmsh -2` makes one of a geometry, and gmsh.write of a meshed model."
-    )
 
 
 def _run_reader(source: str | Path, arguments: list[str], folder: Path, seconds: int) -> None:
@@ -101,6 +109,8 @@ def _refuse(source: str | Path, code: int, words: str, seconds: int) -> None:
         raise ImportError(f"gmsh does not start ({words}); install it: apt install python3-gmsh, or pip install gmsh.")
     if code == gmsh_reader.NOT_READ:
         raise ValueError(f"{source} is not a file that gmsh can read ({words}); write it again with gmsh.write.")
+    if code == NO_SCRIPT:
+        raise RuntimeError(f"The process that reads {source} failed ({words}).")
     if -code in {signal.SIGKILL, signal.SIGXCPU}:
         words = f"gmsh was stopped, after {seconds} s or where memory ended"
     elif code < 0:

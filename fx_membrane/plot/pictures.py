@@ -19,7 +19,6 @@ from ..model.parts import Part
 from ..results.states import StageResult
 from ..runtime.processes import by_the_first
 from ..solvers.base import Iteration
-from .colours import STATES as STATES  # noqa: PLC0414  (for users who draw them in another way)
 from .colours import colour_bar, colours
 from .fields import Field, checked, checked_limits, checked_scale
 from .scene import INK, picture, screen_axes
@@ -295,5 +294,9 @@ def _checked_path(path: str | Path) -> Path:
 
 
 def _save(figure: Any, file: Path) -> None:
-    file.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(file, **PAPER)
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        figure.savefig(file, **PAPER)
+    except OSError as error:
+        reason = error.strerror or error
+        raise ValueError(f"path is {str(file)!r}, which cannot be written ({reason}); give another place.") from None

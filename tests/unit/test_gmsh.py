@@ -113,7 +113,7 @@ def test_file_that_is_not_a_mesh(name, content, tmp_path):
     file = tmp_path / name
     file.write_text(content)
     message = (
-        rf"{re.escape(name)} (has no mesh that gmsh can read; give a .msh file|is not a file that gmsh can read \()"
+        rf"{re.escape(name)} (does not begin with .MeshFormat, as meshes of gmsh|is not a file that gmsh can read \()"
     )
     with pytest.raises(ValueError, match=message):
         structure_from_gmsh(file, PARTS)

@@ -138,7 +138,7 @@ def test_distinct_refuses_a_number_twice():
         ([[0, 1]], r"^cells must be .* shape \(n, 3\) .*, not int64 of shape \(1, 2\)"),
         ([0, 1, 2], r"^cells must be .* not int64 of shape \(3,\)"),
         (np.empty((0, 3), dtype=int), r"^cells must be .* with n >= 1, not int64 of shape \(0, 3\)"),
-        ([[0.0, 1.0, 2.0]], "^cells must be an array of whole numbers .* not float64"),
+        ([[0.0, 1.0, 2.0]], r"^cells must be an array of whole numbers .* not \[\[0\.0, 1\.0, 2\.0\]\]"),
         (np.ones((2, 3), dtype=bool), "^cells must be an array of whole numbers .* not bool"),
         ([[0, 1, 2], [3, 4, 3]], r"^cells: cell 1 has a node twice, \[3, 4, 3\]"),
     ],
