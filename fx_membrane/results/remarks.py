@@ -107,19 +107,21 @@ def _carried(result: StageResult) -> Iterator[Remark]:
     found = pushes(result)
     for push in found:
         membranes = all(isinstance(result.structure.parts[name], Membrane) for name in push.compression)
-        largest = "principal stress of membranes" if membranes else "force of cables and masts"
+        largest = f"{'principal stress of membranes' if membranes else 'force of cables and masts'} connected with them"
         forces = " and ".join(
             f"{name!r} is compressed by {force:.3g} in cell {cell}"
             for name, (cell, force) in list(push.compression.items())[:SHOWN]
         )
         share = max(force for _, force in push.compression.values()) / max(push.largest, 1e-300)
         size = f"{100 * share:.2g} % of" if share < 1 else "no less than"
+        masts = _standing(result.structure, push.nodes)
+        hanging = masts or f"node {push.nodes[0]}"
+        falls = "is not held, and falls or takes another shape" if masts or not membranes else "stays there by it alone"
         yield Remark(
             f"slack or wrinkled parts carry the structure: {forces}, {size} the largest {largest}, by the share of "
             f"stiffness that is kept there (compression_stiffness). Fabric and cables carry no compression: "
-            f"{_hanging(result.structure, push)} is not held, and falls or takes another shape. Add cables, masts or "
-            "supports that hold it by tension, or prestress; if the part is meant to be slack there, a smaller "
-            "compression_stiffness."
+            f"{hanging} {falls}. Add cables, masts or supports that hold it by tension, or prestress; if the part is "
+            "meant to be slack there, a smaller compression_stiffness."
         )
     told = {int(node) for push in found for node in push.nodes}
     loose = [entry for entry in loose_masts(result) if entry.node not in told]
