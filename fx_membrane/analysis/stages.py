@@ -135,8 +135,9 @@ class Analysis:
         Warns:
             LargeStrainWarning: Strains of a stage, or those that belong to the prestress, are above 5 %.
             UnstableStateWarning: A state is not stable; the structure has snapped or buckled between two load factors
-                (`Newton` with a line search tells); a node moved by more than half the size of the structure in the
-                stage; or slack or wrinkled parts carry more than 1 % of the largest force of their kind.
+                (`Newton` with a line search tells); a node moved by more than half the size of what is connected with
+                it, or a mast tilted by more than 15 degrees in the stage, both beyond what is prescribed; or slack or
+                wrinkled parts carry a mast, or more than 1 % of the forces or loads connected with them.
             LostPrestressWarning: No cell of a part has 1 % of its prestress left.
             UnbalancedStateWarning: Unbalanced forces of a stage are above 1e-6 of the loads.
             CheckpointWarning: A state could not be saved, as on a full disk; the run goes on without.

@@ -28,8 +28,8 @@ class Push(NamedTuple):
 
     Attributes:
         compression: Of each such part, its most compressed cell at these nodes and its compression [N or N/m].
-        largest: Largest force of cables and masts [N], or largest principal stress of membranes [N/m], in the pieces
-            of these nodes.
+        largest: Largest force of cables and masts [N], or largest principal stress of membranes [N/m], in
+            the cells at these nodes.
         nodes: Nodes that these parts hold, the one with the largest force first.
     """
 
@@ -70,7 +70,7 @@ def pushes(result: StageResult) -> list[Push]:
         size = np.linalg.norm(net, axis=1)
         carried = _carried_loads(result, net, pieces) if kind is MembraneResult else _strong(here, size, pieces)
         nodes = np.flatnonzero(np.where(_mast_ends(result.structure), size > LIMIT * at_node, carried))
-        if push := _push(result, list(here), nodes[np.argsort(-size[nodes], kind="stable")], pieces):
+        if push := _push(result, list(here), nodes[np.argsort(-size[nodes], kind="stable")]):
             found.append(push)
     return found
 
@@ -94,16 +94,15 @@ def _carried_loads(result: StageResult, net: Array, pieces: Pieces) -> NDArray[n
     return np.asarray(most & much[pieces.nodes])
 
 
-def _push(result: StageResult, names: list[str], nodes: NDArray[np.int64], pieces: Pieces) -> Push | None:
+def _push(result: StageResult, names: list[str], nodes: NDArray[np.int64]) -> Push | None:
     """What parts of one kind carry at nodes; None where it is but rounding."""
     compression, largest = {}, 0.0
     for name in names:
-        cells = result.structure.parts[name].cells
-        values = np.where(np.isin(cells, nodes).any(axis=1), _compression(result, name), 0.0)
+        there = np.isin(result.structure.parts[name].cells, nodes).any(axis=1)
+        values = np.where(there, _compression(result, name), 0.0)
         if values.max() > _rounding(result, name):
             compression[name] = (int(values.argmax()), float(values.max()))
-        connected = np.isin(pieces.cells[name], pieces.nodes[nodes])
-        largest = max(largest, float(_sizes(result, name)[connected].max(initial=0.0)))
+        largest = max(largest, float(_sizes(result, name)[there].max(initial=0.0)))
     return Push(compression, largest, nodes) if compression else None
 
 
