@@ -112,7 +112,8 @@ class EquilibriumPath:
 
         Warns:
             LargeStrainWarning: Strains are above 5 %.
-            UnstableStateWarning: Slack or wrinkled parts carry more than 1 % of the largest force of their kind.
+            UnstableStateWarning: Slack or wrinkled parts carry a mast, or more than 1 % of the forces or loads
+                connected with them.
             LostPrestressWarning: No cell of a part has 1 % of its prestress left.
             UnbalancedStateWarning: Unbalanced forces are above 1e-6 of the loads.
         """

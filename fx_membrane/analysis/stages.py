@@ -134,11 +134,11 @@ class Analysis:
                 the results computed before.
 
         Warns:
-            LargeStrainWarning: Strains of a stage, or elastic strains of the prestress, are above 5 %.
-            UnstableStateWarning: A state is not stable; the structure has snapped through or buckled between two load
-                factors (detected by `Newton` with a line search); a node moved by more than half the size of the
-                structure in the stage; or slack or wrinkled parts carry more than 1 % of the largest force of their
-                kind.
+            LargeStrainWarning: Strains of a stage, or those that belong to the prestress, are above 5 %.
+            UnstableStateWarning: A state is not stable; the structure has snapped or buckled between two load factors
+                (`Newton` with a line search tells); a node moved by more than half the size of what is connected with
+                it, or a mast tilted by more than 15 degrees in the stage, both beyond what is prescribed; or slack or
+                wrinkled parts carry a mast, or more than 1 % of the forces or loads connected with them.
             LostPrestressWarning: No cell of a part has 1 % of its prestress left.
             UnbalancedStateWarning: Unbalanced forces of a stage are above 1e-6 of the loads.
             CheckpointWarning: A state could not be saved, as on a full disk; the run continues without.

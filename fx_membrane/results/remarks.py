@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..model.parts import Mast, Membrane
 from ..model.structure import Structure
-from ..solvers.base import FALLEN
+from .motions import Motion, motion_of
 from .slack_forces import Loose, Push, loose_masts, pushes, slack_cells
 from .states import BarResult, LostPrestressWarning, StageResult, UnstableStateWarning
 
@@ -70,34 +70,40 @@ def _remarks(result: StageResult, start: NDArray[np.float64] | None) -> Iterator
             f"the equilibrium found at load factor {shown} is not stable, and none that is was found from there; "
             "stability(state) shows how it gives way. Add supports, members or prestress against that."
         )
-    moved = "" if start is None else _moved(result, start)
-    yield from _snapped(result, moved)
-    if moved and not any(increment.snapped for increment in result.increments):
-        yield Remark(
-            f"up to load factor {result.increments[-1].load_factor:.6g} {moved}, more than half the size of the "
-            "structure: it has fallen, snapped, hung down or been stretched into quite another shape. If that is not "
-            "meant, check units and stiffness, and whether something is slack or missing; `trace` shows the way there."
-        )
+    motion = motion_of(result, start)
+    yield from _snapped(result, motion)
+    if str(motion) and not any(increment.snapped for increment in result.increments):
+        yield Remark(_far(result, motion))
     yield from _carried(result)
     lost = [name for name in result.parts if _has_lost_its_prestress(result, name)]
     if lost:
         yield _Lost(_loss(result, lost))
 
 
-def _snapped(result: StageResult, moved: str) -> Iterator[Remark]:
+def _far(result: StageResult, motion: Motion) -> str:
+    reached = f"up to load factor {result.increments[-1].load_factor:.6g}" if result.increments else "in this state"
+    far = f"{motion.moved}, more than half the size of what is connected with it" if motion.moved else ""
+    return (
+        f"{reached} {', and '.join(filter(None, (far, motion.tilted)))}: it has fallen, snapped, hung down or been "
+        "stretched into quite another shape. If that is not meant, check units and stiffness, that every mast has its "
+        "stays, and whether something is slack or missing; `trace` shows the way there."
+    )
+
+
+def _snapped(result: StageResult, motion: Motion) -> Iterator[Remark]:
     before = 0.0
     for increment in result.increments:
         if increment.fallen:
             yield Remark(
-                f"{increment.fallen}, falls{moved and f': {moved}'}. It carries nothing but by the small stiffness "
-                "that slack parts keep (compression_stiffness): no load is safe. Add cables, masts or supports "
-                "that hold it."
+                f"{increment.fallen}, falls{str(motion) and f': {motion}'}. It carries nothing but by the small "
+                "stiffness that slack parts keep (compression_stiffness): no load is safe. Add cables, masts or "
+                "supports that hold it."
             )
         elif increment.snapped:
             yield Remark(
                 f"between load factors {before:.6g} and {increment.load_factor:.6g} the structure lost its stability: "
-                "it has snapped or buckled into another shape. Stay below that load, or add supports, members or "
-                "prestress, if that is not meant; `trace` shows the limit point."
+                f"it has snapped or buckled into another shape{motion.tilted and f' ({motion.tilted})'}. Stay below "
+                "that load, or add supports, members or prestress, if that is not meant; `trace` shows the limit point."
             )
         before = increment.load_factor
 
@@ -114,12 +120,14 @@ def _carried(result: StageResult) -> Iterator[Remark]:
         )
         share = max(force for _, force in push.compression.values()) / max(push.largest, 1e-300)
         size = f"{100 * share:.2g} % of" if share < 1 else "no less than"
+        masts = _standing(result.structure, push.nodes)
+        hanging = masts or f"node {push.nodes[0]}"
+        falls = "is not held, and falls or takes another shape" if masts or not membranes else "stays there by it alone"
         yield Remark(
-            f"slack or wrinkled parts carry the structure: {forces}, {size} the largest {largest}, by the share of "
+            f"slack or wrinkled parts carry the structure: {forces}, {size} the largest {largest} there, by the share of "
             f"stiffness that is kept there (compression_stiffness). Fabric and cables carry no compression: "
-            f"{_hanging(result.structure, push)} is not held, and falls or takes another shape. Add cables, masts or "
-            "supports that hold it by tension, or prestress; if the part is meant to be slack there, a smaller "
-            "compression_stiffness."
+            f"{hanging} {falls}. Add cables, masts or supports that hold it by tension, or prestress; if the part is "
+            "meant to be slack there, a smaller compression_stiffness."
         )
     told = {int(node) for push in found for node in push.nodes}
     loose = [entry for entry in loose_masts(result) if entry.node not in told]
@@ -157,15 +165,6 @@ def _has_lost_its_prestress(result: StageResult, name: str) -> bool:
 def _tensions(structure: Structure, name: str) -> NDArray[np.floating[Any]]:
     """Largest prestress of each cell of a part, shape (cells,); negative without tension."""
     return np.linalg.eigvalsh(structure.parts[name].prestress_tensors())[:, -1]
-
-
-def _moved(result: StageResult, start: NDArray[np.float64]) -> str:
-    """Sentence on the node that moved farthest beyond prescribed motion; empty if none moved far."""
-    held, motion = result.actions.held, result.displacement - start
-    moved, given = (np.linalg.norm(np.where(where, motion, 0.0), axis=1) for where in (~held, held))
-    node = int(moved.argmax())
-    far = FALLEN * result.structure.size + given.max()
-    return f"node {node} moved by {moved[node]:.3g}" if moved[node] > far else ""
 
 
 def _hanging(structure: Structure, push: Push) -> str:

@@ -12,21 +12,24 @@ from numpy.typing import NDArray
 from ..assembly.part_forms import stiffness
 from ..geometry.measures import measures
 from ..model.parts import Cable, Mast, Membrane
+from ..model.structure import Structure
 from ..solvers.lowest_mode import WEAK
+from .pieces import Pieces
 from .states import BarResult, MembraneResult, StageResult
 
 Array = NDArray[np.float64]
 
-LIMIT = 0.01  # fraction of the largest force of its kind, above which compression of slack parts holds the structure
+LIMIT = 0.01  # share of the forces of a piece, above which compression of slack parts holds the structure
 SEEN = 1e-9  # strain below which a compression is rounding
 
 
 class Push(NamedTuple):
-    """Slack or wrinkled parts of one kind that carry more than the fraction `LIMIT` of their largest force.
+    """Slack or wrinkled parts of one kind that hold nodes by their compression.
 
     Attributes:
-        compression: The most compressed cell of each part, and its compression [N or N/m].
-        largest: Largest force of cables and masts [N], or largest principal stress of membranes [N/m].
+        compression: Of each such part, its most compressed cell at these nodes and its compression [N or N/m].
+        largest: Largest force of cables and masts [N], or largest principal stress of membranes [N/m], in
+            the cells at these nodes.
         nodes: Nodes that these parts hold, the one with the largest force first.
     """
 
@@ -45,33 +48,71 @@ class Loose(NamedTuple):
 def pushes(result: StageResult) -> list[Push]:
     """List the parts that carry a structure though slack or wrinkled: at most one entry for bars, one for membranes.
 
-    Compression within a part, or between constrained nodes, carries nothing: the forces of its cells must leave a net
-    force on a free node.
+    Compression that a part takes up within itself, or between held nodes, carries nothing: the forces of its cells must
+    leave a net force on a node that is free. That counts where it is above `LIMIT` of the largest force at the end of a
+    mast, and at other nodes of cables of the largest in the same piece; what is not connected hides nothing. Other
+    nodes of membranes count where it carries more than half of their load, if that is above `LIMIT` of the loads of the
+    piece: folds of too much fabric that hangs push each other aside, and carry nothing.
     """
-    return [found for kind in (BarResult, MembraneResult) if (found := _push(result, kind))]
+    names, held = list(result.parts), result.actions.held
+    pieces = Pieces(result.structure, held.all(axis=1))
+    forces = {name: _corner_forces(result, name) for name in names}
+    at_node = np.linalg.norm(np.where(held, 0.0, result.loads), axis=1)
+    for name, (_, others) in forces.items():
+        np.maximum.at(at_node, result.structure.parts[name].cells, np.linalg.norm(others, axis=2))
+    found = []
+    for kind in (BarResult, MembraneResult):
+        here = {name: forces[name] for name in names if isinstance(result.parts[name], kind)}
+        net = np.zeros(held.shape)
+        for name, (kept, _) in here.items():
+            np.add.at(net, result.structure.parts[name].cells, kept)
+        net[held] = 0.0
+        size = np.linalg.norm(net, axis=1)
+        carried = _carried_loads(result, net, pieces) if kind is MembraneResult else _strong(here, size, pieces)
+        nodes = np.flatnonzero(np.where(_mast_ends(result.structure), size > LIMIT * at_node, carried))
+        if push := _push(result, list(here), nodes[np.argsort(-size[nodes], kind="stable")]):
+            found.append(push)
+    return found
 
 
-def _push(result: StageResult, kind: type[BarResult] | type[MembraneResult]) -> Push | None:
-    names = [name for name, part in result.parts.items() if isinstance(part, kind)]
-    if not names:
-        return None
-    compressions = {name: _compression(result, name) for name in names}
-    largest = max(_largest(result, name) for name in names)
-    carrying = {
-        name: (int(values.argmax()), float(values.max()))
-        for name, values in compressions.items()
-        if values.max() > max(LIMIT * largest, _rounding(result, name))
-    }
-    nodal, strongest = np.zeros(result.displacement.shape), 0.0
+def _strong(forces: dict[str, tuple[Array, Array]], size: Array, pieces: Pieces) -> NDArray[np.bool_]:
+    """Nodes at which the net force, shape (n,) [N], is large beside the others of its piece, shape (n,)."""
+    largest = np.zeros(pieces.count)
+    for name, (_, others) in forces.items():
+        np.maximum.at(largest, pieces.cells[name], np.linalg.norm(others, axis=2).max(axis=1))
+    return np.asarray(size > LIMIT * largest[pieces.nodes])
+
+
+def _carried_loads(result: StageResult, net: Array, pieces: Pieces) -> NDArray[np.bool_]:
+    """Nodes of which net forces, shape (n, 3) [N], carry most of the load, if that is much in their piece, (n,)."""
+    loads = np.where(result.actions.held, 0.0, result.loads)
+    load = np.linalg.norm(loads, axis=1)
+    against = -(net * loads).sum(axis=1) / np.maximum(load, 1e-300)
+    most = against > load / 2
+    of_piece = np.bincount(pieces.nodes, load, pieces.count)
+    much = np.bincount(pieces.nodes[most], against[most], pieces.count) > LIMIT * of_piece
+    return np.asarray(most & much[pieces.nodes])
+
+
+def _push(result: StageResult, names: list[str], nodes: NDArray[np.int64]) -> Push | None:
+    """What parts of one kind carry at nodes; None where it is but rounding."""
+    compression, largest = {}, 0.0
     for name in names:
-        kept, others = _corner_forces(result, name)
-        strongest = max(strongest, float(np.linalg.norm(others, axis=2).max()))
-        np.add.at(nodal, result.structure.parts[name].cells, kept)
-    net = np.linalg.norm(np.where(result.actions.held, 0.0, nodal), axis=1)
-    nodes = np.flatnonzero(net > LIMIT * strongest)
-    if not carrying or not len(nodes):
-        return None
-    return Push(carrying, largest, nodes[np.argsort(-net[nodes], kind="stable")])
+        there = np.isin(result.structure.parts[name].cells, nodes).any(axis=1)
+        values = np.where(there, _compression(result, name), 0.0)
+        if values.max() > _rounding(result, name):
+            compression[name] = (int(values.argmax()), float(values.max()))
+        largest = max(largest, float(_sizes(result, name)[there].max(initial=0.0)))
+    return Push(compression, largest, nodes) if compression else None
+
+
+def _mast_ends(structure: Structure) -> NDArray[np.bool_]:
+    """Nodes at which a mast ends, shape (n,)."""
+    ends = np.zeros(len(structure.points), dtype=bool)
+    for part in structure.parts.values():
+        if isinstance(part, Mast):
+            ends[part.cells] = True
+    return ends
 
 
 def loose_masts(result: StageResult) -> list[Loose]:
@@ -119,9 +160,10 @@ def _compression(result: StageResult, name: str) -> Array:
     return np.where(part.state == "taut", 0.0, np.maximum(-part.principal[:, 1], 0.0))
 
 
-def _largest(result: StageResult, name: str) -> float:
+def _sizes(result: StageResult, name: str) -> Array:
+    """Force of each cable or mast [N], or largest principal stress of each cell of a membrane [N/m], shape (cells,)."""
     part = result.parts[name]
-    return float((np.abs(part.force) if isinstance(part, BarResult) else part.principal[:, 0]).max())
+    return np.abs(part.force) if isinstance(part, BarResult) else part.principal[:, 0]
 
 
 def _rounding(result: StageResult, name: str) -> float:
@@ -144,8 +186,8 @@ def _corner_forces(result: StageResult, name: str) -> tuple[Array, Array]:
     pressed = np.where((part.state == "taut")[:, None], 0.0, np.minimum(values, 0.0))
     normal = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
-    # The stress times half the length of the opposite side, across it, acts on a corner.
-    across = np.cross(normal[:, None], np.roll(x, -2, axis=1) - np.roll(x, -1, axis=1)) / 2
+    # Across the side opposite to a corner, half its length times the stress acts on the corner.
+    across = np.cross(np.roll(x, -2, axis=1) - np.roll(x, -1, axis=1), normal[:, None]) / 2
 
     def forces(principal: Array) -> Array:
         stress = (directions * principal[:, None, :]) @ directions.transpose(0, 2, 1)
