@@ -1,12 +1,12 @@
-"""Warning where a state that a solver took for equilibrium is not in balance to the digits that its user relies on."""
+"""Remark where a state that a solver took for equilibrium is not in balance to the digits that its user relies on."""
 
-import warnings
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.rounding import prestress_force
-from .states import StageResult
+from .states import Remark, StageResult
 
 UNBALANCED = 1e-6  # of the loads
 LOST = 1e-9  # share of the prestress that counts as none
@@ -16,8 +16,12 @@ class UnbalancedStateWarning(UserWarning):
     """Unbalanced forces above 1e-6 of the loads, or of the reactions where there are no loads."""
 
 
-def warn_of_unbalance(result: StageResult, stacklevel: int) -> None:
-    """Warns of unbalanced forces that are not small beside the loads."""
+class _Unbalanced(Remark):
+    category = UnbalancedStateWarning
+
+
+def balance_remarks(result: StageResult) -> Iterator[Remark]:
+    """At most one, on unbalanced forces that are not small beside the loads."""
     loads, reactions = _size(result.loads), _size(result.reactions)
     kind, forces = ("loads", loads) if loads else ("reactions", reactions)
     residual = result.equilibrium.residual
@@ -27,13 +31,11 @@ def warn_of_unbalance(result: StageResult, stacklevel: int) -> None:
         or not forces
     ):
         return
-    warnings.warn(
-        f"Stage {result.name!r}: an unbalanced force of {residual:.3g} is left beside {kind} of {forces:.3g}, "
+    yield _Unbalanced(
+        f"an unbalanced force of {residual:.3g} is left beside {kind} of {forces:.3g}, "
         "which the tolerance of the solver or rounding allows; displacements, forces and stresses are off accordingly. "
         "Give the solver a smaller rtol; check units, and parts that are far stiffer or far more prestressed than the "
-        "others: a stiffness of a thousand times theirs is rigid enough.",
-        UnbalancedStateWarning,
-        stacklevel=stacklevel,
+        "others: a stiffness of a thousand times theirs is rigid enough."
     )
 
 

@@ -25,6 +25,16 @@ class LostPrestressWarning(UserWarning):
     """A state in which a part that was given a prestress has next to no tension left in any cell."""
 
 
+class Remark(str):
+    """A sentence on a state.
+
+    Attributes:
+        category: Class of the warning that tells it.
+    """
+
+    category: type[UserWarning] = UnstableStateWarning
+
+
 class Increment(NamedTuple):
     """One load increment.
 
@@ -125,7 +135,8 @@ class StageResult:
         increments: The load increments of this stage, in order.
         parts: State of each part by name.
         remarks: Sentences on the state to be read before its numbers, those of the warnings: that it is not stable, has
-            snapped or fallen, hangs on slack parts, or has lost its prestress.
+            snapped or fallen, hangs on slack parts, has lost its prestress, is strained beyond its material law, or is
+            not in balance.
     """
 
     name: str
@@ -138,7 +149,7 @@ class StageResult:
     equilibrium: Equilibrium
     increments: tuple[Increment, ...]
     parts: dict[str, MembraneResult | BarResult]
-    remarks: tuple[str, ...] = ()
+    remarks: tuple[Remark, ...] = ()
 
     def __repr__(self) -> str:
         return (
