@@ -110,6 +110,7 @@ class Equilibrium:
         load_moment: Moment of the loads, shape (3,) [N m].
         reaction_moment: Moment of the reactions, shape (3,) [N m].
         residual: Largest unbalanced force at a free component [N].
+        unbalanced: Largest unbalanced force at a free component of each node, shape (n,) [N].
     """
 
     loads: Array
@@ -117,6 +118,7 @@ class Equilibrium:
     load_moment: Array
     reaction_moment: Array
     residual: float
+    unbalanced: Array
 
 
 @dataclass(frozen=True, eq=False, repr=False)
