@@ -12,11 +12,9 @@ from ..assembly.problem import Actions, Problem
 from ..checks import validation, values
 from ..model.fingerprints import of_settings
 from ..model.structure import Structure
-from ..results.balance import warn_of_unbalance
 from ..results.evaluation import Recorder
 from ..results.remarks import remarked, warn_of_remarks
 from ..results.states import Increment, StageResult
-from ..results.strain_limits import warn_of_large_strains
 from ..runtime.processes import refuse_differences, together
 from ..solvers.base import Iteration
 
@@ -130,11 +128,8 @@ class EquilibriumPath:
         x = problem.discretization.distribute(chosen.displacement)
         increment = Increment(chosen.load_factor, chosen.iterations)
         with problem.without_kept_stiffness(chosen.kept):
-            result = remarked(Recorder(problem)(self.name, x, actions, (increment,)), None)
+            loaded = abs(chosen.load_factor) > NO_LOAD * np.abs(self.load_factors).max()
+            result = remarked(Recorder(problem)(self.name, x, actions, (increment,)), None, bool(loaded))
         with together(comm):
-            warn_of_remarks(result, stacklevel=3)
-            if comm.rank == 0:
-                warn_of_large_strains(result, stacklevel=3)
-                if abs(chosen.load_factor) > NO_LOAD * np.abs(self.load_factors).max():
-                    warn_of_unbalance(result, stacklevel=3)
+            warn_of_remarks(result, comm, stacklevel=3)
         return result

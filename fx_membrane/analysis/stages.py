@@ -19,12 +19,11 @@ from ..model.fingerprints import fingerprint, of_stages
 from ..model.loads import Stage
 from ..model.restraint import check_supports
 from ..model.structure import Structure
-from ..results.balance import warn_of_unbalance
 from ..results.evaluation import Recorder
 from ..results.remarks import held_by_slack_parts, remarked, warn_of_remarks
 from ..results.slackness import hanging_ends, slack_parts
 from ..results.states import Increment, StageResult, StageResults
-from ..results.strain_limits import warn_of_large_prestress, warn_of_large_strains
+from ..results.strain_limits import warn_of_large_prestress
 from ..runtime.processes import refuse_differences, together
 from ..solvers.base import Solution
 from ..solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
@@ -162,10 +161,7 @@ class Analysis:
                 state = saved.progress.get(stage.name) or Progress(shape, Fraction(0), Fraction(1, stage.steps), ())
                 results[stage.name] = remarked(self._run(stage, start, end, state, results, saved.save), shape)
                 with together(self._comm):
-                    warn_of_remarks(results[stage.name], stacklevel=3)
-                    if self._comm.rank == 0:
-                        warn_of_large_strains(results[stage.name], stacklevel=3)
-                        warn_of_unbalance(results[stage.name], stacklevel=3)
+                    warn_of_remarks(results[stage.name], self._comm, stacklevel=3)
         return results
 
     def _check(self, stages: Sequence[Stage]) -> None:
@@ -226,7 +222,7 @@ class Analysis:
                     slack = self._slack(stage, x, load_cases.between(start, end, float(factor)))
                     shape = results[stage.after].displacement if stage.after else np.zeros(self.structure.points.shape)
                     last = remarked(self._result(stage, start, end, state), shape)
-                    warn_of_remarks(last, stacklevel=4)
+                    warn_of_remarks(last, self._comm, stacklevel=4)
                     words = ceiling.words(state.factor) if solution.retry else ""
                     message = (
                         f"Stage {stage.name!r} found no equilibrium at load factor {float(factor):.6g} "

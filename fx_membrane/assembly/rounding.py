@@ -1,5 +1,6 @@
 """Rounding of nodal forces, node by node, so that a stiff part does not loosen the tolerance of others."""
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -30,15 +31,33 @@ class Scales(NamedTuple):
 
 
 def scales(structure: Structure, elastic: bool) -> Scales:
-    """Sizes of the nodal forces of a structure; if not elastic, the stiffness is that of prestress alone."""
-    found = Scales(np.zeros(len(structure.points)), np.zeros(len(structure.points)))
-    for part in structure.parts.values():
-        stress = np.linalg.norm(part.prestress_tensors(), axis=(1, 2))
-        size = measures(structure.points, part.cells)
-        length = _length(part, size)
+    """Sizes of the nodal forces of a structure; the stiffness is that of prestress alone where it is not elastic."""
+    prestress = prestresses(structure)
+    found = Scales(meeting(structure, prestress), np.zeros(len(structure.points)))
+    for name, part in structure.parts.items():
+        length = _length(part, measures(structure.points, part.cells))
         for corner in part.cells.T:
-            np.add.at(found.prestress, corner, stress * _width(part, size))
-            np.add.at(found.stiffness, corner, (stress + elastic * stiffness(part)) / length)
+            np.add.at(found.stiffness, corner, (prestress[name] + elastic * stiffness(part)) / length)
+    return found
+
+
+def prestresses(structure: Structure) -> dict[str, NDArray[np.float64]]:
+    """Sizes of the prestress of the cells of each part, shape (cells,) [N/m], of bars [N]."""
+    return {name: np.linalg.norm(part.prestress_tensors(), axis=(1, 2)) for name, part in structure.parts.items()}
+
+
+def meeting(structure: Structure, stresses: Mapping[str, NDArray[np.float64]]) -> NDArray[np.float64]:
+    """Sum of the sizes of the forces that meet at each node, before they balance each other, shape (n,) [N].
+
+    Args:
+        structure: The structure.
+        stresses: Sizes of the stresses of the cells of each part, shape (cells,) [N/m], of bars their forces [N].
+    """
+    found = np.zeros(len(structure.points))
+    for name, part in structure.parts.items():
+        force = stresses[name] * _width(part, measures(structure.points, part.cells))
+        for corner in part.cells.T:
+            np.add.at(found, corner, force)
     return found
 
 

@@ -14,7 +14,7 @@ GONE = 1e-3
 GONE_MAST = 1e-2  # no sliding of nodes makes a mast short
 HOLD = (
     "hold the mast head as a support in form finding, and add mast and stays for the analysis, with forces that "
-    "balance the reactions of the form; or change the forces that meet there."
+    "balance the reactions of the form; or change the forces that meet there, or the first shape."
 )
 
 
@@ -87,7 +87,7 @@ def collapse(structure: Structure, step: int) -> str:
                 return (
                     f"Form finding stopped at step {step}: the shape collapses. The mast in cell {cell} of part "
                     f"{name!r}, of the length {length:.4g} and the force {force[cell]:g}, has a free end, and no form "
-                    f"may balance the forces there; {HOLD}"
+                    f"was found that balances the forces there; {HOLD}"
                 )
     return (
         f"Form finding stopped at step {step}: the shape collapses. There is none where edge cables are too weak "
@@ -105,8 +105,8 @@ def _unbalanced(step: int, name: str, part: Bar, cell: int, force: float, first:
         remedy = HOLD
     return (
         f"Form finding stopped at step {step}: the {kind} in cell {cell} of part {name!r}, with the force {force:g}, "
-        f"{fate} (its length was {first:.4g} and is {now:.3g}), since no length of it balances the forces at its ends; "
-        f"{remedy}"
+        f"{fate} (its length was {first:.4g} and is {now:.3g}): no length was found that balances the forces at its "
+        f"ends; {remedy}"
     )
 
 

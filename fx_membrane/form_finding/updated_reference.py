@@ -38,11 +38,12 @@ from ..model.parts import Mast, Membrane, Part
 from ..model.restraint import check_supports
 from ..model.structure import Structure
 from ..results.evaluation import Recorder
-from ..results.states import BarResult, MembraneResult
+from ..results.states import BarResult, MembraneResult, StageResult
 from ..runtime.processes import refuse_differences, together
 from ..solvers.base import Iteration, Solution
 from ..solvers.newton import Newton
 from ..solvers.progress import Pulse
+from .bar_balance import balanced_points, has_free_masts
 from .shape_change import change_of_shape, check_collapse, collapse
 
 SAME = 1e-12  # relative change of the loads that counts as none
@@ -99,9 +100,11 @@ def updated_reference(
 ) -> Form:
     """Find the shape in which the prestress of membranes, cables and masts is in equilibrium, without elasticity.
 
-    The length of a mast is not prescribed, but found with its force. A mast is found if the forces at its free ends
-    have an equilibrium, as under guys that fix its head. Otherwise hold the mast heads by supports. Then add masts and
-    stays for the analysis, with forces that balance the reactions.
+    The length of a mast is not prescribed, but found with its force. A mast is found where the forces at its free ends
+    have an equilibrium near the first shape, as between guys that leave its head no other place. Where the steps find
+    none for bars alone, under point loads at most, the balance of their forces is solved for instead. Otherwise hold
+    the mast heads by supports, and add masts and stays for the analysis, with forces that balance the reactions of the
+    form.
 
     Args:
         structure: Initial shape with the intended prestress and the supports of the form.
@@ -140,7 +143,7 @@ def updated_reference(
     points = structure.points
     steps: list[Step] = []
     parts: dict[str, Part] = dict(structure.parts)
-    converged = False
+    converged = searched = False
     stray = STRAY_LOADED if any(isinstance(load, PointLoad | DeadLoad) for load in stage.loads) else STRAY
     pulse = Pulse("form finding", comm.rank == 0)
 
@@ -148,14 +151,16 @@ def updated_reference(
         pulse(f"step {len(steps) + 1}, iteration {number}, residual {entry.residual:.1e}")
 
     while len(steps) < max_steps and not converged:
-        found = _equilibrium(problem, partial(solve, monitor=monitor), stage, points)
-        if found is None:
-            raise RuntimeError(collapse(structure, len(steps) + 1))
-        x, actions = found
-        state = record(stage.name, x, actions, ())
+        try:
+            state = _step(record, partial(solve, monitor=monitor), stage, points, len(steps) + 1)
+        except RuntimeError:
+            balanced = None if searched else _balanced_bars(problem, stage, comm)
+            if balanced is None:
+                raise
+            searched, points, steps = True, balanced, []
+            continue
         change = change_of_shape(structure, points, state.displacement)
         points = points + state.displacement
-        check_collapse(structure, points, len(steps) + 1)
         parts, error = {}, 0.0
         for name in structure.parts:
             parts[name], deviation = _stressed(structure, name, points, state.parts[name])
@@ -167,6 +172,35 @@ def updated_reference(
         if not converged and comm.rank == 0:
             _warn_of_unsettled_form(steps, tolerance)
     return Form(replace(structure, points=points, parts=parts), tuple(steps), converged)
+
+
+def _step(
+    record: Recorder, solve: Callable[[PETSc.Vec], Solution], stage: Stage, points: NDArray[np.float64], number: int
+) -> StageResult:
+    """State in which the prestress with respect to a shape is in equilibrium.
+
+    Raises:
+        RuntimeError: There is none, or the shape collapses.
+    """
+    structure = record.problem.discretization.structure
+    found = _equilibrium(record.problem, solve, stage, points)
+    if found is None:
+        raise RuntimeError(collapse(structure, number))
+    state = record(stage.name, *found, ())
+    check_collapse(structure, points + state.displacement, number)
+    return state
+
+
+def _balanced_bars(problem: Problem, stage: Stage, comm: MPI.Intracomm) -> NDArray[np.float64] | None:
+    """A shape of bars alone in which their forces balance point loads, shape (n, 3) [m]; None without one."""
+    structure = problem.discretization.structure
+    if not has_free_masts(structure) or not all(isinstance(load, PointLoad) for load in stage.loads):
+        return None
+    actions = load_cases.target(problem, stage, load_cases.unloaded(structure))
+    with together(comm):
+        found = balanced_points(structure, actions.loads) if comm.rank == 0 else None
+    balanced: NDArray[np.float64] | None = comm.bcast(found)
+    return balanced
 
 
 def _equilibrium(

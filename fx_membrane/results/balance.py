@@ -1,40 +1,63 @@
-"""Warning of unbalanced forces in a state that a solver took for equilibrium."""
+"""Remark where a state that a solver took for equilibrium is not in balance to the digits that its user relies on."""
 
-import warnings
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly.rounding import prestress_force
-from .states import StageResult
+from ..assembly.rounding import meeting, prestresses, scales
+from .states import BarResult, MembraneResult, Remark, StageResult
 
-UNBALANCED = 1e-6  # fraction of the loads
-LOST = 1e-9  # fraction of the prestress that counts as zero
+UNBALANCED = 1e-6  # of the loads
+# Share of the forces that meet at a node, below which what is left of them is rounding. Stiffness does not count: where
+# that of a part is so large that its force has no digits, the force itself is not.
+ROUNDING = 1e-13
+AT_REST = 10.0  # multiple of the rounding of a solver
 
 
 class UnbalancedStateWarning(UserWarning):
     """Unbalanced forces above 1e-6 of the loads, or of the reactions where there are no loads."""
 
 
-def warn_of_unbalance(result: StageResult, stacklevel: int) -> None:
-    """Warn of unbalanced forces that are not small beside the loads."""
+class _Unbalanced(Remark):
+    category = UnbalancedStateWarning
+
+
+def balance_remarks(result: StageResult) -> Iterator[Remark]:
+    """At most one, on unbalanced forces that are neither small beside the loads nor rounding of what meets there."""
     loads, reactions = _size(result.loads), _size(result.reactions)
     kind, forces = ("loads", loads) if loads else ("reactions", reactions)
-    residual = result.equilibrium.residual
-    # If prestress has vanished without a load, reactions are rounding themselves.
-    if (
-        not residual > UNBALANCED * max(forces, 0.0 if loads else LOST * prestress_force(result.structure))
-        or not forces
-    ):
+    unbalanced = result.equilibrium.unbalanced
+    if not loads and _at_rest(result):
         return
-    warnings.warn(
-        f"Stage {result.name!r}: an unbalanced force of {residual:.3g} is left beside {kind} of {forces:.3g}, "
+    off = unbalanced[unbalanced > np.maximum(UNBALANCED * forces, ROUNDING * _acting(result))]
+    if not len(off):
+        return
+    yield _Unbalanced(
+        f"an unbalanced force of {off.max():.3g} is left beside {kind} of {forces:.3g}, "
         "which the tolerance of the solver or rounding allows; displacements, forces and stresses are off accordingly. "
         "Give the solver a smaller rtol; check units, and parts that are far stiffer or far more prestressed than the "
-        "others: a stiffness of a thousand times theirs is rigid enough.",
-        UnbalancedStateWarning,
-        stacklevel=stacklevel,
+        "others: a stiffness of a thousand times theirs is rigid enough."
     )
+
+
+def _at_rest(result: StageResult) -> bool:
+    """Whether all reactions are rounding, as where nothing is stressed and all is moved as one."""
+    rounding = scales(result.structure, elastic=True).rounding(float(np.abs(result.displacement).max()))
+    return bool((np.abs(result.reactions).max(axis=1) <= AT_REST * rounding).all())
+
+
+def _acting(result: StageResult) -> NDArray[np.float64]:
+    """Sizes of the forces of the prestress and of the state that meet at each node, shape (n,) [N].
+
+    A prestress counts also where the state has lost it: what is left is the difference of the two.
+    """
+    given = prestresses(result.structure)
+    return meeting(result.structure, {name: given[name] + _stress(part) for name, part in result.parts.items()})
+
+
+def _stress(part: MembraneResult | BarResult) -> NDArray[np.float64]:
+    return np.abs(part.force) if isinstance(part, BarResult) else np.abs(part.principal).max(axis=1)
 
 
 def _size(forces: NDArray[np.float64]) -> float:

@@ -47,6 +47,7 @@ class Recorder:
             residual, displacement = discretization.gather(b), discretization.gather(x)
         loads = actions.loads + problem.pressure_loads(x)
         reactions = np.where(actions.held, residual, 0.0)
+        unbalanced = np.abs(residual - reactions).max(axis=1)
         position = discretization.structure.points + displacement
         return StageResult(
             name=name,
@@ -61,7 +62,8 @@ class Recorder:
                 reactions=reactions.sum(axis=0),
                 load_moment=np.cross(position, loads).sum(axis=0),
                 reaction_moment=np.cross(position, reactions).sum(axis=0),
-                residual=float(np.abs(residual - reactions).max()),
+                residual=float(unbalanced.max()),
+                unbalanced=unbalanced,
             ),
             increments=increments,
             parts={name: self._part_result(name) for name in discretization.structure.parts},

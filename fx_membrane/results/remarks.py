@@ -1,7 +1,7 @@
-"""Remarks on a state to read before its numbers: unstable, fallen, held by slack parts.
+"""Remarks on a state that a user must see before its numbers: unstable, fallen, held by slack parts, strained too far.
 
-They follow from the result and from the start of its stage. So they are the same on every process, after a restart
-and in every place: as warnings, in `report`, on the result itself.
+All warnings on a state are issued from them. They follow from the result and from where its stage began, so that they
+are the same on every process, after a restart and wherever they are shown: in `report`, on the result itself.
 """
 
 import warnings
@@ -10,47 +10,45 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from mpi4py import MPI
 from numpy.typing import NDArray
 
 from ..model.parts import Mast, Membrane
 from ..model.structure import Structure
+from .balance import UnbalancedStateWarning, balance_remarks
 from .motions import Motion, motion_of
 from .slack_forces import Loose, Push, loose_masts, pushes, slack_cells
-from .states import BarResult, LostPrestressWarning, StageResult, UnstableStateWarning
+from .states import BarResult, LostPrestressWarning, Remark, StageResult
+from .strain_limits import LargeStrainWarning, strain_remarks
 
-LEFT = 0.01  # fraction of its prestress, below which a part has lost it
-SHOWN = 3  # number of load factors and parts named
-
-
-class Remark(str):
-    """A sentence on a state.
-
-    Attributes:
-        category: Class of its warning.
-    """
-
-    category: type[UserWarning] = UnstableStateWarning
+LEFT = 0.01  # share of its prestress, below which a part has lost it
+SHOWN = 3  # load factors and parts that are named
+TOLD_ONCE = (LargeStrainWarning, UnbalancedStateWarning)  # by one process for all
 
 
 class _Lost(Remark):
     category = LostPrestressWarning
 
 
-def remarked(result: StageResult, start: NDArray[np.float64] | None) -> StageResult:
-    """Add the remarks to a result.
+def remarked(result: StageResult, start: NDArray[np.float64] | None, loaded: bool = True) -> StageResult:
+    """The result with its remarks.
 
     Args:
         result: A state.
-        start: Displacements at the start of its stage, shape (n, 3) [m]; None to leave motion out.
+        start: Displacements at the start of its stage, shape (n, 3) [m]; None where motion is not to be judged.
+        loaded: Whether its loads, if it has any, are more than rounding; otherwise its balance is not judged.
     """
-    return replace(result, remarks=tuple(_remarks(result, start)))
+    found = [*_remarks(result, start), *strain_remarks(result)]
+    if loaded and result.increments:  # a start is no equilibrium that a solver has found
+        found += balance_remarks(result)
+    return replace(result, remarks=tuple(found))
 
 
-def warn_of_remarks(result: StageResult, stacklevel: int) -> None:
-    """Warn of each remark, on every process."""
+def warn_of_remarks(result: StageResult, comm: MPI.Intracomm, stacklevel: int) -> None:
+    """Warns of each remark; where one process is enough to tell it, the first does."""
     for remark in result.remarks:
-        category = remark.category if isinstance(remark, Remark) else UnstableStateWarning
-        warnings.warn(f"Stage {result.name!r}: {remark}", category, stacklevel=stacklevel)
+        if comm.rank == 0 or remark.category not in TOLD_ONCE:
+            warnings.warn(f"Stage {result.name!r}: {remark}", remark.category, stacklevel=stacklevel)
 
 
 def held_by_slack_parts(result: StageResult) -> str:

@@ -25,6 +25,16 @@ class LostPrestressWarning(UserWarning):
     """State in which a prestressed part has almost no tension left in any cell."""
 
 
+class Remark(str):
+    """A sentence on a state.
+
+    Attributes:
+        category: Class of the warning that tells it.
+    """
+
+    category: type[UserWarning] = UnstableStateWarning
+
+
 class Increment(NamedTuple):
     """One load increment.
 
@@ -98,6 +108,7 @@ class Equilibrium:
         load_moment: Moment of the loads, shape (3,) [N m].
         reaction_moment: Moment of the reactions, shape (3,) [N m].
         residual: Largest unbalanced force at a free component [N].
+        unbalanced: Largest unbalanced force at a free component of each node, shape (n,) [N].
     """
 
     loads: Array
@@ -105,6 +116,7 @@ class Equilibrium:
     load_moment: Array
     reaction_moment: Array
     residual: float
+    unbalanced: Array
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -122,8 +134,9 @@ class StageResult:
         equilibrium: Balance of loads and reactions.
         increments: The load increments of this stage, in order.
         parts: State of each part by name.
-        remarks: Sentences of the warnings, to read before the numbers: the state is unstable, has snapped through or
-            fallen, hangs on slack parts, or has lost its prestress.
+        remarks: Sentences on the state to be read before its numbers, those of the warnings: that it is not stable, has
+            snapped or fallen, hangs on slack parts, has lost its prestress, is strained beyond its material law, or is
+            not in balance.
     """
 
     name: str
@@ -136,7 +149,7 @@ class StageResult:
     equilibrium: Equilibrium
     increments: tuple[Increment, ...]
     parts: dict[str, MembraneResult | BarResult]
-    remarks: tuple[str, ...] = ()
+    remarks: tuple[Remark, ...] = ()
 
     def __repr__(self) -> str:
         return (

@@ -1,13 +1,14 @@
-"""Warnings of strains, or elastic strains of the prestress, outside the range of the material law."""
+"""Warnings and remarks where strains, or those that belong to the prestress, leave the range of the material law."""
 
 import warnings
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..model.parts import Mast, Membrane, Part
 from ..model.structure import Structure
-from .states import BarResult, MembraneResult, StageResult
+from .states import BarResult, MembraneResult, Remark, StageResult
 
 MODERATE = 0.05
 ABSURD = 1.0  # strain that no fabric or cable bears
@@ -21,6 +22,10 @@ class LargeStrainWarning(UserWarning):
 
     For a prestress it is the elastic strain of the reference shape, prestress over stiffness.
     """
+
+
+class _Strained(Remark):
+    category = LargeStrainWarning
 
 
 def warn_of_large_prestress(structure: Structure, stacklevel: int) -> None:
@@ -49,8 +54,8 @@ def warn_of_large_prestress(structure: Structure, stacklevel: int) -> None:
     )
 
 
-def warn_of_large_strains(result: StageResult, stacklevel: int) -> None:
-    """Warn once, of the most strained part; strains of wrinkling, slackness or an excess do not count."""
+def strain_remarks(result: StageResult) -> Iterator[Remark]:
+    """At most one, on the most strained part; strains that wrinkling, slackness or an excess takes up do not count."""
     sizes = {name: _sizes(result.structure.parts[name], part) for name, part in result.parts.items()}
     name = max(sizes, key=lambda name: sizes[name].max())
     cell = int(sizes[name].argmax())
@@ -62,11 +67,9 @@ def warn_of_large_strains(result: StageResult, stacklevel: int) -> None:
         advice = "Units are probably mixed: check that loads, prestress, stiffness and lengths are in the same system."
     else:
         advice = "Check stiffness, loads and units; if they are right, take forces and stresses there for rough values."
-    warnings.warn(
-        f"Stage {result.name!r}: cell {cell} of part {name!r} is strained by {strain}; the Saint Venant-Kirchhoff "
-        f"law is meant for less than {100 * MODERATE:g} %. {advice}",
-        LargeStrainWarning,
-        stacklevel=stacklevel,
+    yield _Strained(
+        f"cell {cell} of part {name!r} is strained by {strain}; the Saint Venant-Kirchhoff law is meant for less than "
+        f"{100 * MODERATE:g} %. {advice}"
     )
 
 

@@ -181,9 +181,7 @@ def test_truncated_mesh(name, share, meshes, tmp_path):
     whole = (meshes / f"{name}.msh").read_bytes()
     file = tmp_path / "roof.msh"
     file.write_bytes(whole[: int(share * len(whole))])
-    with pytest.raises(
-        ValueError, match=r"roof\.msh (is not a file that gmsh can|begins as a mesh, but has no)"
-    ):
+    with pytest.raises(ValueError, match=r"roof\.msh (is not a file that gmsh can|begins as a mesh, but has no)"):
         structure_from_gmsh(file, PARTS)
 
 
