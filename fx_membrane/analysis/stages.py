@@ -34,9 +34,9 @@ from ..solvers.progress import Report
 from . import checkpoint
 from .checkpoint_file import Progress
 from .increments import HALVINGS, Ceiling
+from .reasons import MORE, reason
 from .work import Work, WorkDone, WorkLimit
 
-MORE = "allow more (WorkLimit), or see in its iterations, `failed`, whether it comes nearer at all."
 PROBE = 1 / 256  # of an increment that snapped: a load under which the start of a stage shows what holds it
 
 AnySolver = Newton | ConjugateGradient | SteepestDescent
@@ -219,7 +219,7 @@ class Analysis:
                     slack = self._slack(stage, x, load_cases.between(start, end, float(factor)))
                     last = remarked(self._result(stage, start, end, state), shape)
                     warn_of_remarks(last, stacklevel=4)
-                    words = _reason(solution, state, beyond, ceiling, work) + slack
+                    words = reason(self._problem, x, solution, state, beyond, ceiling, work) + slack
                     message = (
                         f"Stage {stage.name!r} found no equilibrium at load factor {float(factor):.6g} "
                         f"(the last found is at {float(state.factor):.6g}): {words}"
@@ -280,16 +280,3 @@ class Analysis:
         self._problem.apply(actions)
         x = self._problem.discretization.distribute(state.displacement)
         return self._record(stage.name, x, actions, state.increments)
-
-
-def _reason(solution: Solution, state: Progress, beyond: Progress | None, ceiling: Ceiling, work: Work) -> str:
-    """Why an increment from a state came to nothing, in words."""
-    if not work.over:
-        return (ceiling.words(state.factor) if solution.retry else "") + solution.reason
-    search = (
-        f" It ended the search for a load between the load factors {float(state.factor):.6g} and "
-        f"{float(beyond.factor):.6g} at which the structure might lose its stability."
-        if beyond
-        else ""
-    )
-    return f"{work.over}; {MORE}{search}"

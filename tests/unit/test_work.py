@@ -120,6 +120,7 @@ def test_flag_that_flies_off_is_said_to(recwarn):
     assert f"from load factor {last:.6g} on no equilibrium was found" in message
     assert "likely there is none" in message
     assert "More steps will not help" in message
+    assert "steps=" not in message  # nor are they advised
 
 
 def test_light_banner_is_found_without_beginning_anew(recwarn):
