@@ -39,6 +39,7 @@ from ..solvers.lowest_mode import downhill
 from . import path_check, path_ends
 from .equilibrium_path import EquilibriumPath, PathPoint
 from .path_geometry import Arrival, Metric
+from .path_remarks import warn_of_slack_parts
 from .path_walk import Walk
 from .step_control import StepControl
 
@@ -93,7 +94,7 @@ def trace(
             exception has the path up to there.
 
     Warns:
-        UnstableStateWarning: The start is not stable.
+        UnstableStateWarning: The start is not stable; or slack or wrinkled parts carry points of the path.
         LargeStrainWarning: Strains that belong to the prestress of a structure are above 5 %.
     """
     validation.communicator("trace comm", comm)
@@ -122,7 +123,13 @@ def trace(
             warn_of_large_prestress(structure, stacklevel=3)
     newton = BorderedNewton(problem, path.start, path.end, x, rtol)
     try:
-        return _Tracer(newton, path, 1 / stage.steps).run(x, ends, max_points)
+        path = _Tracer(newton, path, 1 / stage.steps).run(x, ends, max_points)
+    except ContinuationError as error:
+        warn_of_slack_parts(problem, error.path, newton.pulse, stacklevel=2)
+        raise
+    else:
+        warn_of_slack_parts(problem, path, newton.pulse, stacklevel=2)
+        return path
     finally:
         newton.free()
 

@@ -52,5 +52,5 @@ class Ceiling:
             "there is none: it is the largest load that the structure bears (as fabric with a free edge, which flies "
             "off where a pressure exceeds what holds it down). More steps will not help; stay below that load, or add "
             "supports, members, weight or prestress. On fine meshes of slack fabric iterations may be too few; "
-            "Newton(max_iterations=...) allows more. The last try ended so: "
+            "Newton(max_iterations=...) allows more."
         )

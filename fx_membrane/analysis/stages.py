@@ -33,9 +33,9 @@ from ..solvers.progress import Report
 from . import checkpoint
 from .checkpoint_file import Progress
 from .increments import HALVINGS, Ceiling
+from .reasons import MORE, reason
 from .work import Work, WorkDone, WorkLimit
 
-MORE = "allow more (WorkLimit), or see in its iterations, `failed`, whether it comes nearer at all"
 PROBE = 1 / 256  # fraction of an increment that snapped: its load shows at the start of a stage which parts carry
 
 AnySolver = Newton | ConjugateGradient | SteepestDescent
@@ -210,25 +210,25 @@ class Analysis:
                 if divisible and (snapped or (not solution.converged and solution.retry)):
                     state = replace(state, size=(factor - state.factor) / 2)
                     self._problem.discretization.distribute(state.displacement).copy(x)
-                elif reached := found or beyond:
-                    if reached.increments[-1].snapped:
-                        reached = self._fallen(stage, start, end, state, reached, work)
-                    state, beyond = reached, None
-                    ceiling.found(state.factor)
-                    self._problem.discretization.distribute(state.displacement).copy(x)
-                    save(stage.name, state)
-                    report.increment(float(state.factor), state.increments[-1].iterations[-1].residual)
-                else:
-                    slack = self._slack(stage, x, load_cases.between(start, end, float(factor)))
+                    continue
+                reached = self._located(stage, start, end, state, found or beyond, work)
+                if not reached:
                     shape = results[stage.after].displacement if stage.after else np.zeros(self.structure.points.shape)
+                    slack = self._slack(stage, x, load_cases.between(start, end, float(factor)))
                     last = remarked(self._result(stage, start, end, state), shape)
                     warn_of_remarks(last, self._comm, stacklevel=4)
-                    words = ceiling.words(state.factor) if solution.retry else ""
+                    words = reason(self._problem, x, solution, state, beyond, ceiling, work) + slack
                     message = (
                         f"Stage {stage.name!r} found no equilibrium at load factor {float(factor):.6g} "
-                        f"(the last found is at {float(state.factor):.6g}): {words}{solution.reason}{slack}"
+                        f"(the last found is at {float(state.factor):.6g}): {words}"
                     )
-                    raise ConvergenceError(message, results, last, increment, solution.motion)
+                    failed = increment._replace(snapped=False)  # that is not known yet
+                    raise ConvergenceError(message, results, last, failed, solution.motion)
+                state, beyond = reached, None
+                ceiling.found(state.factor)
+                self._problem.discretization.distribute(state.displacement).copy(x)
+                save(stage.name, state)
+                report.increment(float(state.factor), state.increments[-1].iterations[-1].residual)
         return self._result(stage, start, end, state)
 
     def _solved(self, x: PETSc.Vec, work: Work, thorough: bool) -> Solution:
@@ -238,6 +238,14 @@ class Analysis:
             return self._solve(x, work, thorough)
         except WorkDone as done:
             return Solution(False, f"{done}; {MORE}", tuple(work.iterates), retry=False)
+
+    def _located(
+        self, stage: Stage, start: Actions, end: Actions, state: Progress, reached: Progress | None, work: Work
+    ) -> Progress | None:
+        """The state that follows another; None where there is none, or the limit of work ended the search for it."""
+        if reached and not work.over and reached.increments[-1].snapped:
+            reached = self._fallen(stage, start, end, state, reached, work)
+        return None if work.over else reached
 
     def _fallen(
         self, stage: Stage, start: Actions, end: Actions, state: Progress, reached: Progress, work: Work

@@ -45,12 +45,16 @@ class Work:
 
     Attributes:
         iterates: Iterates of the present increment, the first of each attempt included.
+        what: Name of what is limited.
+        over: That the limit is reached, in words; empty before.
     """
 
     limit: WorkLimit
     comm: MPI.Intracomm
     monitor: Monitor
     iterates: list[Iteration] = field(default_factory=list)
+    over: str = ""
+    what: str = "a stage"
     _count: int = 0
     _began: float = 0.0
 
@@ -68,10 +72,14 @@ class Work:
             self._count += number > 0  # the start of an attempt is no iteration
         self.monitor(number, entry)
         if self.limit.iterations is not None and self._count > self.limit.iterations:
-            raise WorkDone(f"the limit of {self.limit.iterations} iterations for a stage is used up")
+            self._end(f"the limit of {self.limit.iterations} iterations for {self.what} is used up")
         if self.limit.seconds is not None:
             elapsed = self.comm.bcast(monotonic() - self._began)
             if elapsed >= self.limit.seconds:
-                raise WorkDone(
-                    f"the limit of {self.limit.seconds:g} s for a stage is used up, after {self._count} iterations"
+                self._end(
+                    f"the limit of {self.limit.seconds:g} s for {self.what} is used up, after {self._count} iterations"
                 )
+
+    def _end(self, reason: str) -> None:
+        self.over = reason
+        raise WorkDone(reason)

@@ -22,15 +22,22 @@ def hanging_ends(state: StageResult) -> str:
 
 
 def slack_parts(state: StageResult) -> str:
-    """Sentence on parts with no cell, or few cells, in tension; empty if there are none."""
-    words = [
-        f"{name!r} is slack in {slack} of {len(cells)} cells"
-        for name, cells in ((name, _slack(state, name)) for name in state.parts)
-        if (slack := int(np.count_nonzero(cells))) > 0.5 * len(cells)
-    ]
-    if not words:
+    """A sentence that names the parts of which no cell, or few, is in tension; nothing where there is none."""
+    slack = {name: _slack(state, name) for name in state.parts}
+    most = [name for name, cells in slack.items() if np.count_nonzero(cells) > 0.5 * len(cells)]
+    if not most:
         return ""
-    return f" In the last state tried {', '.join(words)}: give it prestress, or a shorter length to begin with."
+    words = [f"{name!r} is slack in {np.count_nonzero(slack[name])} of {len(slack[name])} cells" for name in most]
+    given = [
+        repr(name) for name in most if np.linalg.eigvalsh(state.structure.parts[name].prestress_tensors()).max() > 0
+    ]
+    advice = ": give it prestress, or a shorter length to begin with."
+    if given:
+        advice = (
+            f". The prestress of {', '.join(given)} is lost there: see whether a stay, a mast or a support is missing, "
+            "and whether the prestress is enough for the loads."
+        )
+    return f" In the last state tried {', '.join(words)}{advice}"
 
 
 def _slack(state: StageResult, name: str) -> NDArray[np.bool_]:

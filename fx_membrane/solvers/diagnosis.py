@@ -15,6 +15,9 @@ from .base import largest
 from .lowest_mode import WEAK, softest
 
 NOTHING = 1e-6  # fraction of its size to which a collapsed cell has shrunk
+SHARE = 0.1  # of the largest displacement in a motion, above which a node moves with it
+SWUNG, FAR_OVER = 0.1, 0.5  # angles by which a mast has swung far, without loads and with [rad]
+SHOWN = 3  # masts and parts that are named
 
 
 def linear_failure(problem: Problem, A: PETSc.Mat) -> str:
@@ -69,22 +72,47 @@ def mechanism(problem: Problem, x: PETSc.Vec) -> Mechanism | None:
     # Written so that NaN is not taken for a mechanism.
     if not abs(found.stiffness) < WEAK:
         return None
-    return _mechanism(problem.discretization.gather(found.motion))
+    free = _mechanism(problem.discretization.gather(found.motion))
+    return free._replace(words=f"{free.words} Add supports, members or prestress that hold it.")
 
 
 def slack_mechanism(problem: Problem, x: PETSc.Vec) -> Mechanism | None:
     """Free motion of masts that only the compression stiffness of slack parts resists, or None."""
     structure = problem.discretization.structure
-    masts = [part.cells.ravel() for part in structure.parts.values() if isinstance(part, Mast)]
-    if not masts:
+    masts = np.zeros(len(structure.points), dtype=bool)
+    for part in structure.parts.values():
+        if isinstance(part, Mast):
+            masts[part.cells] = True
+    if not masts.any() or not np.isfinite(x.norm()):
         return None
-    with problem.without_kept_stiffness():
-        found = softest(problem, x, WEAK, idle=False)
-    motion = problem.discretization.gather(found.motion)
-    # Motions of slack fabric are no mechanism of the structure.
-    if not found.stiffness < WEAK or np.linalg.norm(motion, axis=1).argmax() not in np.concatenate(masts):
-        return None
-    return _mechanism(motion, " but for the small stiffness that slack parts keep")
+    # Slack fabric may be softer than a mast that falls: masts move alone, too.
+    for moving in (np.ones_like(masts), masts):
+        with problem.without_kept_stiffness():
+            found = softest(problem, x, WEAK, moving)
+        motion = problem.discretization.gather(found.motion)
+        # Fabric that is slack here and there is not the structure.
+        if found.stiffness < WEAK and masts[np.linalg.norm(motion, axis=1).argmax()]:
+            return _slack_mechanism(structure, _mechanism(motion, " but for the small stiffness that slack parts keep"))
+    return None
+
+
+def _slack_mechanism(structure: Structure, found: Mechanism) -> Mechanism:
+    """A mechanism of masts, with words for what falls and what meets it."""
+    moving = np.linalg.norm(found.motion, axis=1) > SHARE
+    falling, beside = [], []
+    for name, part in structure.parts.items():
+        cells = np.flatnonzero(moving[part.cells].any(axis=1))
+        if isinstance(part, Mast):
+            falling += [f"mast {name!r} (cell {cell})" for cell in cells]
+        elif len(cells):
+            beside.append(repr(name))
+    more = f" and {len(falling) - SHOWN} more" * (len(falling) > SHOWN)
+    tension = f" by the tension of {' or '.join(beside[:SHOWN])}" if beside else ""
+    words = (
+        f"{found.words} Nothing holds {', '.join(falling[:SHOWN])}{more}{tension}: no load is safe. Add cables, masts "
+        "or supports that hold it by tension, or prestress that balances."
+    )
+    return found._replace(words=words)
 
 
 def _mechanism(motion: NDArray[np.float64], but: str = "") -> Mechanism:
@@ -93,11 +121,9 @@ def _mechanism(motion: NDArray[np.float64], but: str = "") -> Mechanism:
     most = int(sizes.argmax())
     motion /= sizes[most]
     direction = ", ".join(f"{component + 0.0:.3g}" for component in motion[most])
-    also = int((sizes > 0.1 * sizes[most]).sum()) - 1
-    words = (
-        f"the structure is a mechanism{but}: node {most} moves freely in the direction ({direction})"
-        + (f", and {also} more nodes with it" if also else "")
-        + ". Add supports, members or prestress that hold it."
+    also = int((sizes > SHARE * sizes[most]).sum()) - 1
+    words = f"the structure is a mechanism{but}: node {most} moves freely in the direction ({direction})" + (
+        f", and {also} more nodes with it." if also else "."
     )
     return Mechanism(motion, words)
 
@@ -142,6 +168,7 @@ def stalled(
         )
     size = problem.discretization.structure.size
     displacement = largest(x)
+    swung = swung_masts(problem, x, SWUNG if problem.unloaded() else FAR_OVER, "tried")
     if problem.unloaded():
         advice = (
             "nothing is applied that could come in more steps: give a prestress that the shape and its supports can "
@@ -158,7 +185,37 @@ def stalled(
             f"the iteration diverged: displacements of {displacement:.3g} in a structure of size {size:.3g}. "
             f"Check that loads, stiffness and lengths are in the same system of units; then {advice}."
         )
-    return f"after {iterations} iterations the largest unbalanced force is still {residual:.3g}; {advice}."
+    after = f"after {iterations} iterations the largest unbalanced force is still {residual:.3g}; {advice}."
+    return f"{swung} A{after[1:]}" if swung else after
+
+
+def swung_masts(problem: Problem, x: PETSc.Vec, limit: float, kind: str) -> str:
+    """The mast that has turned most, in a sentence; empty where none has by more than a limit.
+
+    Args:
+        problem: The problem.
+        x: A state.
+        limit: The angle [rad].
+        kind: How the state came about: "found" or "tried".
+    """
+    structure, moved = problem.discretization.structure, problem.discretization.gather(x)
+    found = []
+    for name, part in structure.parts.items():
+        if isinstance(part, Mast):
+            before, after = (
+                np.diff(shape[part.cells], axis=1)[:, 0] for shape in (structure.points, structure.points + moved)
+            )
+            turned = np.arctan2(np.linalg.norm(np.cross(before, after), axis=1), (before * after).sum(axis=1))
+            cell = int(turned.argmax())
+            node = part.cells[cell, np.linalg.norm(moved[part.cells[cell]], axis=1).argmax()]
+            found.append((float(turned[cell]), name, cell, int(node)))
+    angle, name, cell, node = max(found, default=(0.0, "", 0, 0))
+    if not angle > limit:
+        return ""
+    return (
+        f"mast {name!r} (cell {cell}, at node {node}) has turned by {np.degrees(angle):.3g} degrees in the last state "
+        f"{kind}: it falls, or hangs; check that it has all its stays, and that what pulls at it is in balance."
+    )
 
 
 def loose_nodes(problem: Problem, A: PETSc.Mat) -> list[tuple[int, list[float]]]:

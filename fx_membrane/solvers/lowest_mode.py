@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from ..assembly.problem import Problem
@@ -33,26 +34,28 @@ class Softest(NamedTuple):
     stiffness: float
 
 
-def softest(problem: Problem, x: PETSc.Vec, tension: float, idle: bool = True) -> Softest:
-    """Lowest mode in a state by inverse iteration.
+def softest(problem: Problem, x: PETSc.Vec, tension: float, moving: NDArray[np.bool_] | None = None) -> Softest:
+    """Softest motion in a state.
 
     Args:
         problem: The problem.
         x: The state.
-        tension: Shift of the tangent: an artificial tension, as a strain; softer modes count as free.
-        idle: False to leave out nodes without any stiffness, such as those of slack cells without compression
-            stiffness.
+        tension: Artificial tension that is added to the tangent, as a strain: what is softer counts as free.
+        moving: Nodes that move, shape (n,); those of them without any stiffness, as where all cells are slack and keep
+            none, stand still too. None: all nodes move.
     """
     A, v = problem.discretization.create_matrix(), x.duplicate()
     problem.tangent(x, A)
     structure = problem.discretization.structure
-    at_rest = structure.used & ~problem.stiff_nodes(A) if not idle else np.zeros(len(structure.points), dtype=bool)
+    at_rest = np.zeros(len(structure.points), dtype=bool)
+    if moving is not None:
+        at_rest = structure.used & ~(moving & problem.stiff_nodes(A))
     still = problem.discretization.dofs(np.repeat(at_rest[:, None], 3, axis=1))
     with problem.discretization.work(1) as (b,):
         problem.hold_tangent(x, A, b)
         K = factorization.symmetric_part(A)
         problem.stiffen(x, A, b, tension)
-    if not idle:
+    if moving is not None:
         A.zeroRowsColumns(still, diag=problem.stiffness)
     stiffened = factorization.symmetric_part(A)
     stiffened.setOption(PETSc.Mat.Option.SYMMETRIC, True)

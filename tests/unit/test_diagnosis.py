@@ -14,6 +14,7 @@ from fx_membrane.solvers.diagnosis import (
     mechanism,
     slack_mechanism,
     stalled,
+    swung_masts,
     unlikely_units,
 )
 
@@ -171,6 +172,31 @@ def test_mast_that_slack_cables_hold_is_a_mechanism_but_for_them():
         if found:
             assert "a mechanism but for the small stiffness that slack parts keep: node 1 moves" in found.words
             assert np.abs(found.motion[1, 2]) < 1e-6
+
+
+def test_mast_beside_slack_fabric_that_is_softer_is_found():
+    points = [*POINTS, [9.0, 0, 0], [9, 0, 4], [12, 0, 0], [7, 2, 0], [7, -2, 0]]
+    fabric = Membrane(TRIANGLES, Fabric(1e5, 0.3), prestress=-10.0)
+    guys = Cable([[26, 27], [26, 28], [26, 29]], 12e6, -1e3)
+    parts = {"fabric": fabric, "pole": Mast([[25, 26]], 2e8), "guys": guys}
+    problem = Problem(Structure(points, parts, [Support([*EDGE, 25, 27, 28, 29])]))
+    found = slack_mechanism(problem, problem.discretization.create_vector())
+    assert found is not None
+    assert "node 26 moves freely" in found.words
+    assert "Nothing holds mast 'pole' (cell 0) by the tension of 'guys': no load is safe" in found.words
+
+
+@pytest.mark.parametrize(("angle", "said"), [(0.4, False), (0.6, True), (2.5, True)])
+def test_mast_that_has_turned_far_is_named(angle, said):
+    points = [[0.0, 0, 0], [0, 0, 4], [3, 0, 0], [5, 0, 0], [5, 0, 2]]
+    parts = {"pole": Mast([[3, 4], [0, 1]], 2e8), "guy": Cable([[1, 2], [4, 2]], 12e6)}
+    problem = Problem(Structure(points, parts, [Support([0, 2, 3])]))
+    moved = np.zeros((5, 3))
+    moved[1] = 4 * np.sin(angle), 0, 4 * np.cos(angle) - 4
+    words = swung_masts(problem, problem.discretization.distribute(moved), 0.5, "tried")
+    assert bool(words) == said
+    if said:
+        assert f"mast 'pole' (cell 1, at node 1) has turned by {np.degrees(angle):.3g} degrees in the" in words
 
 
 def test_slack_fabric_is_no_mechanism():

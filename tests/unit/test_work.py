@@ -1,16 +1,21 @@
 """Limit of the work of a stage, and the results when it is used up."""
 
+import warnings
+
 import numpy as np
 import pytest
 
 from fx_membrane import (
     Analysis,
+    Cable,
     ConjugateGradient,
     ConvergenceError,
     DeadLoad,
     Fabric,
+    Mast,
     Membrane,
     Newton,
+    PointLoad,
     Pressure,
     Stage,
     Structure,
@@ -115,6 +120,7 @@ def test_flag_that_flies_off_is_said_to(recwarn):
     assert f"from load factor {last:.6g} on no equilibrium was found" in message
     assert "likely there is none" in message
     assert "More steps will not help" in message
+    assert "steps=" not in message  # nor are they advised
 
 
 def test_light_banner_is_found_without_beginning_anew(recwarn):
@@ -127,3 +133,34 @@ def test_light_banner_is_found_without_beginning_anew(recwarn):
     )["wind"]
     assert not wind.increments[0].drawn_smooth
     assert wind.equilibrium.residual < 1e-8
+
+
+LEANING = [Stage("rest"), Stage("wind", [PointLoad(1, (6, 10.0, 0))], after="rest", steps=2)]
+
+
+def mast_with_two_guys():
+    """Its third guy is missing: the first increment snaps at no load, yet looks for it by halving."""
+    points = [[0, 0, 0], [0, 0, 4.0], [3, 0, 0], [-1.5, 2.598, 0]]
+    parts = {"mast": Mast([[0, 1]], 2e8), "guys": Cable([[1, 2], [1, 3]], 12e6, prestress=1e3)}
+    return Structure(points, parts, [Support([0, 2, 3])])
+
+
+@pytest.mark.serial
+@pytest.mark.filterwarnings("ignore::fx_membrane.LostPrestressWarning", "ignore:.*slack or wrinkled parts carry")
+def test_limit_that_ends_the_search_for_a_snap_tells_and_saves_none(tmp_path):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        expected = Analysis(mast_with_two_guys()).run(LEANING)["wind"].remarks
+        searches = 0
+        for most in range(8, 64, 4):
+            file = tmp_path / f"{most}"
+            with pytest.raises(
+                ConvergenceError, match=f"limit of {most} iterations for a stage is used up; .* all\\."
+            ) as e:
+                Analysis(mast_with_two_guys(), limit=WorkLimit(iterations=most)).run(LEANING, file)
+            searches += "It ended the search for a load between the load factors 0 and 0.5" in str(e.value)
+            assert not any(increment.snapped for increment in (*e.value.last.increments, e.value.failed))
+            if most % 8 == 0:
+                assert Analysis(mast_with_two_guys()).run(LEANING, file)["wind"].remarks == expected
+    assert searches > 1
+    assert not any("snapped" in str(entry.message) for entry in caught)

@@ -1,0 +1,55 @@
+"""Warnings on points of a path that must be seen before its numbers: slack parts carry them."""
+
+import warnings
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from ..assembly import load_cases
+from ..assembly.problem import Problem
+from ..results.evaluation import Recorder
+from ..results.remarks import remarked
+from ..results.states import Increment, UnstableStateWarning
+from ..runtime.processes import together
+from ..solvers.lowest_mode import explained
+from ..solvers.progress import Pulse
+from .equilibrium_path import EquilibriumPath
+
+
+class _Carried(NamedTuple):
+    """A point that slack parts carry: its number, and the remark on it."""
+
+    number: int
+    remark: str
+
+
+def warn_of_slack_parts(problem: Problem, path: EquilibriumPath, pulse: Pulse, stacklevel: int) -> None:
+    """Warns once, on every process, of the points of a path that slack or wrinkled parts carry; names the parts."""
+    if not explained(problem):
+        return  # nothing can be slack
+    carried = list(_carried(problem, path, pulse))
+    if not carried:
+        return
+    first = path.points[carried[0].number]
+    with together(problem.discretization.comm):
+        warnings.warn(
+            f"The path of stage {path.name!r} has {len(carried)} of {len(path.points)} points that the structure does "
+            f"not bear, the first at load factor {first.load_factor:.6g} (point {carried[0].number}). There "
+            f"{carried[0].remark}",
+            UnstableStateWarning,
+            stacklevel=stacklevel + 1,
+        )
+
+
+def _carried(problem: Problem, path: EquilibriumPath, pulse: Pulse) -> Iterator[_Carried]:
+    record = Recorder(problem)
+    for number, point in enumerate(path.points):
+        pulse(f"looking for slack parts at point {number} of {len(path.points)}")
+        actions = load_cases.between(path.start, path.end, point.load_factor)
+        problem.apply(actions)
+        x = problem.discretization.distribute(point.displacement)
+        with problem.without_kept_stiffness(point.kept):
+            state = record(path.name, x, actions, (Increment(point.load_factor, point.iterations),))
+        for remark in remarked(state, None).remarks:
+            if getattr(remark, "category", None) is UnstableStateWarning:
+                yield _Carried(number, remark)
+                break
