@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from ..model.parts import Mast, Membrane
 from ..model.structure import Structure
+from .loose_masts import Loose, loose_masts
 from .motions import Motion, motion_of
-from .slack_forces import Loose, Push, loose_masts, pushes, slack_cells
+from .slack_forces import Push, pushes, slack_cells
 from .states import BarResult, LostPrestressWarning, StageResult, UnstableStateWarning
 
 LEFT = 0.01  # share of its prestress, below which a part has lost it
@@ -57,7 +58,7 @@ def held_by_slack_parts(result: StageResult) -> str:
     """Masts, or else a node, and the slack parts that alone hold them, in words; empty where there is none."""
     for push in pushes(result):
         return f"{_hanging(result.structure, push)}, held by slack parts alone ({_listed(list(push.compression))})"
-    for loose in loose_masts(result):
+    for loose in filter(lambda loose: loose.slack, loose_masts(result)):
         return f"{_standing(result.structure, [loose.node])}, held by slack parts alone ({_slack_at(result, loose)})"
     return ""
 
@@ -124,19 +125,25 @@ def _carried(result: StageResult) -> Iterator[Remark]:
         hanging = masts or f"node {push.nodes[0]}"
         falls = "is not held, and falls or takes another shape" if masts or not membranes else "stays there by it alone"
         yield Remark(
-            f"slack or wrinkled parts carry the structure: {forces}, {size} the largest {largest} there, by the share of "
-            f"stiffness that is kept there (compression_stiffness). Fabric and cables carry no compression: "
+            f"slack or wrinkled parts carry the structure: {forces}, {size} the largest {largest} there, by the share "
+            f"of stiffness that is kept there (compression_stiffness). Fabric and cables carry no compression: "
             f"{hanging} {falls}. Add cables, masts or supports that hold it by tension, or prestress; if the part is "
             "meant to be slack there, a smaller compression_stiffness."
         )
     told = {int(node) for push in found for node in push.nodes}
     loose = [entry for entry in loose_masts(result) if entry.node not in told]
     if loose:
-        axis = ", ".join(f"{component:.3g}" for component in np.round(loose[0].direction, 9) + 0.0)
+        first = loose[0]
+        axis = ", ".join(f"{component:.3g}" for component in np.round(first.direction, 9) + 0.0)
+        why = (
+            f"all that could hold it there is slack ({_slack_at(result, first)})"
+            if first.slack
+            else "it moves without resistance (a mechanism), as where a mast and its guys lie in one plane"
+        )
+        same = [entry.node for entry in loose if entry.slack == first.slack]
         yield Remark(
-            f"{_standing(result.structure, [entry.node for entry in loose])} is not held in the direction ({axis}): "
-            f"all that could hold it there is slack ({_slack_at(result, loose[0])}). Add cables, masts or supports "
-            "against that, or prestress."
+            f"{_standing(result.structure, same)} is not held in the direction ({axis}): {why}. Add cables, masts or "
+            "supports against that, or prestress."
         )
 
 
