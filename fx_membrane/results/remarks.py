@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.parts import Mast, Membrane
+from ..model.parts import Cable, Mast, Membrane
 from ..model.structure import Structure
 from .loose_masts import Loose, loose_masts
 from .motions import Motion, motion_of
@@ -72,13 +72,13 @@ def _remarks(result: StageResult, start: NDArray[np.float64] | None) -> Iterator
             "stability(state) shows how it gives way. Add supports, members or prestress against that."
         )
     motion = motion_of(result, start)
-    yield from _snapped(result, motion)
+    told = [*_snapped(result, motion), *_carried(result)]
     if str(motion) and not any(increment.snapped for increment in result.increments):
-        yield Remark(_far(result, motion))
-    yield from _carried(result)
+        told.insert(0, Remark(_far(result, motion)))
+    yield from told
     lost = [name for name in result.parts if _has_lost_its_prestress(result, name)]
     if lost:
-        yield _Lost(_loss(result, lost))
+        yield _Lost(_loss(result, lost, stands=not (factors or told)))
 
 
 def _far(result: StageResult, motion: Motion) -> str:
@@ -147,17 +147,29 @@ def _carried(result: StageResult) -> Iterator[Remark]:
         )
 
 
-def _loss(result: StageResult, lost: Sequence[str]) -> str:
-    """Which parts have lost their prestress, and how far their nodes have moved."""
+def _loss(result: StageResult, lost: Sequence[str], stands: bool) -> str:
+    """Which parts have lost their prestress, and how far their nodes have moved.
+
+    Cables that are slack beside others which hold the structure are ordinary: they ask for no advice.
+    """
     structure = result.structure
     nodes = np.unique(np.concatenate([structure.parts[name].cells.ravel() for name in lost]))
     motion = np.linalg.norm(result.displacement[nodes], axis=1)
     whole = all(name in lost for name, part in structure.parts.items() if _tensions(structure, name).max() > 0)
-    what = "all prestress is lost" if whole else "prestress is lost"
+    left = (
+        f"no cell of {_listed(lost)} has more than {100 * LEFT:g} % of it left, and node {nodes[motion.argmax()]} has "
+        f"moved by {motion.max():.3g} from the reference shape."
+    )
+    cables = all(isinstance(structure.parts[name], Cable) for name in lost)
+    if stands and cables and not whole:
+        return (
+            f"prestress is lost: {left} The rest holds the structure without these cables, which are slack under this "
+            "load, as leeward guys may be."
+        )
+    masts = any(isinstance(part, Mast) for part in structure.parts.values())
     return (
-        f"{what}: no cell of {_listed(lost)} has more than {100 * LEFT:g} % of it left, and node "
-        f"{nodes[motion.argmax()]} has moved by {motion.max():.3g} from the reference shape. If that is not meant, "
-        "check that every mast has its stays and every edge its supports, and that shape and prestress belong together."
+        f"{'all ' * whole}prestress is lost: {left} If that is not meant, check that "
+        f"{'every mast has its stays, ' * masts}every edge has its supports, and shape and prestress belong together."
     )
 
 
