@@ -13,13 +13,12 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ..model.parts import Mast, Membrane
+from ..model.parts import Cable, Mast, Membrane
 from ..model.structure import Structure
-from .balance import UnbalancedStateWarning, balance_remarks
+from .loose_masts import Loose, loose_masts
 from .motions import Motion, motion_of
-from .slack_forces import Loose, Push, loose_masts, pushes, slack_cells
-from .states import BarResult, LostPrestressWarning, Remark, StageResult
-from .strain_limits import LargeStrainWarning, strain_remarks
+from .slack_forces import Push, pushes, slack_cells
+from .states import BarResult, LostPrestressWarning, StageResult, UnstableStateWarning
 
 LEFT = 0.01  # share of its prestress, below which a part has lost it
 SHOWN = 3  # load factors and parts that are named
@@ -55,7 +54,7 @@ def held_by_slack_parts(result: StageResult) -> str:
     """Sentence on masts, or else a node, that slack parts alone hold; empty if there are none."""
     for push in pushes(result):
         return f"{_hanging(result.structure, push)}, held by slack parts alone ({_listed(list(push.compression))})"
-    for loose in loose_masts(result):
+    for loose in filter(lambda loose: loose.slack, loose_masts(result)):
         return f"{_standing(result.structure, [loose.node])}, held by slack parts alone ({_slack_at(result, loose)})"
     return ""
 
@@ -69,13 +68,13 @@ def _remarks(result: StageResult, start: NDArray[np.float64] | None) -> Iterator
             "stability(state) shows how it gives way. Add supports, members or prestress against that."
         )
     motion = motion_of(result, start)
-    yield from _snapped(result, motion)
+    told = [*_snapped(result, motion), *_carried(result)]
     if str(motion) and not any(increment.snapped for increment in result.increments):
-        yield Remark(_far(result, motion))
-    yield from _carried(result)
+        told.insert(0, Remark(_far(result, motion)))
+    yield from told
     lost = [name for name in result.parts if _has_lost_its_prestress(result, name)]
     if lost:
-        yield _Lost(_loss(result, lost))
+        yield _Lost(_loss(result, lost, stands=not (factors or told)))
 
 
 def _far(result: StageResult, motion: Motion) -> str:
@@ -122,33 +121,51 @@ def _carried(result: StageResult) -> Iterator[Remark]:
         hanging = masts or f"node {push.nodes[0]}"
         falls = "is not held, and falls or takes another shape" if masts or not membranes else "stays there by it alone"
         yield Remark(
-            f"slack or wrinkled parts carry the structure: {forces}, {size} the largest {largest} there, by the share of "
-            f"stiffness that is kept there (compression_stiffness). Fabric and cables carry no compression: "
+            f"slack or wrinkled parts carry the structure: {forces}, {size} the largest {largest} there, by the share "
+            f"of stiffness that is kept there (compression_stiffness). Fabric and cables carry no compression: "
             f"{hanging} {falls}. Add cables, masts or supports that hold it by tension, or prestress; if the part is "
             "meant to be slack there, a smaller compression_stiffness."
         )
     told = {int(node) for push in found for node in push.nodes}
     loose = [entry for entry in loose_masts(result) if entry.node not in told]
     if loose:
-        axis = ", ".join(f"{component:.3g}" for component in np.round(loose[0].direction, 9) + 0.0)
+        first = loose[0]
+        axis = ", ".join(f"{component:.3g}" for component in np.round(first.direction, 9) + 0.0)
+        why = (
+            f"all that could hold it there is slack ({_slack_at(result, first)})"
+            if first.slack
+            else "it moves without resistance (a mechanism), as where a mast and its guys lie in one plane"
+        )
+        same = [entry.node for entry in loose if entry.slack == first.slack]
         yield Remark(
-            f"{_standing(result.structure, [entry.node for entry in loose])} is not held in the direction ({axis}): "
-            f"all that could hold it there is slack ({_slack_at(result, loose[0])}). Add cables, masts or supports "
-            "against that, or prestress."
+            f"{_standing(result.structure, same)} is not held in the direction ({axis}): {why}. Add cables, masts or "
+            "supports against that, or prestress."
         )
 
 
-def _loss(result: StageResult, lost: Sequence[str]) -> str:
-    """Sentence on the parts that lost their prestress, and on the motion of their nodes."""
+def _loss(result: StageResult, lost: Sequence[str], stands: bool) -> str:
+    """Which parts have lost their prestress, and how far their nodes have moved.
+
+    Cables that are slack beside others which hold the structure are ordinary: they ask for no advice.
+    """
     structure = result.structure
     nodes = np.unique(np.concatenate([structure.parts[name].cells.ravel() for name in lost]))
     motion = np.linalg.norm(result.displacement[nodes], axis=1)
     whole = all(name in lost for name, part in structure.parts.items() if _tensions(structure, name).max() > 0)
-    what = "all prestress is lost" if whole else "prestress is lost"
+    left = (
+        f"no cell of {_listed(lost)} has more than {100 * LEFT:g} % of it left, and node {nodes[motion.argmax()]} has "
+        f"moved by {motion.max():.3g} from the reference shape."
+    )
+    cables = all(isinstance(structure.parts[name], Cable) for name in lost)
+    if stands and cables and not whole:
+        return (
+            f"prestress is lost: {left} The rest holds the structure without these cables, which are slack under this "
+            "load, as leeward guys may be."
+        )
+    masts = any(isinstance(part, Mast) for part in structure.parts.values())
     return (
-        f"{what}: no cell of {_listed(lost)} has more than {100 * LEFT:g} % of it left, and node "
-        f"{nodes[motion.argmax()]} has moved by {motion.max():.3g} from the reference shape. If that is not meant, "
-        "check that every mast has its stays and every edge its supports, and that shape and prestress belong together."
+        f"{'all ' * whole}prestress is lost: {left} If that is not meant, check that "
+        f"{'every mast has its stays, ' * masts}every edge has its supports, and shape and prestress belong together."
     )
 
 

@@ -1,4 +1,4 @@
-"""Forces of slack and wrinkled cells by their compression stiffness, and masts that nothing else holds.
+"""Forces that slack and wrinkled cells carry by the small stiffness they keep.
 
 A real cable cannot push and a real fabric carries no compression. A model keeps a fraction of their stiffness, so that
 slack nodes stay in place. If an equilibrium hangs on that fraction, the structure has none.
@@ -10,10 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.part_forms import stiffness
-from ..geometry.measures import measures
 from ..model.parts import Cable, Mast, Membrane
 from ..model.structure import Structure
-from ..solvers.lowest_mode import WEAK
 from .pieces import Pieces
 from .states import BarResult, MembraneResult, StageResult
 
@@ -36,13 +34,6 @@ class Push(NamedTuple):
     compression: dict[str, tuple[int, float]]
     largest: float
     nodes: NDArray[np.int64]
-
-
-class Loose(NamedTuple):
-    """Mast node that only slack cells could hold: its free direction, shape (3,)."""
-
-    node: int
-    direction: Array
 
 
 def pushes(result: StageResult) -> list[Push]:
@@ -96,14 +87,14 @@ def _carried_loads(result: StageResult, net: Array, pieces: Pieces) -> NDArray[n
 
 def _push(result: StageResult, names: list[str], nodes: NDArray[np.int64]) -> Push | None:
     """What parts of one kind carry at nodes; None where it is but rounding."""
-    compression, largest = {}, 0.0
+    found, largest = {}, 0.0
     for name in names:
         there = np.isin(result.structure.parts[name].cells, nodes).any(axis=1)
-        values = np.where(there, _compression(result, name), 0.0)
-        if values.max() > _rounding(result, name):
-            compression[name] = (int(values.argmax()), float(values.max()))
+        values = np.where(there, compression(result, name), 0.0)
+        if values.max() > rounding(result, name):
+            found[name] = (int(values.argmax()), float(values.max()))
         largest = max(largest, float(_sizes(result, name)[there].max(initial=0.0)))
-    return Push(compression, largest, nodes) if compression else None
+    return Push(found, largest, nodes) if found else None
 
 
 def _mast_ends(structure: Structure) -> NDArray[np.bool_]:
@@ -115,44 +106,13 @@ def _mast_ends(structure: Structure) -> NDArray[np.bool_]:
     return ends
 
 
-def loose_masts(result: StageResult) -> list[Loose]:
-    """Nodes of masts that only slack cells could hold in some direction.
-
-    A node counts if it gives way while all nodes beside it stand still. Without slack cells the list is empty: solvers
-    detect the missing stiffness themselves. If every part is without force, as before any load, cables count as
-    holding.
-    """
-    structure = result.structure
-    masts, slack, held, pressed = (np.zeros(len(structure.points), dtype=bool) for _ in range(4))
-    blocks = np.zeros((len(structure.points), 3, 3))
-    for name, part in structure.parts.items():
-        loose = slack_cells(result, name)
-        slack[part.cells[loose]] = True
-        pressed[part.cells[_compression(result, name) > _rounding(result, name)]] = True
-        if isinstance(part, Membrane):
-            held[part.cells[~loose]] = True
-            continue
-        blocks_here = np.where(loose[:, None, None], 0.0, _bar_tangent(result, name))
-        np.add.at(blocks, part.cells, blocks_here[:, None])
-        if isinstance(part, Mast):
-            masts[part.cells] = True
-            pressed[part.cells[result.mast(name).force < -SEEN * part.axial_stiffness * LIMIT]] = True
-    nodes = np.flatnonzero(masts & slack & pressed & ~held & ~result.actions.held.all(axis=1))
-    free = ~result.actions.held[nodes]
-    own = blocks[nodes] * (free[:, :, None] & free[:, None, :])
-    scale = np.abs(own).max(axis=(1, 2), initial=0.0)
-    own[:, range(3), range(3)] += np.where(free, 0.0, scale[:, None])
-    values, directions = np.linalg.eigh(own)
-    return [Loose(int(nodes[i]), directions[i, :, 0]) for i in np.flatnonzero(values[:, 0] <= WEAK * scale)]
-
-
 def slack_cells(result: StageResult, name: str) -> NDArray[np.bool_]:
     """Cells of a part without tension, shape (cells,)."""
     part = result.parts[name]
     return part.slack if isinstance(part, BarResult) else part.state == "slack"
 
 
-def _compression(result: StageResult, name: str) -> Array:
+def compression(result: StageResult, name: str) -> Array:
     """Largest compression of each slack or wrinkled cell, shape (cells,) [N or N/m]; 0 in others and in masts."""
     part = result.parts[name]
     if isinstance(part, BarResult):
@@ -166,8 +126,8 @@ def _sizes(result: StageResult, name: str) -> Array:
     return np.abs(part.force) if isinstance(part, BarResult) else part.principal[:, 0]
 
 
-def _rounding(result: StageResult, name: str) -> float:
-    """Compression at rounding [N or N/m]."""
+def rounding(result: StageResult, name: str) -> float:
+    """Compression that is rounding [N or N/m]."""
     part = result.structure.parts[name]
     kept = part.compression_stiffness if isinstance(part, Cable | Membrane) else 1.0
     return SEEN * kept * stiffness(part)
@@ -180,7 +140,7 @@ def _corner_forces(result: StageResult, name: str) -> tuple[Array, Array]:
         way = x[:, 1] - x[:, 0]
         direction = way / np.maximum(np.linalg.norm(way, axis=1), 1e-300)[:, None]
         unit = np.stack([direction, -direction], axis=1)
-        kept = -_compression(result, name)
+        kept = -compression(result, name)
         return kept[:, None, None] * unit, (part.force - kept)[:, None, None] * unit
     values, directions = np.linalg.eigh(part.cauchy)
     pressed = np.where((part.state == "taut")[:, None], 0.0, np.minimum(values, 0.0))
@@ -194,16 +154,3 @@ def _corner_forces(result: StageResult, name: str) -> tuple[Array, Array]:
         return across @ stress
 
     return forces(pressed), forces(values - pressed)
-
-
-def _bar_tangent(result: StageResult, name: str) -> Array:
-    """Stiffness of each cable or mast at one end while the other is fixed, shape (cells, 3, 3) [N/m]."""
-    part, state = result.structure.parts[name], result.parts[name]
-    assert isinstance(state, BarResult)
-    assert not isinstance(part, Membrane)
-    x = result.position[part.cells]
-    way = x[:, 1] - x[:, 0]
-    along = part.axial_stiffness / measures(result.structure.points, part.cells) ** 3
-    across = state.force / np.maximum(np.linalg.norm(way, axis=1), 1e-300)
-    dyads = way[:, :, None] * way[:, None, :]
-    return across[:, None, None] * np.eye(3) + along[:, None, None] * dyads

@@ -18,6 +18,7 @@ from fx_membrane import (
     boundary,
     polyline,
     rectangle,
+    stability,
     updated_reference,
 )
 
@@ -106,3 +107,41 @@ def test_mast_that_is_tilted_by_prescription_is_not_told():
     results = Analysis(structure).run([head, foot])
     assert not told(results["head"])
     assert not told(results["foot"])
+
+
+def in_one_plane(feet, prestress=1e3):
+    """Two masts with a cable between their heads and a guy each, and more guys from the first one."""
+    points = [[0.0, 0, 0], [0, 0, 4], [6, 0, 0], [6, 0, 4], [-3, 0, 0], [9, 0, 0], *feet]
+    cells = [[1, 3], [1, 4], [3, 5], *([1, 6 + i] for i in range(len(feet)))]
+    forces = [prestress * 0.6, prestress, prestress, *[prestress] * len(feet)]
+    parts = {"masts": Mast([[0, 1], [2, 3]], 2e8, -0.8 * prestress), "cables": Cable(cells, 12e6, forces)}
+    return Structure(points, parts, [Support([0, 2, 4, 5, *range(6, len(points))])])
+
+
+def test_mast_between_two_guys_in_one_plane_is_free_across():
+    points = [[0.0, 0, 0], [0, 0, 4], [3, 0, 0], [-3, 0, 0]]
+    structure = Structure(
+        points, {"mast": Mast([[0, 1]], 2e8), "guys": Cable([[1, 2], [1, 3]], 12e6, 1e3)}, [Support([0, 2, 3])]
+    )
+    along = Stage("along", [PointLoad(1, (100.0, 0, 0))], after="rest")
+    results = Analysis(structure).run([Stage("rest"), along])
+    for result in results.values():
+        assert stability(result).free == 1
+        assert not stability(result).held_by_slack
+        words = result.remarks[0].replace("-1", "1")
+        assert "mast 'mast' (cell 0, at node 1) is not held in the direction (0, 1, 0): it moves without" in words
+
+
+def test_masts_in_one_plane_are_free_together():
+    result = Analysis(in_one_plane([])).run([Stage("rest")])["rest"]
+    assert stability(result).free == 1
+    assert any("mast 'masts'" in remark and "moves without resistance" in remark for remark in result.remarks)
+
+
+def test_masts_with_guys_across_are_held():
+    structure = in_one_plane([[0, 3.0, 0], [0, -3.0, 0]])
+    parts = {**structure.parts, "tie": Cable([[3, 6], [3, 7]], 12e6, 1e3)}
+    held = Structure(structure.points, parts, structure.supports)
+    result = Analysis(held).run([Stage("load", [DeadLoad((0, 0, -1.0), "cables")])])["load"]
+    assert stability(result).stable
+    assert result.remarks == ()

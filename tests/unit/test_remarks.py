@@ -22,6 +22,7 @@ from fx_membrane import (
     Support,
     UnstableStateWarning,
     boundary,
+    polyline,
     rectangle,
     report,
     stability,
@@ -139,6 +140,34 @@ def test_forgotten_guy_loses_the_prestress_and_lets_the_mast_go():
     assert CARRY in " ".join(results["push"].remarks)
     # The other guy holds the mast along itself; across it there is a slack guy.
     assert "mast 'mast' (cell 0, at node 1) is not held in the direction (0, " in results["back"].remarks[0]
+
+
+def test_slack_leeward_guy_is_ordinary():
+    four = [[0.0, 0, 0], [0, 0, 4], [3, 0, 0], [0, 3, 0], [-3, 0, 0], [0, -3, 0]]
+    guys = {f"guy {side}": Cable([[1, i]], 12e6, 1e3) for i, side in enumerate(("E", "N", "W", "S"), 2)}
+    structure = Structure(four, {"mast": Mast([[0, 1]], 200e6), **guys}, [Support([0, 2, 3, 4, 5])])
+    with pytest.warns(LostPrestressWarning, match="no cell of 'guy E' has more than 1 % of it left, and node 1 has"):
+        result = Analysis(structure).run([Stage("rest"), push(2000, 0, 0, after="rest")])["push"]
+    assert len(result.remarks) == 1
+    assert "slack under this load" in result.remarks[0]
+    assert "check" not in result.remarks[0]
+    assert stability(result).stable
+
+
+def test_slack_diagonal_of_a_roof_is_ordinary():
+    points, triangles = rectangle(8.0, 6.0, 8, 8)
+    points = np.column_stack([points[:, :2], points[:, 0] * points[:, 1] / 12])
+    parts = {
+        "fabric": Membrane(triangles, Fabric(5e5, 0.3), 2e3),
+        "sagging": Cable(polyline(np.arange(9) * 10), 1e7, 5e3),
+        "arching": Cable(polyline(8 + np.arange(9) * 8), 1e7, 5e3),
+    }
+    structure = Structure(points, parts, [Support(np.unique(boundary(triangles)))])
+    snow = Stage("snow", [DeadLoad((0, 0, -600.0), "fabric")], after="rest")
+    remarks = Analysis(structure).run([Stage("rest"), snow])["snow"].remarks
+    assert len(remarks) == 1
+    assert "'arching'" in remarks[0]
+    assert "mast" not in remarks[0]
 
 
 def test_small_mast_beside_a_large_one_is_seen():
