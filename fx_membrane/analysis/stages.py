@@ -242,7 +242,7 @@ class Analysis:
     def _located(
         self, stage: Stage, start: Actions, end: Actions, state: Progress, reached: Progress | None, work: Work
     ) -> Progress | None:
-        """The state that follows another; None where there is none, or the limit of work ended the search for it."""
+        """Choose the state that follows another; None without one, or if the limit of work ended its search."""
         if reached and not work.over and reached.increments[-1].snapped:
             reached = self._fallen(stage, start, end, state, reached, work)
         return None if work.over else reached

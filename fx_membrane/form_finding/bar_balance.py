@@ -101,7 +101,7 @@ def _lines(points: Array, cells: NDArray[np.int64]) -> tuple[Array, Array]:
 
 
 def _assembled(blocks: Array, cells: NDArray[np.int64], free: NDArray[np.bool_]) -> csr_matrix:
-    """Derivative of the forces on the free components, from the blocks of bars, shape (cells, 3, 3)."""
+    """Assemble the derivative of the forces on the free components from blocks of bars, shape (cells, 3, 3)."""
     number = np.full(free.shape, -1)
     number[free] = np.arange(free.sum())
     signs = np.array([[-1, 1], [1, -1]])

@@ -41,7 +41,7 @@ class _Ends(NamedTuple):
 
 
 def loose_masts(result: StageResult) -> list[Loose]:
-    """Ends of masts that stand, or lie about, with nothing to hold them in some direction.
+    """Find ends of masts that nothing holds in some direction.
 
     At a slack cell, a node counts only if it gives way while all nodes beside it stand still; where all is without
     force, as before anything is applied, cables count as holding. Other ends of cables may give way together, as two
@@ -84,7 +84,7 @@ def _ends(result: StageResult) -> _Ends:
 
 
 def _together(result: StageResult, nodes: NDArray[np.int64]) -> list[Loose]:
-    """The node that moves most in a free motion of nodes while all others stand still; none where there is none."""
+    """Find the node that moves most in a free motion of some nodes while all others stand still."""
     if not 1 < len(nodes) <= MANY:
         return []
     row = np.full(len(result.structure.points), -1)

@@ -36,7 +36,7 @@ class Motion(NamedTuple):
 
 
 def motion_of(result: StageResult, start: Array | None) -> Motion:
-    """What has moved far since the start of a stage.
+    """Find nodes and masts that moved far since the start of a stage.
 
     Args:
         result: A state.
@@ -46,7 +46,7 @@ def motion_of(result: StageResult, start: Array | None) -> Motion:
 
 
 def _moved(result: StageResult, start: Array) -> str:
-    """The node that moved far, further than what is moved by prescription in the same piece."""
+    """Name the node that moved further than prescribed displacements in the same piece."""
     structure, held, motion = result.structure, result.actions.held, result.displacement - start
     moved, given = (np.linalg.norm(np.where(where, motion, 0.0), axis=1) for where in (~held, held))
     pieces = Pieces(structure, held.all(axis=1))
@@ -72,7 +72,7 @@ def _largest(values: Array, structure: Structure, pieces: Pieces) -> Array:
 
 
 def _tilted(result: StageResult, start: Array) -> str:
-    """The masts that tilted: the first of each part, the node that moved more, its angle and its distance."""
+    """Name masts that tilted: the first of each part, the node that moved more, its angle and its distance."""
     motion = result.displacement - start
     given, said = np.where(result.actions.held, motion, 0.0), []
     for name, part in result.structure.parts.items():

@@ -15,10 +15,12 @@ from numpy.typing import NDArray
 
 from ..model.parts import Cable, Mast, Membrane
 from ..model.structure import Structure
+from .balance import UnbalancedStateWarning, balance_remarks
 from .loose_masts import Loose, loose_masts
 from .motions import Motion, motion_of
 from .slack_forces import Push, pushes, slack_cells
-from .states import BarResult, LostPrestressWarning, StageResult, UnstableStateWarning
+from .states import BarResult, LostPrestressWarning, Remark, StageResult
+from .strain_limits import LargeStrainWarning, strain_remarks
 
 LEFT = 0.01  # share of its prestress, below which a part has lost it
 SHOWN = 3  # load factors and parts that are named
@@ -30,7 +32,7 @@ class _Lost(Remark):
 
 
 def remarked(result: StageResult, start: NDArray[np.float64] | None, loaded: bool = True) -> StageResult:
-    """The result with its remarks.
+    """Add the remarks to a result.
 
     Args:
         result: A state.

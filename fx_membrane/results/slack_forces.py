@@ -86,7 +86,7 @@ def _carried_loads(result: StageResult, net: Array, pieces: Pieces) -> NDArray[n
 
 
 def _push(result: StageResult, names: list[str], nodes: NDArray[np.int64]) -> Push | None:
-    """What parts of one kind carry at nodes; None where it is but rounding."""
+    """Find forces that parts of one kind carry at nodes by compression; None at rounding."""
     found, largest = {}, 0.0
     for name in names:
         there = np.isin(result.structure.parts[name].cells, nodes).any(axis=1)

@@ -22,7 +22,7 @@ def hanging_ends(state: StageResult) -> str:
 
 
 def slack_parts(state: StageResult) -> str:
-    """A sentence that names the parts of which no cell, or few, is in tension; nothing where there is none."""
+    """Sentence on parts with no cell, or few cells, in tension; empty if there are none."""
     slack = {name: _slack(state, name) for name in state.parts}
     most = [name for name, cells in slack.items() if np.count_nonzero(cells) > 0.5 * len(cells)]
     if not most:

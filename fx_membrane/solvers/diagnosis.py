@@ -97,7 +97,7 @@ def slack_mechanism(problem: Problem, x: PETSc.Vec) -> Mechanism | None:
 
 
 def _slack_mechanism(structure: Structure, found: Mechanism) -> Mechanism:
-    """A mechanism of masts, with words for what falls and what meets it."""
+    """Describe a mechanism of masts: those that fall, and the parts that meet them."""
     moving = np.linalg.norm(found.motion, axis=1) > SHARE
     falling, beside = [], []
     for name, part in structure.parts.items():
@@ -190,7 +190,7 @@ def stalled(
 
 
 def swung_masts(problem: Problem, x: PETSc.Vec, limit: float, kind: str) -> str:
-    """The mast that has turned most, in a sentence; empty where none has by more than a limit.
+    """Name the mast that has turned most, in a sentence; empty if none has by more than a limit.
 
     Args:
         problem: The problem.

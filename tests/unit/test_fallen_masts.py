@@ -28,7 +28,7 @@ pytestmark = pytest.mark.filterwarnings(
 
 
 def hypar_and_pole():
-    """A roof that is held along its edge, and beside it a pole of 4 m that lacks its third guy; the pole's head."""
+    """Make a roof held along its edge, and beside it a pole of 4 m without its third guy; return the pole's head too."""
     points, triangles = rectangle(8.0, 6.0, 8, 8)
     points = np.column_stack([points[:, :2], points[:, 0] * points[:, 1] / 12])
     edge, n = np.unique(boundary(triangles)), len(points)
@@ -43,7 +43,7 @@ def hypar_and_pole():
 
 
 def tent(stays, k=8):
-    """A square sail with two low corners on the ground and two on masts, with some of four stays; the mast heads."""
+    """Make a square sail with two corners on the ground and two on masts, with some of four stays."""
     points, triangles = rectangle(10.0, 10.0, k, k)
     c, d, n = 0.5**0.5, 10 * 0.5**0.5, len(points)
     x, y = c * (points[:, 0] - points[:, 1]), c * (points[:, 0] + points[:, 1])

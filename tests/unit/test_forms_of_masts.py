@@ -31,7 +31,7 @@ def guyed(force, head=(0.0, 0, 4), unit=1.0, guy=1e3):
 
 
 def divided(force, count):
-    """The same with guys of several cells."""
+    """Make the same with guys of several cells."""
     head, points, cells = np.array([0.0, 0, 4]), [[0.0, 0, 0], [0, 0, 4]], []
     for foot in FEET:
         line = head + np.linspace(0, 1, count + 1)[1:, None] * (foot - head)

@@ -21,7 +21,7 @@ from models import LIMIT, SNOW, arch, inclined_sheet
 
 
 def pushed(structure, load, **arguments):
-    """A path, and the sentences of the warnings about it."""
+    """Trace a path; return it with the sentences of the warnings about it."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         path = trace(structure, Stage("wind", [PointLoad(1, load)], steps=10), **arguments)

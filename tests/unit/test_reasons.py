@@ -26,7 +26,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::UserWarning")
 
 
 def reason(structure, stages, solver=Newton()):
-    """The message, after the load factors."""
+    """Return the message, after the load factors."""
     with pytest.raises(ConvergenceError) as error:
         Analysis(structure, solver).run(stages)
     return str(error.value).split("): ", 1)[1]

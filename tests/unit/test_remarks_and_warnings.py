@@ -43,7 +43,7 @@ def hypar(**parts):
 
 
 def ridged(stiffness):
-    """A hypar with a cable across its middle."""
+    """Make a hypar with a cable across its middle."""
     return hypar(ridge=Cable(polyline(36 + np.arange(9)), stiffness, prestress=2e4))
 
 
