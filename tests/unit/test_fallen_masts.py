@@ -28,7 +28,7 @@ pytestmark = pytest.mark.filterwarnings(
 
 
 def hypar_and_pole():
-    """Make a roof held along its edge, and beside it a pole of 4 m without its third guy; return the pole's head too."""
+    """Make a roof held along its edge, and beside it a pole without its third guy; return the head too."""
     points, triangles = rectangle(8.0, 6.0, 8, 8)
     points = np.column_stack([points[:, :2], points[:, 0] * points[:, 1] / 12])
     edge, n = np.unique(boundary(triangles)), len(points)
