@@ -4,6 +4,8 @@ A step takes the force of a bar for a force per length, with which a mast that p
 lengths are found here from the balance of the forces themselves, by least squares with a trust region.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
@@ -19,6 +21,7 @@ SHORT = 1e-2  # share of its first length, below which a bar counts as shrunk to
 STEPS = (1, 5, 20)  # numbers of steps, tried in turn, in which the unbalanced forces of the first shape are let go
 TRIES = 20  # of each
 EPS = 1e-15
+FOLLOWED = 1e-6  # unbalanced force, above which a step has lost its way
 TURNED = 0.5  # cosine of the angle by which a mast turns at most
 
 
@@ -31,12 +34,13 @@ def has_free_masts(structure: Structure) -> bool:
     )
 
 
-def balanced_points(structure: Structure, loads: Array) -> Array | None:
+def balanced_points(structure: Structure, loads: Array, pulse: Callable[[str], None]) -> Array | None:
     """Positions of the nodes in which forces of bars, each the prestress, balance loads on the nodes.
 
     Args:
         structure: The first shape, of bars alone.
         loads: Loads on the nodes, shape (n, 3) [N].
+        pulse: Told at each try how far the search is.
 
     Returns:
         Positions, shape (n, 3) [m]; None where none were found.
@@ -62,6 +66,7 @@ def balanced_points(structure: Structure, loads: Array) -> Array | None:
         return np.asarray(total[free] / force)
 
     def jacobian(unknowns: Array) -> csr_matrix:
+        pulse(f"balance of bars, unbalanced share of the largest force {np.abs(residual(unknowns)).max():.1e}")
         length, direction = _lines(placed(unknowns), cells)
         across = np.eye(3) - direction[:, :, None] * direction[:, None, :]
         blocks = (forces / length)[:, None, None] * across * (size / force)
@@ -76,6 +81,8 @@ def balanced_points(structure: Structure, loads: Array) -> Array | None:
             x = least_squares(
                 lambda x, rest=rest: residual(x) - rest, x, jacobian, xtol=EPS, ftol=EPS, gtol=EPS, max_nfev=TRIES
             ).x
+            if np.abs(residual(x) - rest).max() > FOLLOWED:
+                break
         points = placed(x)
         if np.abs(residual(x)).max() <= BALANCED and _is_standing(structure, points):
             return points

@@ -154,7 +154,7 @@ def updated_reference(
         try:
             state = _step(record, partial(solve, monitor=monitor), stage, points, len(steps) + 1)
         except RuntimeError:
-            balanced = None if searched else _balanced_bars(problem, stage, comm)
+            balanced = None if searched else _balanced_bars(problem, stage, comm, pulse)
             if balanced is None:
                 raise
             searched, points, steps = True, balanced, []
@@ -191,14 +191,14 @@ def _step(
     return state
 
 
-def _balanced_bars(problem: Problem, stage: Stage, comm: MPI.Intracomm) -> NDArray[np.float64] | None:
-    """Find a shape of bars alone in which their forces balance point loads, shape (n, 3) [m]; None without one."""
+def _balanced_bars(problem: Problem, stage: Stage, comm: MPI.Intracomm, pulse: Pulse) -> NDArray[np.float64] | None:
+    """A shape of bars alone in which their forces balance point loads, shape (n, 3) [m]; None without one."""
     structure = problem.discretization.structure
     if not has_free_masts(structure) or not all(isinstance(load, PointLoad) for load in stage.loads):
         return None
     actions = load_cases.target(problem, stage, load_cases.unloaded(structure))
     with together(comm):
-        found = balanced_points(structure, actions.loads) if comm.rank == 0 else None
+        found = balanced_points(structure, actions.loads, pulse) if comm.rank == 0 else None
     balanced: NDArray[np.float64] | None = comm.bcast(found)
     return balanced
 

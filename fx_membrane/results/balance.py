@@ -16,7 +16,10 @@ AT_REST = 10.0  # multiple of the rounding of a solver
 
 
 class UnbalancedStateWarning(UserWarning):
-    """Unbalanced forces above 1e-6 of the loads, or of the reactions where there are no loads."""
+    """Unbalanced forces above 1e-6 of the loads, or of the reactions where there are no loads.
+
+    Rounding of the forces that meet at a node does not count.
+    """
 
 
 class _Unbalanced(Remark):
