@@ -1,4 +1,4 @@
-"""A bound on the work of a stage, counted over all that is tried."""
+"""A bound on the work of a stage or a path, counted over all that is tried."""
 
 from dataclasses import dataclass, field
 from time import monotonic
@@ -11,11 +11,12 @@ from ..solvers.base import Iteration, Monitor
 
 @dataclass(frozen=True)
 class WorkLimit:
-    """Most work that a stage may take, whatever comes of it.
+    """Most work that a stage of an `Analysis` or a path of `trace` may take, whatever comes of it.
 
     Iterations are those of all increments, of tries that came to nothing, and of those that draw a structure smooth.
-    A stage that takes more ends with a ConvergenceError, which has its last converged state. A single iteration is not
-    interrupted. With a checkpoint the next run begins where this one ended, with the whole limit before it.
+    A stage that takes more ends with a ConvergenceError, which has its last converged state; a path with a
+    ContinuationError, which has its points. A single iteration is not interrupted. With a checkpoint the next run
+    begins where this one ended, with the whole limit before it.
 
     Args:
         iterations: Most iterations; None for no limit but those of the solver for each increment.
@@ -41,10 +42,10 @@ class WorkDone(Exception):  # noqa: N818  (a message from the monitor to whoever
 
 @dataclass
 class Work:
-    """Counts the work of a stage; a monitor that ends the solve where the limit is reached.
+    """Counts the work of a stage or a path; a monitor that ends the solve where the limit is reached.
 
     Attributes:
-        iterates: Those of the present increment, the first of each try included.
+        iterates: Those of the present increment, or of the path, the first of each try included.
         what: Name of what is limited.
         over: That the limit is reached, in words; empty before.
     """
