@@ -26,13 +26,14 @@ from ..assembly import load_cases
 from ..assembly.problem import Problem
 from ..checks import validation
 from ..model import loads
-from ..model.fingerprints import of_settings, of_stages
+from ..model.fingerprints import fingerprint, of_settings, of_stages
 from ..model.loads import Stage
 from ..model.restraint import check_supports
 from ..model.structure import Structure
 from ..results.states import StageResult, UnstableStateWarning
 from ..results.strain_limits import warn_of_large_prestress
 from ..runtime.processes import refuse_differences, together
+from ..solvers.base import silent
 from ..solvers.bordered_newton import BorderedNewton, Plane, Point, Step
 from ..solvers.diagnosis import linear_failure
 from ..solvers.lowest_mode import downhill
@@ -42,6 +43,7 @@ from .path_geometry import Arrival, Metric
 from .path_remarks import warn_of_slack_parts
 from .path_walk import Walk
 from .step_control import StepControl
+from .work import Work, WorkDone, WorkLimit
 
 
 class ContinuationError(RuntimeError):
@@ -64,6 +66,7 @@ def trace(
     max_points: int = 200,
     rtol: float = 1e-10,
     comm: MPI.Intracomm = MPI.COMM_WORLD,
+    limit: WorkLimit = WorkLimit(),
 ) -> EquilibriumPath:
     """Equilibrium path of a stage by arc length: a sequence of neighbouring states, the start first.
 
@@ -86,12 +89,13 @@ def trace(
         rtol: Relative tolerance of the unbalanced forces: their 2-norm over that of all nodal forces, reactions and
             loads included. Rounding counts as converged.
         comm: The processes that share the work; each must give the same start and stage.
+        limit: Most work that the path may take.
 
     Raises:
         ValueError: The stage does not fit the structure or the start, or moves nothing; the structure is not
             supported; an argument is out of its range.
-        ContinuationError: The start is not in equilibrium or has a singular tangent, or no next point was found; the
-            exception has the path up to there.
+        ContinuationError: The start is not in equilibrium or has a singular tangent, no next point was found, or the
+            limit of work is used up; the exception has the path up to there.
 
     Warns:
         UnstableStateWarning: The start is not stable; or slack or wrinkled parts carry points of the path.
@@ -104,10 +108,13 @@ def trace(
         max_points = validation.whole("trace max_points", max_points)
         rtol = validation.tolerance("trace rtol", rtol)
         structure = start if isinstance(start, Structure) else start.structure
+        validation.instance("trace limit", limit, WorkLimit)
         _check_stage(structure, start, stage)
     state = () if isinstance(start, Structure) else (start.displacement, start.actions)
     given = {"load_factor": load_factor, "displacement": displacement, "max_points": max_points, "rtol": rtol}
-    refuse_differences(comm, lambda: of_settings({"start": state} | given) | of_stages([stage]))
+    refuse_differences(
+        comm, lambda: of_settings({"start": state} | given) | of_stages([stage]) | {"limit": fingerprint(limit)}
+    )
     shape = np.zeros(structure.points.shape) if isinstance(start, Structure) else start.displacement
     before = load_cases.unloaded(structure) if isinstance(start, Structure) else start.actions
     problem = Problem(structure, comm)
@@ -122,8 +129,14 @@ def trace(
         if isinstance(start, Structure) and comm.rank == 0:  # a state already has its remarks
             warn_of_large_prestress(structure, stacklevel=3)
     newton = BorderedNewton(problem, path.start, path.end, x, rtol)
+    newton.monitor = Work(limit, comm, silent, what="a path")
+    tracer = _Tracer(newton, path, 1 / stage.steps)
     try:
-        path = _Tracer(newton, path, 1 / stage.steps).run(x, ends, max_points)
+        path = tracer.run(x, ends, max_points)
+    except WorkDone as done:
+        error = ContinuationError(_cut_off(tracer.path, done), tracer.path)
+        warn_of_slack_parts(problem, error.path, newton.pulse, stacklevel=2)
+        raise error from None
     except ContinuationError as error:
         warn_of_slack_parts(problem, error.path, newton.pulse, stacklevel=2)
         raise
@@ -132,6 +145,12 @@ def trace(
         return path
     finally:
         newton.free()
+
+
+def _cut_off(path: EquilibriumPath, done: WorkDone) -> str:
+    factors = path.load_factors
+    where = f"after {len(factors)} points, at load factor {factors[-1]:.6g}" if len(factors) else "before its start"
+    return f"The path of stage {path.name!r} ended {where}: {done}; allow more (WorkLimit), or fewer steps (steps=...)."
 
 
 def _check_stage(structure: Structure, start: Structure | StageResult, stage: Stage) -> None:

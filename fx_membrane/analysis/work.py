@@ -1,4 +1,4 @@
-"""Limit of the work of a stage, counted over all attempts."""
+"""Limit of the work of a stage or a path, counted over all attempts."""
 
 from dataclasses import dataclass, field
 from time import monotonic
@@ -11,11 +11,11 @@ from ..solvers.base import Iteration, Monitor
 
 @dataclass(frozen=True)
 class WorkLimit:
-    """Maximum work of a stage, successful or not.
+    """Maximum work of a stage of an `Analysis` or a path of `trace`, successful or not.
 
     Iterations are those of all increments, of rejected attempts and of the homotopy. A stage that takes more ends with
-    a ConvergenceError, which has its last converged state. A single iteration is not interrupted. With a checkpoint,
-    the next run resumes there, with the whole limit available.
+    a ConvergenceError, which has its last converged state; a path with a ContinuationError, which has its points. A
+    single iteration is not interrupted. With a checkpoint, the next run resumes there, with the whole limit available.
 
     Args:
         iterations: Maximum number of iterations; None for no limit beyond those of the solver for each increment.
@@ -41,10 +41,10 @@ class WorkDone(Exception):  # noqa: N818  (a message from the monitor to whoever
 
 @dataclass
 class Work:
-    """Count of the work of a stage: a monitor that ends the solve at the limit.
+    """Count of the work of a stage or a path: a monitor that ends the solve at the limit.
 
     Attributes:
-        iterates: Iterates of the present increment, the first of each attempt included.
+        iterates: Iterates of the present increment, or of the path, the first of each attempt included.
         what: Name of what is limited.
         over: That the limit is reached, in words; empty before.
     """

@@ -192,7 +192,7 @@ def _step(
 
 
 def _balanced_bars(problem: Problem, stage: Stage, comm: MPI.Intracomm, pulse: Pulse) -> NDArray[np.float64] | None:
-    """A shape of bars alone in which their forces balance point loads, shape (n, 3) [m]; None without one."""
+    """Find a shape of bars alone in which their forces balance point loads, shape (n, 3) [m]; None without one."""
     structure = problem.discretization.structure
     if not has_free_masts(structure) or not all(isinstance(load, PointLoad) for load in stage.loads):
         return None

@@ -18,7 +18,7 @@ from petsc4py import PETSc
 from ..assembly import load_cases
 from ..assembly.problem import Actions, Problem
 from . import factorization
-from .base import Iteration, tolerance
+from .base import Iteration, Monitor, silent, tolerance
 from .progress import Pulse
 
 MOST = 12  # maximum number of iterations
@@ -72,11 +72,13 @@ class BorderedNewton:
         A: The tangent that was factored last.
         along: Derivative of the displacement by the load factor with that tangent.
         symmetric: True if the tangent is symmetric at every load factor.
+        monitor: Hears of the iterates, and may end the search by an exception.
     """
 
     def __init__(self, problem: Problem, start: Actions, end: Actions, x: PETSc.Vec, rtol: float):
         self.problem, self.start, self.end, self.rtol = problem, start, end, rtol
         self.rate = load_cases.change(start, end)
+        self.monitor: Monitor = silent
         self.pulse = Pulse("trace", problem.discretization.comm.rank == 0)
         self.A = problem.discretization.create_matrix()
         create = problem.discretization.create_vector
@@ -111,6 +113,7 @@ class BorderedNewton:
             largest = self.b.norm(PETSc.NormType.NORM_INFINITY)
             iterations.append(Iteration(self.problem.energy(x), largest, float(bool(iterations))))
             self.pulse(f"load factor {factor:.6g}, iteration {len(iterations) - 1}, residual {largest:.1e}")
+            self.monitor(len(iterations) - 1, iterations[-1])
             if balanced:
                 return Point(x, factor, tuple(iterations))
             lost = not (math.isfinite(largest) and x.norm(PETSc.NormType.NORM_INFINITY) <= FAR * self.size)

@@ -1,0 +1,42 @@
+"""A bound on the work of a path, and the points that are left where it is used up."""
+
+import numpy as np
+import pytest
+
+from fx_membrane import ContinuationError, PointLoad, Stage, WorkLimit, trace
+from fx_membrane.analysis import work
+from models import LIMIT, arch, close
+
+PUSH = Stage("push", [PointLoad(1, (0, 0, -1.2 * LIMIT))], steps=8)
+
+
+@pytest.mark.parametrize("most", [5, 12, 40])
+def test_points_before_the_limit_are_kept(most):
+    whole = trace(arch(), PUSH)
+    with pytest.raises(ContinuationError, match=rf": the limit of {most} iterations for a path is used up; .*\.$") as e:
+        trace(arch(), PUSH, limit=WorkLimit(iterations=most))
+    path = e.value.path
+    count = len(path.points)
+    assert 1 <= count < len(whole.points)
+    assert sum(len(point.iterations) - 1 for point in path.points) <= most
+    assert not path.complete
+    assert path.reason == str(e.value)
+    assert f"after {count} points, at load factor {path.load_factors[-1]:.6g}" in path.reason
+    assert close(path.displacements, whole.displacements[:count])
+
+
+def test_limit_that_is_enough_changes_nothing():
+    whole = trace(arch(), PUSH)
+    assert np.array_equal(trace(arch(), PUSH, limit=WorkLimit(iterations=10_000)).load_factors, whole.load_factors)
+
+
+def test_limit_of_seconds(monkeypatch):
+    clock = iter(np.arange(0.0, 1e6))
+    monkeypatch.setattr(work, "monotonic", lambda: next(clock))
+    with pytest.raises(ContinuationError, match=r"the limit of 9.5 s for a path is used up, after \d iterations"):
+        trace(arch(), PUSH, limit=WorkLimit(seconds=9.5))
+
+
+def test_a_limit_of_another_kind_is_refused():
+    with pytest.raises(ValueError, match="trace limit is 40"):
+        trace(arch(), PUSH, limit=40)
