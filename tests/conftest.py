@@ -11,22 +11,33 @@ from mpi4py import MPI
 
 pytest.register_assert_rewrite("interrupted", "models", "wrinkled")
 
-# Files whose tests are the same on every process: plain NumPy, or single elements on COMM_SELF.
+# Files whose tests are the same on every process: plain NumPy, or single elements on COMM_SELF; and files of remarks,
+# which follow from a result, after long searches for one. Tests in them that are collective are marked `mpi` there.
 ONE_PROCESS = {
     "forms/test_dccf.py",
+    "forms/test_equations.py",
     "forms/test_tension_direction.py",
     "forms/test_wrinkled_cells.py",
     "forms/test_wrinkling.py",
+    "unit/test_bad_values.py",
+    "unit/test_balance.py",
+    "unit/test_derived_classes.py",
+    "unit/test_fallen_masts.py",
     "unit/test_form_finding.py",
+    "unit/test_forms_of_masts.py",
     "unit/test_geometry.py",
     "unit/test_line_search.py",
     "unit/test_loads.py",
     "unit/test_material.py",
     "unit/test_partition.py",
     "unit/test_parts.py",
+    "unit/test_reasons.py",
+    "unit/test_remarks.py",
     "unit/test_rigid_motion.py",
+    "unit/test_slivers.py",
     "unit/test_structure.py",
     "unit/test_validation.py",
+    "unit/test_work.py",
 }
 
 

@@ -49,6 +49,7 @@ def test_small_loads_on_a_prestressed_roof_are_silent(unit, weight, ridge):
     assert results["snow"].remarks == ()
 
 
+@pytest.mark.mpi
 @strict
 @UNITS
 @pytest.mark.filterwarnings("ignore::fx_membrane.LostPrestressWarning")

@@ -97,6 +97,7 @@ def test_tent_with_all_its_stays_gets_no_remark():
     assert [result.remarks for result in results.values()] == [()] * 4
 
 
+@pytest.mark.mpi
 def test_mast_that_is_tilted_by_prescription_is_not_told():
     points = [[0.0, 0, 0], [0, 0, 4], [3, 0, 0], [-3, 2, 0], [-3, -2, 0]]
     guys = Cable([[1, 2], [1, 3], [1, 4]], 1e5, 1e3)

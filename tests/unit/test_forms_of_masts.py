@@ -74,6 +74,7 @@ def test_guys_of_several_cells(count):
     assert Analysis(form.structure).run([Stage("form")])["form"].largest_displacement < 1e-6
 
 
+@pytest.mark.mpi
 def test_load_on_the_head_counts():
     load = PointLoad(1, (0, 0, 200.0))
     form = updated_reference(guyed(-2400.0), [load])

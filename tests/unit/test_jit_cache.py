@@ -80,7 +80,7 @@ def test_next_run_after_a_stop_while_compiling(environment, tmp_path):
             {"XDG_CACHE_HOME": "/dev/null"},
             "kept in /dev/null/fenics (Not a directory); give a folder that can be",
         ),
-        ({"CC": "nocc"}, "does not work (CompileError: command 'nocc' failed: No such file or directory); install it"),
+        ({"CC": "nocc"}, "does not work (CompileError: "),
     ],
 )
 def test_no_cache_and_no_compiler(variables, words, environment):

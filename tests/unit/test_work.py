@@ -41,6 +41,7 @@ def weight_and_wind(pressure):
     return [weight, Stage("wind", [Pressure(pressure, "fabric")], after="weight", steps=4)]
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("solver", [Newton(), Newton(line_search=False), ConjugateGradient()])
 def test_limit_of_iterations_is_met_exactly(solver):
     taken = sum(len(i.iterations) - 1 for i in Analysis(sheet(), solver).run(EASY)["snow"].increments)
@@ -76,6 +77,7 @@ def test_every_fallback_counts(most, monkeypatch):
     assert "weight" in analysis.run([weight])  # the analysis continues normally
 
 
+@pytest.mark.mpi
 def test_limit_of_seconds(monkeypatch):
     clock = iter(np.arange(0.0, 1e6))
     monkeypatch.setattr(work, "monotonic", lambda: next(clock))
