@@ -132,9 +132,10 @@ CASES = {
     natural_frequencies: MODES,
     stability: MODES,
     trace: (
-        {"start": ARCH, "stage": LOAD, "load_factor": 1.0, "displacement": None, "max_points": 2, "rtol": 1e-6, **COMM},
+        {"start": ARCH, "stage": LOAD, "load_factor": 1.0, "displacement": None, "max_points": 2, "rtol": 1e-6,
+         "limit": WorkLimit(), **COMM},
         {"start": "object", "stage": "object", "load_factor": "number?", "displacement": "object?",
-         "max_points": "whole", "rtol": "number", "comm": "object"},
+         "max_points": "whole", "rtol": "number", "limit": "object", "comm": "object"},
     ),
     Analysis: (
         {"structure": ARCH, "solver": Newton(), "limit": WorkLimit(), "progress": False, **COMM},

@@ -37,11 +37,16 @@ def run(environment):
     return subprocess.run([sys.executable, "-c", SCRIPT], env=environment, capture_output=True, text=True, check=False)
 
 
+# Processes in the background of a shell begin without.
+INTERRUPTIBLE = "import signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n"
+
+
 def stop_while_compiling(environment, folder, number):
     begun, slow = folder / "begun", folder / "slow"
     begun.unlink(missing_ok=True)
     slow.touch()
-    process = subprocess.Popen([sys.executable, "-c", SCRIPT], env=environment, stderr=subprocess.PIPE, text=True)
+    script = INTERRUPTIBLE + SCRIPT
+    process = subprocess.Popen([sys.executable, "-c", script], env=environment, stderr=subprocess.PIPE, text=True)
     while not begun.exists():
         assert process.poll() is None, process.stderr.read()
         time.sleep(0.05)

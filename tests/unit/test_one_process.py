@@ -16,7 +16,7 @@ EXPECTED = {
     "checkpoint on a full disk, warnings as errors": "CheckpointWarning: Stage 'snow': its state could not be saved",
     "checkpoint of another structure": "ValueError: The checkpoint .* is of another structure, which differs in: pres",
     "checkpoint that one process sees": "done",
-    "picture that cannot be written": "FileNotFoundError: .*/proc/fx",
+    "picture that cannot be written": "ValueError: path is '/proc/fx/picture.png', which cannot be written",
     "picture of nothing": "ValueError: path is .* which ends in no format of pictures",
     "warning as error": "LargeStrainWarning: Part 'ridge' is prestressed by 50 %",
     "other loads": DIFFERENT.format("loads of stage 'snow'"),

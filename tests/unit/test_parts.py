@@ -23,7 +23,7 @@ PER_CELL = np.array([[1.0, 2], [3, 4], [5, 6]])
         (lambda: Mast([[3, 3]], 1e6), r"^Mast cells: cell 0 has a node twice, \[3, 3\]"),
         (lambda: Membrane([[0, 1]], FABRIC), r"^Membrane cells must be .*\(n, 3\).* shape \(1, 2\)"),
         (lambda: Cable([[0, 1, 2]], 1e6), r"^Cable cells must be .*\(n, 2\).* shape \(1, 3\)"),
-        (lambda: Mast([[0.0, 1.0]], 1e6), "^Mast cells must be an array of whole numbers .* not float64"),
+        (lambda: Mast([[0.0, 1.0]], 1e6), r"^Mast cells must be an array of whole numbers .* not \[\[0\.0, 1\.0\]\]"),
     ],
 )
 def test_bad_cells(make, message):
