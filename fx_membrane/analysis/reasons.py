@@ -1,4 +1,4 @@
-"""Why a stage ended before its whole load, in words: first what makes all else beside the point."""
+"""Reasons in words of a stage that ended before its whole load; a mechanism comes before the largest load."""
 
 from petsc4py import PETSc
 
@@ -22,7 +22,7 @@ def reason(
     ceiling: Ceiling,
     work: Work,
 ) -> str:
-    """Why no increment from a state was found.
+    """Explain in words the failure of an increment from a state.
 
     Args:
         problem: The problem, under the actions of the increment that failed.

@@ -26,7 +26,7 @@ TURNED = 0.5  # cosine of the angle by which a mast turns at most
 
 
 def has_free_masts(structure: Structure) -> bool:
-    """Whether bars are all that the structure has, with a free mast among them."""
+    """Return True if the structure has bars only, with a free mast among them."""
     free = ~structure.supported.all(axis=1)
     parts = structure.parts.values()
     return all(isinstance(part, Bar) for part in parts) and any(
@@ -90,7 +90,7 @@ def balanced_points(structure: Structure, loads: Array, pulse: Callable[[str], N
 
 
 def _is_standing(structure: Structure, points: Array) -> bool:
-    """Whether no bar has shrunk to a point, and no mast has turned by more than 60 degrees."""
+    """Return True if no bar has shrunk to a point, and no mast has turned by more than 60 degrees."""
     for part in structure.parts.values():
         first, before = _lines(structure.points, part.cells)
         now, after = _lines(points, part.cells)

@@ -45,7 +45,7 @@ def balance_remarks(result: StageResult) -> Iterator[Remark]:
 
 
 def _at_rest(result: StageResult) -> bool:
-    """Whether all reactions are rounding, as where nothing is stressed and all is moved as one."""
+    """Return True if all reactions are rounding, as in a rigid motion without stress."""
     rounding = scales(result.structure, elastic=True).rounding(float(np.abs(result.displacement).max()))
     return bool((np.abs(result.reactions).max(axis=1) <= AT_REST * rounding).all())
 

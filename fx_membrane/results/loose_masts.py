@@ -22,7 +22,7 @@ class Loose(NamedTuple):
     Attributes:
         node: The node.
         direction: The direction in which it is free, shape (3,).
-        slack: Whether a slack cell ends there, so that all that could hold it is slack.
+        slack: True if a slack cell ends there, and every member that could hold it is slack.
     """
 
     node: int
@@ -31,7 +31,7 @@ class Loose(NamedTuple):
 
 
 class _Ends(NamedTuple):
-    """What meets at nodes: where masts, cables, fabric in tension, slack cells and forces are, shape (n,)."""
+    """Nodes at which masts, cables, fabric in tension, slack cells and forces meet, shape (n,)."""
 
     mast: NDArray[np.bool_]
     cable: NDArray[np.bool_]

@@ -37,7 +37,7 @@ def remarked(result: StageResult, start: NDArray[np.float64] | None, loaded: boo
     Args:
         result: A state.
         start: Displacements at the start of its stage, shape (n, 3) [m]; None where motion is not to be judged.
-        loaded: Whether its loads, if it has any, are more than rounding; otherwise its balance is not judged.
+        loaded: False if its loads are rounding; its balance is then not judged.
     """
     found = [*_remarks(result, start), *strain_remarks(result)]
     if loaded and result.increments:  # a start is no equilibrium that a solver has found
@@ -146,7 +146,7 @@ def _carried(result: StageResult) -> Iterator[Remark]:
 
 
 def _loss(result: StageResult, lost: Sequence[str], stands: bool) -> str:
-    """Which parts have lost their prestress, and how far their nodes have moved.
+    """Sentence on the parts that have lost their prestress, and on the motion of their nodes.
 
     Cables that are slack beside others which hold the structure are ordinary: they ask for no advice.
     """
