@@ -99,9 +99,8 @@ def _together(result: StageResult, nodes: NDArray[np.int64]) -> list[Loose]:
             np.add.at(blocks, (rows[here, i], rows[here, j]), tangent[here] if i == j else -tangent[here])
     free = np.flatnonzero(~result.actions.held[nodes])
     values, motions = np.linalg.eigh(blocks.transpose(0, 2, 1, 3).reshape(3 * len(nodes), -1)[np.ix_(free, free)])
-    motion = np.zeros(3 * len(nodes))
-    motion[free] = motions[:, 0]
-    motion = motion.reshape(-1, 3)
+    motion = np.zeros((len(nodes), 3))
+    motion.flat[free] = motions[:, 0]
     most = int(np.linalg.norm(motion, axis=1).argmax())
     if values[0] > WEAK * np.abs(blocks[most, most]).max():
         return []
