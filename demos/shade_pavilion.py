@@ -112,7 +112,7 @@ if shown and "--no-pictures" not in sys.argv:
         fabric = result.membrane("fabric")
         fields = {f"$u_{x}$ [cm]": 100 * result.displacement[:, i] for i, x in enumerate("xyz")}
         picture = folder / f"fig15-17{letter}_displacements.png"
-        plot.contours(result, fields, picture, view=iso, mirror="x", odd=["$u_x$ [cm]"])
+        plot.contours(result, fields, picture, view=iso, mirror="x", antisymmetric=["$u_x$ [cm]"])
         fields = {rf"$\sigma_{{{k}}}$ [kN/m]": {"fabric": fabric.principal[:, i]} for i, k in enumerate(["I", "II"])}
         fields["state"] = {"fabric": fabric.state}
         plot.contours(result, fields, folder / f"fig18-19{letter}_stresses.png", view=iso, mirror="x")

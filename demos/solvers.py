@@ -16,7 +16,7 @@ from mpi4py import MPI
 
 from fx_membrane import (
     Analysis, ConjugateGradient, ConvergenceError, Fabric, Membrane, Newton, PointLoad, Stage, SteepestDescent,
-    Structure, Support, boundary, plot, rectangle,
+    Structure, Support, boundary_edges, plot, rectangle,
 )  # fmt: skip
 from shade_pavilion import prestress as pull, structure as pavilion
 
@@ -48,7 +48,7 @@ middle = int(np.argmin(np.hypot(*grid[:, :2].T)))
 def square(prestress):
     """Square membrane with a prestress [ksi]."""
     fabric = Membrane(square_cells, Fabric.from_modulus(30_000.0, 0.3, 0.004167), prestress=prestress * 0.004167)
-    return Structure(grid, {"membrane": fabric}, [Support(np.unique(boundary(square_cells)))])
+    return Structure(grid, {"membrane": fabric}, [Support(np.unique(boundary_edges(square_cells)))])
 
 
 push = Stage("point load", [PointLoad(middle, (0, 0, -10.0))])

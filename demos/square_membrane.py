@@ -21,7 +21,7 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
-    boundary,
+    boundary_edges,
     plot,
     rectangle,
 )
@@ -53,7 +53,7 @@ structure = Structure(
     parts={
         "membrane": Membrane(triangles, Fabric.from_modulus(E, nu, thickness), prestress=prestress * thickness),
     },
-    supports=[Support(np.unique(boundary(triangles)))],
+    supports=[Support(np.unique(boundary_edges(triangles)))],
 )
 load = PointLoad(node(0, 0), (0, 0, -force))
 results = Analysis(structure, Newton(line_search=False)).run([Stage("point load", loads=[load])])

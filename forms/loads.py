@@ -4,7 +4,7 @@ from ufl import cross, dot
 from ufl.core.expr import Expr
 
 
-def dead_load(q: Expr, v: Expr) -> Expr:
+def distributed_load(q: Expr, v: Expr) -> Expr:
     """Virtual work of a load of fixed direction, per reference area or length, a scalar [J/m2 or J/m].
 
     Linear in v: with u for v it is minus the external potential energy.

@@ -48,7 +48,7 @@ def principal(sigma: Expr, F: Expr) -> Expr:
     return as_vector([mean + radius, mean - radius])
 
 
-def along(sigma: Expr, F: Expr) -> Expr:
+def warp_weft_stress(sigma: Expr, F: Expr) -> Expr:
     """Warp and weft stress, normal components of a membrane's Cauchy stress along both yarns, shape (2,) [N/m].
 
     Args:

@@ -1,24 +1,26 @@
 """Public names and their modules; `__init__.py` loads each from here on first use."""
 
 from . import plot
-from .analysis.arc_length import ContinuationError, trace
+from .analysis.arc_length import PathError, equilibrium_path
 from .analysis.checkpoint import CheckpointWarning
-from .analysis.equilibrium_path import EquilibriumPath, PathPoint
 from .analysis.modes import Modes, Stability, natural_frequencies, stability
+from .analysis.path import EquilibriumPath, PathPoint
 from .analysis.stages import Analysis, ConvergenceError
 from .analysis.wave_speed import MassUnitWarning
 from .analysis.work import WorkLimit
 from .files.gmsh import structure_from_gmsh
 from .form_finding.force_density import Net, force_density
 from .form_finding.updated_reference import Form, UnsettledFormWarning, updated_reference
-from .geometry.edges import edges_on
+from .geometry.edges import edges_where
 from .geometry.grids import polyline, rectangle
-from .geometry.topology import boundary
+from .geometry.topology import boundary_edges
 from .model.coincidence import CoincidentNodesWarning
-from .model.loads import DeadLoad, PlanLoad, PointLoad, PrescribedDisplacement, Pressure, Stage
+from .model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
 from .model.materials import Fabric, OrthotropicFabric
 from .model.parts import Cable, Mast, Membrane
-from .model.structure import SliverWarning, Structure, Support
+from .model.stages import PrescribedDisplacement, Stage
+from .model.structure import SliverWarning, Structure
+from .model.supports import Support
 from .results.balance import UnbalancedStateWarning
 from .results.report import report
 from .results.states import (
@@ -43,9 +45,8 @@ __all__ = [
     "CheckpointWarning",
     "CoincidentNodesWarning",
     "ConjugateGradient",
-    "ContinuationError",
     "ConvergenceError",
-    "DeadLoad",
+    "DistributedLoad",
     "Equilibrium",
     "EquilibriumPath",
     "Fabric",
@@ -62,6 +63,7 @@ __all__ = [
     "Net",
     "Newton",
     "OrthotropicFabric",
+    "PathError",
     "PathPoint",
     "PlanLoad",
     "PointLoad",
@@ -79,8 +81,9 @@ __all__ = [
     "UnsettledFormWarning",
     "UnstableStateWarning",
     "WorkLimit",
-    "boundary",
-    "edges_on",
+    "boundary_edges",
+    "edges_where",
+    "equilibrium_path",
     "force_density",
     "natural_frequencies",
     "plot",
@@ -89,7 +92,6 @@ __all__ = [
     "report",
     "stability",
     "structure_from_gmsh",
-    "trace",
     "updated_reference",
 ]
 

@@ -6,7 +6,7 @@ import pytest
 from fx_membrane import (
     Analysis,
     Cable,
-    DeadLoad,
+    DistributedLoad,
     Membrane,
     PointLoad,
     Pressure,
@@ -28,11 +28,11 @@ def structure(points=POINTS, prestress=1e3, stiffness=1e6):
     return Structure(points, parts, [Support(EDGE)])
 
 
-def stages(snow=-200.0, steps=3):
+def stages(snow=-200.0, increments=3):
     return [
-        Stage("lift", displacements=[LIFT], steps=2),
-        Stage("snow", [DeadLoad((0, 0, snow), "fabric")], steps=steps, after="lift"),
-        Stage("wind: 45°", [Pressure(300.0, "fabric"), PointLoad(6, (1.0, 2, 3))], steps=2, after="lift"),
+        Stage("lift", displacements=[LIFT], increments=2),
+        Stage("snow", [DistributedLoad((0, 0, snow), "fabric")], increments=increments, after="lift"),
+        Stage("wind: 45°", [Pressure(300.0, "fabric"), PointLoad(6, (1.0, 2, 3))], increments=2, after="lift"),
     ]
 
 

@@ -13,30 +13,30 @@ from fx_membrane import (
     Analysis,
     ConjugateGradient,
     ConvergenceError,
-    DeadLoad,
+    DistributedLoad,
     Fabric,
     Membrane,
     Pressure,
     Stage,
     Structure,
     Support,
-    boundary,
+    boundary_edges,
+    equilibrium_path,
     rectangle,
     stability,
-    trace,
     updated_reference,
 )
 
 points, triangles = rectangle(10.0, 10.0, 24, 24)
-rim = np.unique(boundary(triangles))
+rim = np.unique(boundary_edges(triangles))
 
 
 def sheet(prestress):
     return Structure(points, {"fabric": Membrane(triangles, Fabric(5e5, 0.3), prestress=prestress)}, [Support(rim)])
 
 
-SNOW = [Stage(f"snow {i}", [DeadLoad((0, 0, -50.0 * (1 + i % 3)), "fabric")]) for i in range(10)]
-AIR = Stage("air", [Pressure(100.0, "fabric")], steps=4)
+SNOW = [Stage(f"snow {i}", [DistributedLoad((0, 0, -50.0 * (1 + i % 3)), "fabric")]) for i in range(10)]
+AIR = Stage("air", [Pressure(100.0, "fabric")], increments=4)
 taut, flat = Analysis(sheet(1e3)), Analysis(sheet(0.0))
 state = taut.run(SNOW[:1])["snow 0"]
 
@@ -57,7 +57,7 @@ WORK = {
     "stages that are drawn smooth or damped": lambda: flat.run(SNOW[:4]),
     "analyses": lambda: [Analysis(sheet(1e3)).run(SNOW[:1]) for _ in range(6)],
     "stability": lambda: [stability(state, count=2) for _ in range(5)],
-    "paths": lambda: trace(sheet(1e3), Stage("path", SNOW[2].loads, steps=8)),
+    "paths": lambda: equilibrium_path(sheet(1e3), Stage("path", SNOW[2].loads, increments=8)),
     "forms": lambda: [updated_reference(sheet(1e3)) for _ in range(6)],
 }
 

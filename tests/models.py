@@ -5,7 +5,7 @@ import pytest
 
 from fx_membrane import (
     Cable,
-    DeadLoad,
+    DistributedLoad,
     Fabric,
     Mast,
     Membrane,
@@ -14,19 +14,19 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
-    boundary,
+    boundary_edges,
     rectangle,
 )
-from fx_membrane.assembly.load_cases import target, unloaded
+from fx_membrane.assembly.load_cases import at_end, unloaded
 
 POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
 INCLINED = POINTS + np.array([[0, 0, 0.2 * x * y + 0.1 * x] for x, y, _ in POINTS])
-EDGE = np.unique(boundary(TRIANGLES))
+EDGE = np.unique(boundary_edges(TRIANGLES))
 CENTRE = 12
 FABRIC = Fabric(Et=1e5, nu=0.3)
-SNOW = DeadLoad((0, 0, -200.0), "fabric")
-WIND = DeadLoad((30.0, 0, 250.0), "fabric", range(8))
-TOO_MUCH = DeadLoad((0, 0, -1e8), "fabric")  # in four full Newton steps
+SNOW = DistributedLoad((0, 0, -200.0), "fabric")
+WIND = DistributedLoad((30.0, 0, 250.0), "fabric", range(8))
+TOO_MUCH = DistributedLoad((0, 0, -1e8), "fabric")  # in four full Newton steps
 LIFT = PrescribedDisplacement(CENTRE, (0.01, 0, 0.1))
 
 
@@ -38,7 +38,7 @@ def rotation(seed):
 def sheet(*supports, prestress=1e3, points=POINTS, triangles=TRIANGLES):
     """Flat membrane, held along its edge by default."""
     fabric = Membrane(triangles, FABRIC, prestress=prestress)
-    return Structure(points, {"fabric": fabric}, supports or [Support(np.unique(boundary(triangles)))])
+    return Structure(points, {"fabric": fabric}, supports or [Support(np.unique(boundary_edges(triangles)))])
 
 
 def inclined_sheet(triangles=TRIANGLES):
@@ -91,4 +91,4 @@ def same_state(a, b):
 def end(problem, *loads, start=None):
     """Actions at the end of a stage with these loads."""
     start = unloaded(problem.discretization.structure) if start is None else start
-    return target(problem, Stage("loads", loads), start)
+    return at_end(problem, Stage("loads", loads), start)

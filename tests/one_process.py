@@ -15,15 +15,15 @@ from fx_membrane import (
     Analysis,
     CheckpointWarning,
     ConjugateGradient,
-    DeadLoad,
+    DistributedLoad,
     LargeStrainWarning,
     Newton,
     PointLoad,
     Stage,
+    equilibrium_path,
     natural_frequencies,
     plot,
     stability,
-    trace,
     updated_reference,
 )
 from interrupted import POINTS, stages, structure
@@ -38,8 +38,8 @@ lift = results["lift"]
 pull = Stage("pull", [PointLoad(6, (0, 0, 10.0))], after="lift")
 
 
-def run(steps=None, path=None):
-    return lambda: analysis.run(steps or stages(), path)
+def run(chosen=None, path=None):
+    return lambda: analysis.run(chosen or stages(), path)
 
 
 def mine(first, other):
@@ -92,7 +92,7 @@ CASES = {
     "picture of nothing": lambda: plot.wireframe(POINTS, {"a": [[0, 1]]}, FOLDER / "no" / "picture.xyz"),
     "warning as error": strained,
     "other loads": run(mine(stages(), stages(snow=-201.0))),
-    "other steps": run(mine(stages(), stages(steps=4))),
+    "other steps": run(mine(stages(), stages(increments=4))),
     "fewer stages": run(mine(stages(), stages()[:2])),
     "other order": run(mine(stages(), [stages()[i] for i in (0, 2, 1)])),
     "other points": lambda: Analysis(mine(structure(), structure(points=other_points))),
@@ -101,14 +101,14 @@ CASES = {
     "other method": lambda: Analysis(structure(), mine(Newton(), ConjugateGradient())),
     "no solver on one": lambda: Analysis(structure(), mine(Newton(), "Newton")),
     "no stages on one": run(mine(stages(), ["snow"])),
-    "stage that does not fit on one": run(mine(stages(), [Stage("snow", [DeadLoad((0, 0, 1), "roof")])])),
+    "stage that does not fit on one": run(mine(stages(), [Stage("snow", [DistributedLoad((0, 0, 1), "roof")])])),
     "no count on one": lambda: stability(lift, mine(1, 0)),
     "other count": lambda: stability(lift, mine(1, 2)),
     "other state": lambda: stability(mine(lift, results["snow"])),
     "no state on one": lambda: natural_frequencies(mine(lift, None)),
-    "trace without end on one": lambda: trace(lift, pull, rtol=mine(1e-10, -1)),
-    "other trace": lambda: trace(lift, pull, load_factor=mine(1.0, 2.0)),
-    "other start of a trace": lambda: trace(mine(lift, structure()), mine(pull, Stage("pull", pull.loads))),
+    "trace without end on one": lambda: equilibrium_path(lift, pull, rtol=mine(1e-10, -1)),
+    "other trace": lambda: equilibrium_path(lift, pull, load_factor=mine(1.0, 2.0)),
+    "other start of a trace": lambda: equilibrium_path(mine(lift, structure()), mine(pull, Stage("pull", pull.loads))),
     "other form": lambda: updated_reference(structure(prestress=mine(1e3, 2e3))),
     "other tolerance of a form": lambda: updated_reference(structure(), tolerance=mine(1e-3, 1e-2)),
 }

@@ -25,28 +25,27 @@ from .. import _dolfinx
 from ..assembly import load_cases
 from ..assembly.problem import Problem
 from ..checks import validation
-from ..model import loads
 from ..model.fingerprints import fingerprint, of_settings, of_stages
-from ..model.loads import Stage
 from ..model.restraint import check_supports
+from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
 from ..results.states import StageResult, UnstableStateWarning
 from ..results.strain_limits import warn_of_large_prestress
 from ..runtime.processes import refuse_differences, together
-from ..solvers.base import silent
+from ..solvers.base import no_monitor
 from ..solvers.bordered_newton import BorderedNewton, Plane, Point, Step
+from ..solvers.curvature import negative_curvature_direction
 from ..solvers.diagnosis import linear_failure
-from ..solvers.lowest_mode import downhill
 from . import path_check, path_ends
-from .equilibrium_path import EquilibriumPath, PathPoint
-from .path_geometry import Arrival, Metric
+from .path import EquilibriumPath, PathPoint
+from .path_geometry import Metric, PathState
 from .path_remarks import warn_of_slack_parts
 from .path_walk import Walk
 from .step_control import StepControl
 from .work import Work, WorkDone, WorkLimit
 
 
-class ContinuationError(RuntimeError):
+class PathError(RuntimeError):
     """Failure to start a path or to find its next point.
 
     Attributes:
@@ -58,7 +57,7 @@ class ContinuationError(RuntimeError):
         self.path = replace(path, reason=message)
 
 
-def trace(
+def equilibrium_path(
     start: Structure | StageResult,
     stage: Stage,
     load_factor: float | None = 1.0,
@@ -71,11 +70,11 @@ def trace(
     """Equilibrium path of a stage by arc length: a sequence of neighbouring states, the start first.
 
     The load factor multiplies the stage's own loads and prescribed displacements. It grows from 0, falls after a limit
-    point of the load, and so on. From point to point it changes by 1 / `stage.steps`, seldom by up to half as much
+    point of the load, and so on. From point to point it changes by 1 / `stage.increments`, seldom by up to half as much
     more; points are closer where the path turns. Each limit point, where the load factor turns, is a point of the path.
     The path between points is checked, and steps that are too long are halved. So limit points hardly depend on
-    `stage.steps`. At a bifurcation the path continues straight on, and only `negative_pivots` shows it. Small loads or
-    imperfections may bend it aside there, and long steps may miss that: compare with more `steps`.
+    `stage.increments`. At a bifurcation the path continues straight on, and only `negative_pivots` shows it. Small
+    loads or imperfections may bend it aside there, and long steps may miss that: compare with more `increments`.
 
     Args:
         start: The structure, if its reference shape is nearly or exactly in equilibrium; or the final state of the
@@ -94,21 +93,21 @@ def trace(
     Raises:
         ValueError: The stage does not fit the structure or the start, or moves nothing; the structure is not
             supported; an argument is out of its range.
-        ContinuationError: The start is not in equilibrium or has a singular tangent, no next point was found, or the
+        PathError: The start is not in equilibrium or has a singular tangent, no next point was found, or the
             limit of work is used up; the exception has the path up to there.
 
     Warns:
         UnstableStateWarning: The start is not stable; or slack or wrinkled parts carry points of the path.
         LargeStrainWarning: Strains that belong to the prestress of a structure are above 5 %.
     """
-    validation.communicator("trace comm", comm)
+    validation.communicator("equilibrium_path comm", comm)
     with together(comm):
-        validation.instance("trace start", start, Structure | StageResult)
-        validation.plain("trace stage", stage, Stage)
-        max_points = validation.whole("trace max_points", max_points)
-        rtol = validation.tolerance("trace rtol", rtol)
+        validation.instance("equilibrium_path start", start, Structure | StageResult)
+        validation.plain("equilibrium_path stage", stage, Stage)
+        max_points = validation.positive_integer("equilibrium_path max_points", max_points)
+        rtol = validation.tolerance("equilibrium_path rtol", rtol)
         structure = start if isinstance(start, Structure) else start.structure
-        validation.instance("trace limit", limit, WorkLimit)
+        validation.instance("equilibrium_path limit", limit, WorkLimit)
         _check_stage(structure, start, stage)
     state = () if isinstance(start, Structure) else (start.displacement, start.actions)
     given = {"load_factor": load_factor, "displacement": displacement, "max_points": max_points, "rtol": rtol}
@@ -118,26 +117,26 @@ def trace(
     shape = np.zeros(structure.points.shape) if isinstance(start, Structure) else start.displacement
     before = load_cases.unloaded(structure) if isinstance(start, Structure) else start.actions
     problem = Problem(structure, comm)
-    after = load_cases.target(problem, stage, before)
+    after = load_cases.at_end(problem, stage, before)
     check_supports(structure, after.held)
-    begin = load_cases.taking_hold(before, after, shape)
+    begin = load_cases.with_constraints_of(before, after, shape)
     fixed = after.held & (after.displacement == begin.displacement)
     ends = path_ends.ends(problem, load_factor, displacement, fixed, shape)
     path = EquilibriumPath(stage.name, structure, begin, after, (), False, reason="")
-    x = problem.discretization.distribute(shape)
+    x = problem.discretization.to_petsc(shape)
     with together(comm):
         if isinstance(start, Structure) and comm.rank == 0:  # a state already has its remarks
             warn_of_large_prestress(structure, stacklevel=3)
     newton = BorderedNewton(problem, path.start, path.end, x, rtol)
-    newton.monitor = Work(limit, comm, silent, what="a path")
-    tracer = _Tracer(newton, path, 1 / stage.steps)
+    newton.monitor = Work(limit, comm, no_monitor, what="a path")
+    tracer = _Tracer(newton, path, 1 / stage.increments)
     try:
         path = tracer.run(x, ends, max_points)
     except WorkDone as done:
-        error = ContinuationError(_cut_off(tracer.path, done), tracer.path)
+        error = PathError(_cut_off(tracer.path, done), tracer.path)
         warn_of_slack_parts(problem, error.path, newton.pulse, stacklevel=2)
         raise error from None
-    except ContinuationError as error:
+    except PathError as error:
         warn_of_slack_parts(problem, error.path, newton.pulse, stacklevel=2)
         raise
     else:
@@ -150,7 +149,7 @@ def trace(
 def _cut_off(path: EquilibriumPath, done: WorkDone) -> str:
     factors = path.load_factors
     where = f"after {len(factors)} points, at load factor {factors[-1]:.6g}" if len(factors) else "before its start"
-    return f"The path of stage {path.name!r} ended {where}: {done}; allow more (WorkLimit), or fewer steps (steps=...)."
+    return f"The path of stage {path.name!r} ended {where}: {done}; allow more (WorkLimit), or fewer increments."
 
 
 def _check_stage(structure: Structure, start: Structure | StageResult, stage: Stage) -> None:
@@ -161,7 +160,7 @@ def _check_stage(structure: Structure, start: Structure | StageResult, stage: St
             f"Stage {stage.name!r} has after={stage.after!r}, but the path starts from {given}; "
             f"start from what the stage comes after, or give it after={name!r}."
         )
-    loads.check(structure, [replace(stage, after=None)])
+    check_stages(structure, [replace(stage, after=None)])
 
 
 class _Tracer:
@@ -195,7 +194,7 @@ class _Tracer:
             length = min(length * self.control.stretch(len(here.point.iterations), here.turn), longest)
         return replace(self.path, reason="complete" if self.path.complete else self.too_few_points())
 
-    def pass_limit_point(self, last: Arrival, here: Arrival, ends: list[Plane]) -> Arrival | None:
+    def pass_limit_point(self, last: PathState, here: PathState, ends: list[Plane]) -> PathState | None:
         """Record the limit point between two points, or return the end of the path if it comes first."""
         limit = self.walk.limit_point(last, here)
         if limit is None:  # it is close to the last point
@@ -216,16 +215,16 @@ class _Tracer:
         return (
             f"ended after {len(factors)} points, the most it was to have (max_points), at load factor "
             f"{factors[-1]:.6g}; on the way it was between {factors.min():.6g} and {factors.max():.6g}. Allow more "
-            "points, or fewer steps of the stage (steps=...)."
+            "points, or fewer increments of the stage."
         )
 
-    def warn_of_unstable_start(self, here: Arrival) -> None:
+    def warn_of_unstable_start(self, here: PathState) -> None:
         """Warn of a start with more negative curvature than the buckles of wrinkled and slack cells."""
         problem = self.newton.problem
         if not here.negative_pivots:
             return
         problem.apply(self.path.start)
-        if downhill(problem, here.point.x).negative:
+        if negative_curvature_direction(problem, here.point.x).negative:
             warnings.warn(
                 f"The path of stage {self.path.name!r} starts from an equilibrium that is not stable (negative "
                 f"pivots: {here.negative_pivots}), and what follows may not be what the structure does; "
@@ -235,24 +234,24 @@ class _Tracer:
                 stacklevel=4,
             )
 
-    def start(self, x: PETSc.Vec) -> Arrival:
+    def start(self, x: PETSc.Vec) -> PathState:
         """Find equilibrium at the load factor 0."""
         newton = self.newton
         point = newton.find(Point(x, 0.0), Plane(newton.zero, 1.0, 0.0))
         if point is None or not newton.linearize(point.x):
             reason = "it is not in equilibrium." if point is None else linear_failure(newton.problem, newton.A)
-            raise ContinuationError(
+            raise PathError(
                 f"The path of stage {self.path.name!r} has no start: {reason} Bring the structure to equilibrium by a "
                 "stage of an `Analysis`, and start from its result.",
                 self.path,
             )
-        psi = float(newton.along.norm())
+        psi = float(newton.du_load.norm())
         if not psi > 1e-14 * newton.size:
             raise ValueError(f"Stage {self.path.name!r} moves nothing; give it loads or prescribed displacements.")
         self.walk = Walk(newton, Metric(psi), self.control)
-        return Arrival(point, self.walk.direction(Step(newton.zero, 1.0)), 0.0, newton.negative_pivots())
+        return PathState(point, self.walk.direction(Step(newton.zero, 1.0)), 0.0, newton.negative_pivots())
 
-    def next(self, last: Arrival, length: float, ends: list[Plane]) -> tuple[Arrival, float, bool]:
+    def next(self, last: PathState, length: float, ends: list[Plane]) -> tuple[PathState, float, bool]:
         """Find the next point; return it, the length of the step, and True if it is an end."""
         metric = self.walk.metric
         for halvings in range(self.control.halvings + 1):
@@ -267,15 +266,15 @@ class _Tracer:
                 if self.fits(last, here, halvings):
                     return here, length, end is not None
             length /= 2
-        raise ContinuationError(
+        raise PathError(
             f"The path of stage {self.path.name!r} was lost after {len(self.path.points)} points, at load factor "
-            f"{last.point.factor:.6g}: no next point, however near. Give the stage more steps (steps=...), so that "
+            f"{last.point.factor:.6g}: no next point, however near. Give the stage more increments, so that "
             "points are closer; where the structure wrinkles or slackens, a larger compression_stiffness; a larger "
             "rtol if that asks for more digits than rounding leaves.",
             self.path,
         )
 
-    def fits(self, last: Arrival, here: Arrival, halvings: int) -> bool:
+    def fits(self, last: PathState, here: PathState, halvings: int) -> bool:
         """Return True if the step is short enough."""
         control, metric = self.control, self.walk.metric
         if metric.length(here.point.since(last.point)) <= control.short * self.first:
@@ -285,9 +284,9 @@ class _Tracer:
         change = abs(here.point.factor - last.point.factor)
         return change <= control.coarse * self.share or halvings >= control.patience
 
-    def record(self, found: Arrival, complete: bool = False, limit: bool = False, kept: float = 1.0) -> None:
+    def record(self, found: PathState, complete: bool = False, limit: bool = False, kept: float = 1.0) -> None:
         """Add a point to the path."""
         x, factor, iterations = found.point
-        shape = self.newton.problem.discretization.gather(x)
+        shape = self.newton.problem.discretization.to_numpy(x)
         point = PathPoint(factor, shape, found.negative_pivots, iterations, limit, kept)
         self.path = replace(self.path, points=(*self.path.points, point), complete=complete)

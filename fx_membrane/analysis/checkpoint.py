@@ -11,7 +11,7 @@ from pathlib import Path
 from mpi4py import MPI
 
 from ..model.fingerprints import fingerprints
-from ..model.loads import Stage
+from ..model.stages import Stage
 from ..model.structure import Structure
 from ..runtime.processes import together
 from .checkpoint_file import CheckpointFile, Digests, Progress
@@ -48,7 +48,7 @@ class Checkpoint:
             _refuse_if_changed(f"{what} is of another structure", content.structure, structure)
         for name in content.stages.keys() & self._digests.keys():
             _refuse_if_changed(f"{what} has another stage {name!r}", content.stages[name], self._digests[name])
-        longest = {stage.name: Fraction(1, stage.steps) for stage in stages}
+        longest = {stage.name: Fraction(1, stage.increments) for stage in stages}
         self.progress = {
             name: replace(state, size=min(state.size, longest.get(name, state.size)))
             for name, state in content.progress.items()

@@ -50,7 +50,7 @@ class Ceiling:
         return (
             f"from load factor {float(start):.6g} on no equilibrium was found, in however small increments, and likely "
             "there is none: it is the largest load that the structure bears (as fabric with a free edge, which flies "
-            "off where a pressure exceeds what holds it down). More steps will not help; stay below that load, or add "
-            "supports, members, weight or prestress. On fine meshes of slack fabric iterations may be too few; "
+            "off where a pressure exceeds what holds it down). More increments will not help; stay below that load, or "
+            "add supports, members, weight or prestress. On fine meshes of slack fabric iterations may be too few; "
             "Newton(max_iterations=...) allows more."
         )

@@ -160,7 +160,7 @@ def stability(state: StageResult, count: int = 1, comm: MPI.Intracomm = MPI.COMM
         count = _checked_count("stability", count, state.structure.used[:, None] & ~state.actions.held, "components")
     _refuse_differences(comm, state, count)
     problem = Problem(state.structure, comm)
-    with problem.without_kept_stiffness():
+    with problem.no_compression_stiffness():
         K = _full_tangent(problem, state)
     released = _released(problem, K, state, count)
     K = _free(problem, K, released)
@@ -174,7 +174,7 @@ def stability(state: StageResult, count: int = 1, comm: MPI.Intracomm = MPI.COMM
 
 def _checked_count(function: str, count: int, movable: NDArray[np.bool_], what: str) -> int:
     available = np.count_nonzero(movable)
-    count = validation.whole(f"{function} count", count)
+    count = validation.positive_integer(f"{function} count", count)
     if count > available:
         raise ValueError(f"{function} count is {count}, but {available} {what} can move; ask for no more.")
     return count
@@ -194,7 +194,7 @@ def _tangent(state: StageResult, comm: MPI.Intracomm) -> tuple[Problem, PETSc.Ma
 def _full_tangent(problem: Problem, state: StageResult) -> PETSc.Mat:
     problem.apply(state.actions)
     K = problem.discretization.create_matrix()
-    problem.tangent(problem.discretization.distribute(state.displacement), K)
+    problem.tangent(problem.discretization.to_petsc(state.displacement), K)
     return K
 
 
@@ -233,4 +233,4 @@ def _full(problem: Problem, released: NDArray[np.bool_], vector: PETSc.Vec) -> A
     full = problem.discretization.create_vector()
     free = problem.discretization.dofs(released) - full.getOwnershipRange()[0]
     full.array[free] = vector.array_r
-    return problem.discretization.gather(full)
+    return problem.discretization.to_numpy(full)

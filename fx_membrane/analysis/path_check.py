@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..solvers.bordered_newton import BorderedNewton, Point
-from .path_geometry import Arrival, Metric
+from .path_geometry import Metric, PathState
 from .step_control import StepControl
 
 SHARES = (1 / 6, 2 / 6, 3 / 6, 4 / 6, 5 / 6)  # fractions of a step
@@ -31,7 +31,7 @@ class Between(NamedTuple):
     turns: int
 
 
-def follows(newton: BorderedNewton, metric: Metric, last: Arrival, here: Arrival, control: StepControl) -> bool:
+def follows(newton: BorderedNewton, metric: Metric, last: PathState, here: PathState, control: StepControl) -> bool:
     """Return True if the path between two points is as smooth as its ends show, or has one kink."""
     turned = last.turned(here)
     smooth = _beside(metric.cubic(last, here, SHARES), newton, metric, last, here)
@@ -41,7 +41,7 @@ def follows(newton: BorderedNewton, metric: Metric, last: Arrival, here: Arrival
     return kinked.turns <= turned and kinked.drift <= control.drift
 
 
-def _beside(guesses: list[Point], newton: BorderedNewton, metric: Metric, last: Arrival, here: Arrival) -> Between:
+def _beside(guesses: list[Point], newton: BorderedNewton, metric: Metric, last: PathState, here: PathState) -> Between:
     """Estimate the path between two points from guesses, with the tangent of the second, factored last."""
     if not guesses:
         return Between(np.inf, 0)

@@ -33,40 +33,44 @@ def ends(
     """
     found = []
     if load_factor is not None:
-        value = validation.positive("trace load_factor", load_factor)
+        value = validation.positive("equilibrium_path load_factor", load_factor)
         if not 1 / LARGEST <= value <= LARGEST:
             raise ValueError(
-                f"trace load_factor is {value:g}; it must be between {1 / LARGEST:g} and {LARGEST:g}: change the loads "
-                "of the stage, or give None for a path without that end."
+                f"equilibrium_path load_factor is {value:g}; it must be between {1 / LARGEST:g} and {LARGEST:g}: "
+                "change the loads of the stage, or give None for a path without that end."
             )
         found.append(Plane(problem.discretization.create_vector(), 1.0, value))
     if displacement is not None:
         if not isinstance(displacement, tuple) or len(displacement) != 3:
-            shown = validation.shown(displacement)
-            raise ValueError(f'trace displacement is {shown}; give (node, component, value), like (7, "z", -0.4).')
-        node = validation.rows("trace displacement node", displacement[0])
-        component = validation.components("trace displacement component", displacement[1])
+            shown = validation.short_repr(displacement)
+            raise ValueError(
+                f'equilibrium_path displacement is {shown}; give (node, component, value), like (7, "z", -0.4).'
+            )
+        node = validation.indices("equilibrium_path displacement node", displacement[0])
+        component = validation.components("equilibrium_path displacement component", displacement[1])
         if len(node) * len(component) > 1:
-            raise ValueError("trace displacement names several components; give one node and one of x, y and z.")
+            raise ValueError(
+                "equilibrium_path displacement names several components; give one node and one of x, y and z."
+            )
         structure = problem.discretization.structure
-        structure.check_nodes("trace displacement", node)
+        structure.check_nodes("equilibrium_path displacement", node)
         if fixed[node, component].any():
             raise ValueError(
-                f"trace displacement names component {'xyz'[component[0]]!r} of node {node[0]}, which is held and "
-                "never moves; name one that is free, or that the stage moves."
+                f"equilibrium_path displacement names component {'xyz'[component[0]]!r} of node {node[0]}, which is "
+                "held and never moves; name one that is free, or that the stage moves."
             )
         chosen = np.zeros(structure.points.shape)
         chosen[node, component] = 1.0
-        value = validation.number("trace displacement value", displacement[2])
+        value = validation.number("equilibrium_path displacement value", displacement[2])
         size = np.ptp(structure.points, axis=0).max()
         if abs(value) > FAR * size:
             raise ValueError(
-                f"trace displacement value is {value:g}, more than {FAR:g} times the size of the structure, {size:g}; "
-                "give a displacement that it can reach."
+                f"equilibrium_path displacement value is {value:g}, more than {FAR:g} times the size of the structure, "
+                f"{size:g}; give a displacement that it can reach."
             )
         begin = float(shape[node, component].item())
         here = abs(value - begin) <= ROUNDING * size  # start of the path: it ends on return to that displacement
-        found.append(Plane(problem.discretization.distribute(chosen), 0.0, begin if here else value))
+        found.append(Plane(problem.discretization.to_petsc(chosen), 0.0, begin if here else value))
     return found
 
 
@@ -74,7 +78,7 @@ def passed(last: Point, point: Point, ends: list[Plane]) -> tuple[Point, Plane] 
     """Find the first end between two points, and its approximate place; None if there is none."""
     found = []
     for end in ends:
-        before, after = end.beyond(last), end.beyond(point)
+        before, after = end.signed_distance(last), end.signed_distance(point)
         if before and after * np.sign(before) <= NEAR * abs(before):
             found.append((before / (before - after), end))
     if not found:

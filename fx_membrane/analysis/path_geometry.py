@@ -10,7 +10,7 @@ from typing import NamedTuple
 from ..solvers.bordered_newton import Plane, Point, Step
 
 
-class Arrival(NamedTuple):
+class PathState(NamedTuple):
     """Point of a path with the information of its tangent.
 
     Attributes:
@@ -25,7 +25,7 @@ class Arrival(NamedTuple):
     turn: float
     negative_pivots: int | None
 
-    def turned(self, here: "Arrival") -> bool:
+    def turned(self, here: "PathState") -> bool:
         """Return True if the load factor turns between this and another point, by their directions."""
         return self.direction.factor * here.direction.factor < 0
 
@@ -62,9 +62,9 @@ class Metric(NamedTuple):
     def across(self, direction: Step, point: Point, length: float = 0.0) -> Plane:
         """Plane across a direction, at a length beyond a point."""
         plane = Plane(direction.x, self.psi**2 * direction.factor, 0.0)
-        return plane._replace(distance=plane.beyond(point) + length)
+        return plane._replace(distance=plane.signed_distance(point) + length)
 
-    def cubic(self, last: Arrival, here: Arrival, shares: Iterable[float]) -> list[Point]:
+    def cubic(self, last: PathState, here: PathState, shares: Iterable[float]) -> list[Point]:
         """Points on the cubic with the directions of the path at both ends (Hermite), at fractions of the step."""
         step = here.point.since(last.point)
         length = self.length(step)
@@ -75,7 +75,7 @@ class Metric(NamedTuple):
             for share in shares
         ]
 
-    def kink(self, last: Arrival, here: Arrival, shares: Iterable[float]) -> list[Point]:
+    def kink(self, last: PathState, here: PathState, shares: Iterable[float]) -> list[Point]:
         """Points on two straight lines along the directions at both ends, at fractions of each, up to where they meet.
 
         None if they are parallel or meet elsewhere.

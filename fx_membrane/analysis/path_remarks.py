@@ -6,13 +6,13 @@ from typing import NamedTuple
 
 from ..assembly import load_cases
 from ..assembly.problem import Problem
-from ..results.evaluation import Recorder
+from ..results.evaluation import StateEvaluator
 from ..results.remarks import remarked
 from ..results.states import Increment, UnstableStateWarning
 from ..runtime.processes import together
-from ..solvers.lowest_mode import explained
+from ..solvers.curvature import wrinkling_threshold
 from ..solvers.progress import Pulse
-from .equilibrium_path import EquilibriumPath
+from .path import EquilibriumPath
 
 
 class _Carried(NamedTuple):
@@ -24,7 +24,7 @@ class _Carried(NamedTuple):
 
 def warn_of_slack_parts(problem: Problem, path: EquilibriumPath, pulse: Pulse, stacklevel: int) -> None:
     """Warns once, on every process, of the points of a path that slack or wrinkled parts carry; names the parts."""
-    if not explained(problem):
+    if not wrinkling_threshold(problem):
         return  # nothing can be slack
     carried = list(_carried(problem, path, pulse))
     if not carried:
@@ -41,13 +41,13 @@ def warn_of_slack_parts(problem: Problem, path: EquilibriumPath, pulse: Pulse, s
 
 
 def _carried(problem: Problem, path: EquilibriumPath, pulse: Pulse) -> Iterator[_Carried]:
-    record = Recorder(problem)
+    record = StateEvaluator(problem)
     for number, point in enumerate(path.points):
         pulse(f"looking for slack parts at point {number} of {len(path.points)}")
         actions = load_cases.between(path.start, path.end, point.load_factor)
         problem.apply(actions)
-        x = problem.discretization.distribute(point.displacement)
-        with problem.without_kept_stiffness(point.kept):
+        x = problem.discretization.to_petsc(point.displacement)
+        with problem.no_compression_stiffness(point.kept):
             state = record(path.name, x, actions, (Increment(point.load_factor, point.iterations),))
         for remark in remarked(state, None).remarks:
             if getattr(remark, "category", None) is UnstableStateWarning:

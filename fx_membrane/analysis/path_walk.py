@@ -6,7 +6,7 @@ from scipy.optimize import brentq
 
 from ..solvers.bordered_newton import BorderedNewton, Point, Step
 from . import path_check
-from .path_geometry import Arrival, Metric
+from .path_geometry import Metric, PathState
 from .step_control import StepControl
 
 
@@ -20,30 +20,30 @@ class Walk:
     def __init__(self, newton: BorderedNewton, metric: Metric, control: StepControl):
         self.newton, self.metric, self.control = newton, metric, control
 
-    def find(self, last: Arrival, length: float) -> Point | None:
+    def find(self, last: PathState, length: float) -> Point | None:
         """Find the point at a length from another, or None."""
         guess = last.point.moved(last.direction, length)
         return self.newton.find(guess, self.metric.across(last.direction, last.point, length))
 
-    def arrive(self, last: Arrival, point: Point) -> Arrival:
+    def arrive(self, last: PathState, point: Point) -> PathState:
         """Continue the path at a point that follows another."""
         step = point.since(last.point)
         onward = self.direction(step) if self.newton.linearize(point.x) else self.metric.unit(step)
-        return Arrival(point, onward, self.metric.angle(step, onward), self.newton.negative_pivots())
+        return PathState(point, onward, self.metric.angle(step, onward), self.newton.negative_pivots())
 
     def direction(self, step: Step) -> Step:
         """Tangent of the path, of unit length, in the sense of a step."""
-        tangent = Step(self.newton.along, 1.0)
+        tangent = Step(self.newton.du_load, 1.0)
         return self.metric.unit(tangent, backwards=self.metric.product(tangent, step) < 0)
 
-    def limit_point(self, last: Arrival, here: Arrival) -> Arrival | None:
+    def limit_point(self, last: PathState, here: PathState) -> PathState | None:
         """Find the point between two at which the load factor turns, or None.
 
         At a kink of the path, it is the point with the most extreme load factor.
         """
         steepest = max(abs(last.direction.factor), abs(here.direction.factor))
         end = self.metric.product(last.direction, here.point.since(last.point))
-        found: list[Arrival] = []
+        found: list[PathState] = []
 
         def slope(length: float) -> float:
             if length in (0.0, end):
@@ -61,12 +61,12 @@ class Walk:
             brentq(slope, 0.0, end, xtol=near, rtol=1e-12, maxiter=self.control.search, disp=False)
         return _farthest(found, last)
 
-    def without_compression(self, last: Arrival, limit: Arrival, here: Arrival) -> Arrival | None:
+    def without_compression(self, last: PathState, limit: PathState, here: PathState) -> PathState | None:
         """Find a limit point between two points again, with almost no stiffness of wrinkled and slack cells.
 
         None if there are none, or if no point was found.
         """
-        with self.newton.problem.without_kept_stiffness(self.control.kept):
+        with self.newton.problem.no_compression_stiffness(self.control.kept):
             if self.newton.residual(limit.point.x, limit.point.factor):
                 return None
             point = self.find(limit, 0.0)
@@ -88,7 +88,7 @@ class Walk:
         return None
 
 
-def _farthest(found: list[Arrival], last: Arrival) -> Arrival | None:
+def _farthest(found: list[PathState], last: PathState) -> PathState | None:
     """Point with the farthest load factor in its sense at an earlier point; None of an empty list."""
     sense = 1 if last.direction.factor > 0 else -1
     return max(found, key=lambda arrival: sense * arrival.point.factor, default=None)

@@ -37,7 +37,7 @@ def reason(
         return f"{work.over}; {MORE}{_search(state, beyond)}"
     if solution.motion is not None or not solution.retry:
         return solution.reason
-    fallen = swung_masts(problem, problem.discretization.distribute(state.displacement), OVER, "found")
+    fallen = swung_masts(problem, problem.discretization.to_petsc(state.displacement), OVER, "found")
     words = fallen or ceiling.words(state.factor)
     if not words:
         return solution.reason

@@ -14,12 +14,11 @@ from .. import _dolfinx
 from ..assembly import load_cases
 from ..assembly.problem import Actions, Problem
 from ..checks import paths, validation
-from ..model import loads
 from ..model.fingerprints import fingerprint, of_stages
-from ..model.loads import Stage
 from ..model.restraint import check_supports
+from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
-from ..results.evaluation import Recorder
+from ..results.evaluation import StateEvaluator
 from ..results.remarks import held_by_slack_parts, remarked, warn_of_remarks
 from ..results.slackness import hanging_ends, slack_parts
 from ..results.states import Increment, StageResult, StageResults
@@ -27,7 +26,7 @@ from ..results.strain_limits import warn_of_large_prestress
 from ..runtime.processes import refuse_differences, together
 from ..solvers.base import Solution
 from ..solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
-from ..solvers.lowest_mode import explained
+from ..solvers.curvature import wrinkling_threshold
 from ..solvers.newton import Newton
 from ..solvers.progress import Report
 from . import checkpoint
@@ -110,7 +109,7 @@ class Analysis:
         self._comm = comm
         self._problem = Problem(structure, comm)
         self._solve = solver.prepare(self._problem)
-        self._record = Recorder(self._problem)
+        self._record = StateEvaluator(self._problem)
 
     def run(self, stages: Sequence[Stage], checkpoint_file: str | Path | None = None) -> StageResults:
         """Run the stages and return their final states, by name; an unknown name raises a KeyError with the names.
@@ -119,10 +118,10 @@ class Analysis:
             stages: The stages, each after the one it follows.
             checkpoint_file: File in which to save the state after each converged increment. States in an existing file
                 are not computed again, and the run continues from it. Stages may be added or left out, and have other
-                `steps`. The solver may be another, too: each state is in equilibrium to the tolerance of the solver
-                that found it. It is one file of any name, an SQLite database. While a run has it, no other can use it.
-                Its journal, with "-journal" after its name, lies beside it and belongs to it. The first process alone
-                reads and writes it.
+                `increments`. The solver may be another, too: each state is in equilibrium to the tolerance of the
+                solver that found it. It is one file of any name, an SQLite database. While a run has it, no other can
+                use it. Its journal, with "-journal" after its name, lies beside it and belongs to it. The first process
+                alone reads and writes it.
 
         Raises:
             ValueError: A stage does not fit the structure or the other stages; it leaves a free rigid-body motion (one
@@ -155,17 +154,19 @@ class Analysis:
             results = StageResults()
             ends: dict[str | None, Actions] = {None: load_cases.unloaded(self.structure)}
             for stage in stages:
-                ends[stage.name] = end = load_cases.target(self._problem, stage, ends[stage.after])
+                ends[stage.name] = end = load_cases.at_end(self._problem, stage, ends[stage.after])
                 shape = results[stage.after].displacement if stage.after else np.zeros(self.structure.points.shape)
-                start = load_cases.taking_hold(ends[stage.after], end, shape)
-                state = saved.progress.get(stage.name) or Progress(shape, Fraction(0), Fraction(1, stage.steps), ())
+                start = load_cases.with_constraints_of(ends[stage.after], end, shape)
+                state = saved.progress.get(stage.name) or Progress(
+                    shape, Fraction(0), Fraction(1, stage.increments), ()
+                )
                 results[stage.name] = remarked(self._run(stage, start, end, state, results, saved.save), shape)
                 with together(self._comm):
                     warn_of_remarks(results[stage.name], self._comm, stacklevel=3)
         return results
 
     def _check(self, stages: Sequence[Stage]) -> None:
-        loads.check(self.structure, stages)
+        check_stages(self.structure, stages)
         held: dict[str | None, NDArray[np.bool_]] = {None: self.structure.supported}
         for stage in stages:
             held[stage.name] = held[stage.after] | load_cases.prescribed(stage, self.structure)[0]
@@ -181,10 +182,10 @@ class Analysis:
         save: Callable[[str, Progress], None],
     ) -> StageResult:
         """Run the load increments of a stage from a converged state, between the actions at its start and its end."""
-        full = Fraction(1, stage.steps)
+        full = Fraction(1, stage.increments)
         balanced = stage.after is not None or not self._problem.prestress_forces
         beyond: Progress | None = None  # a state beyond a loss of stability, while smaller increments bracket it
-        x = self._problem.discretization.distribute(state.displacement)
+        x = self._problem.discretization.to_petsc(state.displacement)
         with Report(stage.name, float(state.factor), shown=self._progress and self._comm.rank == 0) as report:
             ceiling = Ceiling()
             work = Work(self._limit, self._comm, report.iteration)
@@ -195,12 +196,12 @@ class Analysis:
                 solution = self._solved(x, work, ceiling.smooth and beyond is None)
                 judged = (balanced or state.factor > 0) and not any(entry.snapped for entry in state.increments)
                 snapped = solution.converged and solution.lost_stability and judged
-                remarks = (solution.drawn_smooth, solution.unstable, solution.unlisted, snapped)
+                remarks = (solution.stabilized, solution.unstable, solution.extra_iterations, snapped)
                 increment = Increment(float(factor), solution.iterations, *remarks)
                 found = None
                 if solution.converged:
                     size = full if snapped else min(2 * state.size, full)
-                    shape = self._problem.discretization.gather(x)
+                    shape = self._problem.discretization.to_numpy(x)
                     found = Progress(shape, factor, size, (*state.increments, increment))
                 else:
                     ceiling.failed(factor, len(work.iterates))
@@ -209,7 +210,7 @@ class Analysis:
                 divisible = divisible and (snapped or not ceiling.reached(state.factor))
                 if divisible and (snapped or (not solution.converged and solution.retry)):
                     state = replace(state, size=(factor - state.factor) / 2)
-                    self._problem.discretization.distribute(state.displacement).copy(x)
+                    self._problem.discretization.to_petsc(state.displacement).copy(x)
                     continue
                 reached = self._located(stage, start, end, state, found or beyond, work)
                 if not reached:
@@ -226,7 +227,7 @@ class Analysis:
                     raise ConvergenceError(message, results, last, failed, solution.motion)
                 state, beyond = reached, None
                 ceiling.found(state.factor)
-                self._problem.discretization.distribute(state.displacement).copy(x)
+                self._problem.discretization.to_petsc(state.displacement).copy(x)
                 save(stage.name, state)
                 report.increment(float(state.factor), state.increments[-1].iterations[-1].residual)
         return self._result(stage, start, end, state)
@@ -254,12 +255,12 @@ class Analysis:
 
         At the start of a stage forces may not show that yet: a small fraction of the increment makes them visible.
         """
-        if not explained(self._problem):
+        if not wrinkling_threshold(self._problem):
             return reached  # no part can be slack
         factor = float(state.factor) or PROBE * float(reached.factor)
         actions = load_cases.between(start, end, factor)
         self._problem.apply(actions)
-        x = self._problem.discretization.distribute(state.displacement)
+        x = self._problem.discretization.to_petsc(state.displacement)
         if state.factor == 0 and not self._solved(x, work, thorough=False).converged:
             return reached
         *others, snap = reached.increments
@@ -276,5 +277,5 @@ class Analysis:
     def _result(self, stage: Stage, start: Actions, end: Actions, state: Progress) -> StageResult:
         actions = load_cases.between(start, end, float(state.factor))
         self._problem.apply(actions)
-        x = self._problem.discretization.distribute(state.displacement)
+        x = self._problem.discretization.to_petsc(state.displacement)
         return self._record(stage.name, x, actions, state.increments)

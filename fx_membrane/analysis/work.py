@@ -11,10 +11,10 @@ from ..solvers.base import Iteration, Monitor
 
 @dataclass(frozen=True)
 class WorkLimit:
-    """Maximum work of a stage of an `Analysis` or a path of `trace`, successful or not.
+    """Maximum work of a stage of an `Analysis` or a path of `equilibrium_path`, successful or not.
 
     Iterations are those of all increments, of rejected attempts and of the homotopy. A stage that takes more ends with
-    a ConvergenceError, which has its last converged state; a path with a ContinuationError, which has its points. A
+    a ConvergenceError, which has its last converged state; a path with a PathError, which has its points. A
     single iteration is not interrupted. With a checkpoint, the next run resumes there, with the whole limit available.
 
     Args:
@@ -30,7 +30,7 @@ class WorkLimit:
 
     def __post_init__(self) -> None:
         if self.iterations is not None:
-            validation.store(self, validation.whole, "iterations")
+            validation.store(self, validation.positive_integer, "iterations")
         if self.seconds is not None:
             validation.store(self, validation.positive, "seconds")
 

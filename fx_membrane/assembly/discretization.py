@@ -32,19 +32,20 @@ class PartMesh:
         name: Name of the part.
         part: The whole part.
         mesh: dolfinx mesh of the cells of this process.
-        cells: Row in `part.cells` of each cell of the mesh.
-        nodes: Position in `Discretization.local` of each node of the mesh, in the order of the displacement's dofs.
+        cell_rows: Row in `part.cells` of each cell of the mesh.
+        node_rows: Position in `Discretization.local_nodes` of each node of the mesh, in the order of the displacement's
+            dofs.
         u: Displacement, P1 [m].
-        numbering: Position of each node of the mesh in the PETSc system, for `Mat.setLGMap`.
+        lgmap: Position of each node of the mesh in the PETSc system, for `Mat.setLGMap`.
     """
 
     name: str
     part: Part
     mesh: Any
-    cells: NDArray[np.int64]
-    nodes: NDArray[np.int64]
+    cell_rows: NDArray[np.int64]
+    node_rows: NDArray[np.int64]
     u: fem.Function
-    numbering: PETSc.LGMap
+    lgmap: PETSc.LGMap
 
     def move(self, points: NDArray[np.float64]) -> None:
         """Set the reference positions of the nodes of this mesh, shape (nodes, 3) [m]."""
@@ -54,7 +55,7 @@ class PartMesh:
         """Piecewise constant function from values for all cells of the part, shape (cells, ...), flattened per cell."""
         flat = np.reshape(values, (len(self.part.cells), -1))
         field = fem.Function(_dolfinx.functionspace(self.mesh, "DG", 0, flat.shape[1]))
-        field.x.array[:] = flat[self.cells].ravel()
+        field.x.array[:] = flat[self.cell_rows].ravel()
         return field
 
 
@@ -66,9 +67,9 @@ class Discretization:
         comm: The processes that share the work; each must give the same structure.
 
     Attributes:
-        number: Block of each node in the PETSc system, shape (n,); -1 for a node that no part uses.
-        owned: Nodes whose values this process holds, in the order of its part of a PETSc vector.
-        local: Nodes that the meshes of this process touch, ascending.
+        block_of_node: Block of each node in the PETSc system, shape (n,); -1 for a node that no part uses.
+        owned_nodes: Nodes whose values this process holds, in the order of its part of a PETSc vector.
+        local_nodes: Nodes that the meshes of this process touch, ascending.
         parts: Meshes of the parts of which this process has cells.
     """
 
@@ -81,9 +82,9 @@ class Discretization:
         number = number_nodes(owner, graph)
         ordered = np.argsort(number)
         mine = ordered[owner[ordered] == comm.rank]
-        self.number = np.full(len(structure.points), -1)
-        self.number[used] = number
-        self.owned = used[mine]
+        self.block_of_node = np.full(len(structure.points), -1)
+        self.block_of_node[used] = number
+        self.owned_nodes = used[mine]
         self._size = (3 * len(mine), 3 * len(used))
         self._rows = graph[mine][:, ordered]  # of the node graph, in the numbering of the system
 
@@ -92,13 +93,13 @@ class Discretization:
             for name, part in structure.parts.items()
         }
         touched = [structure.parts[name].cells[share].ravel() for name, share in shares.items()]
-        self.local = np.unique(np.concatenate(touched))
+        self.local_nodes = np.unique(np.concatenate(touched))
         self.parts = {name: self._part_mesh(name, share) for name, share in shares.items() if len(share)}
 
         self._spare: list[PETSc.Vec] = []
-        blocks = self.number[self.local].astype(PETSc.IntType)
+        blocks = self.block_of_node[self.local_nodes].astype(PETSc.IntType)
         where = PETSc.IS().createBlock(3, blocks, comm=MPI.COMM_SELF)
-        self._local_values = PETSc.Vec().createSeq(3 * len(self.local), comm=MPI.COMM_SELF)
+        self._local_values = PETSc.Vec().createSeq(3 * len(self.local_nodes), comm=MPI.COMM_SELF)
         self._scatter = PETSc.Scatter().create(self.create_vector(), where, self._local_values, None)
 
     def _part_mesh(self, name: str, share: NDArray[np.int64]) -> PartMesh:
@@ -111,10 +112,10 @@ class Discretization:
             name=name,
             part=part,
             mesh=mesh,
-            cells=share[_dolfinx.cell_order(mesh)],
-            nodes=np.asarray(np.searchsorted(self.local, nodes)),
+            cell_rows=share[_dolfinx.cell_order(mesh)],
+            node_rows=np.asarray(np.searchsorted(self.local_nodes, nodes)),
             u=fem.Function(V),
-            numbering=PETSc.LGMap().create(self.number[nodes].astype(PETSc.IntType), bsize=3, comm=MPI.COMM_SELF),
+            lgmap=PETSc.LGMap().create(self.block_of_node[nodes].astype(PETSc.IntType), bsize=3, comm=MPI.COMM_SELF),
         )
 
     # PETSc objects
@@ -138,8 +139,8 @@ class Discretization:
 
     def create_matrix(self) -> PETSc.Mat:
         """Matrix with the sparsity pattern of all parts together, exactly preallocated."""
-        first = int(self.comm.exscan(len(self.owned)) or 0)
-        own = (self._rows.indices >= first) & (self._rows.indices < first + len(self.owned))
+        first = int(self.comm.exscan(len(self.owned_nodes)) or 0)
+        own = (self._rows.indices >= first) & (self._rows.indices < first + len(self.owned_nodes))
         before = np.concatenate([[0], np.cumsum(own)])[self._rows.indptr]
         diagonal = 3 * np.diff(before)
         other = 3 * np.diff(self._rows.indptr) - diagonal
@@ -153,45 +154,48 @@ class Discretization:
 
     def dofs(self, mask: NDArray[np.bool_]) -> NDArray[np.int32]:
         """System numbers of the components chosen by a mask (n, 3) that this process owns."""
-        return np.asarray((3 * self.number[:, None] + np.arange(3))[self.owned][mask[self.owned]], dtype=PETSc.IntType)
+        return np.asarray(
+            (3 * self.block_of_node[:, None] + np.arange(3))[self.owned_nodes][mask[self.owned_nodes]],
+            dtype=PETSc.IntType,
+        )
 
     # Transfer of nodal values
 
-    def distribute(self, values: NDArray[np.float64], vector: PETSc.Vec | None = None) -> PETSc.Vec:
+    def to_petsc(self, values: NDArray[np.float64], vector: PETSc.Vec | None = None) -> PETSc.Vec:
         """PETSc vector of the user's nodal values, shape (n, 3): a new one, or the given one."""
         vector = self.create_vector() if vector is None else vector
-        vector.array[:] = values[self.owned].ravel()
+        vector.array[:] = values[self.owned_nodes].ravel()
         return vector
 
-    def gather(self, vector: PETSc.Vec) -> NDArray[np.float64]:
+    def to_numpy(self, vector: PETSc.Vec) -> NDArray[np.float64]:
         """Nodal values in the user's order on every process, shape (n, 3); zero at nodes that no part uses."""
         blocks = np.concatenate(self.comm.allgather(vector.array_r)).reshape(-1, 3)
-        return np.where(self.structure.used[:, None], blocks[self.number], 0.0)
+        return np.where(self.structure.used[:, None], blocks[self.block_of_node], 0.0)
 
     def gather_cells(self, name: str, values: NDArray[np.float64] | None, size: int) -> NDArray[np.float64]:
         """Values of all cells of a part on every process, shape (cells, size), from those of each process's mesh."""
         result = np.empty((len(self.structure.parts[name].cells), size))
-        share = (self.parts[name].cells, values) if name in self.parts else None
+        share = (self.parts[name].cell_rows, values) if name in self.parts else None
         for entry in filter(None, self.comm.allgather(share)):
             result[entry[0]] = entry[1]
         return result
 
-    def to_meshes(self, vector: PETSc.Vec) -> None:
+    def scatter(self, vector: PETSc.Vec) -> None:
         """Set the displacement `u` of every mesh from a PETSc vector."""
         self._scatter.scatter(vector, self._local_values, PETSc.InsertMode.INSERT, PETSc.ScatterMode.FORWARD)
         values = self._local_values.array_r.reshape(-1, 3)
         for mesh in self.parts.values():
-            mesh.u.x.array[:] = values[mesh.nodes].ravel()
+            mesh.u.x.array[:] = values[mesh.node_rows].ravel()
 
     def move(self, points: NDArray[np.float64]) -> None:
         """Set the reference positions of all meshes from the user's nodes, shape (n, 3) [m]."""
         for mesh in self.parts.values():
-            mesh.move(points[self.local[mesh.nodes]])
+            mesh.move(points[self.local_nodes[mesh.node_rows]])
 
-    def add_from_meshes(self, shares: Iterator[tuple[PartMesh, NDArray[np.float64]]], vector: PETSc.Vec) -> None:
+    def scatter_add(self, shares: Iterator[tuple[PartMesh, NDArray[np.float64]]], vector: PETSc.Vec) -> None:
         """Add nodal vectors of meshes, in the order of their dofs, to a PETSc vector."""
         sums = self._local_values.array.reshape(-1, 3)
         sums[:] = 0
         for mesh, values in shares:
-            sums[mesh.nodes] += values.reshape(-1, 3)
+            sums[mesh.node_rows] += values.reshape(-1, 3)
         self._scatter.scatter(self._local_values, vector, PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from ..checks import validation
 from ..geometry.measures import normals
-from ..model.loads import PlanLoad, PointLoad, Pressure, Stage
+from ..model.loads import PlanLoad, PointLoad, Pressure
+from ..model.stages import Stage
 from ..model.structure import Structure
 from .problem import Actions, Problem
 
@@ -21,11 +22,11 @@ def unloaded(structure: Structure) -> Actions:
     return Actions(loads=zero, held=structure.supported, displacement=zero)
 
 
-def target(problem: Problem, stage: Stage, start: Actions) -> Actions:
+def at_end(problem: Problem, stage: Stage, start: Actions) -> Actions:
     """Actions at the end of a stage: those at its start plus its own."""
     structure = problem.discretization.structure
     point_loads = np.zeros(structure.points.shape)
-    dead_loads: dict[str, Array] = {}
+    distributed_loads: dict[str, Array] = {}
     pressures = {name: pressure.copy() for name, pressure in start.pressures.items()}
     for load in stage.loads:
         if isinstance(load, PointLoad):
@@ -40,10 +41,10 @@ def target(problem: Problem, stage: Stage, start: Actions) -> Actions:
         per_area = np.broadcast_to(np.asarray(load.load), (len(chosen), 3))
         if isinstance(load, PlanLoad):
             per_area = per_area * np.abs(normals(structure.points, cells)[chosen, 2:])
-        dead_loads.setdefault(load.part, np.zeros((len(cells), 3)))[chosen] += per_area
+        distributed_loads.setdefault(load.part, np.zeros((len(cells), 3)))[chosen] += per_area
     held, displacement = prescribed(stage, structure)
     return Actions(
-        loads=start.loads + point_loads + problem.nodal_loads(dead_loads),
+        loads=start.loads + point_loads + problem.nodal_loads(distributed_loads),
         held=start.held | held,
         displacement=np.where(held, displacement, start.displacement),
         pressures=pressures,
@@ -76,7 +77,7 @@ def prescribed(stage: Stage, structure: Structure) -> tuple[NDArray[np.bool_], A
     return mine, displacement
 
 
-def taking_hold(start: Actions, end: Actions, displacement: Array) -> Actions:
+def with_constraints_of(start: Actions, end: Actions, displacement: Array) -> Actions:
     """Actions at the start of a stage with the constraints of its end; new ones keep their displacement."""
     return replace(start, held=end.held, displacement=np.where(start.held, start.displacement, displacement))
 

@@ -100,7 +100,7 @@ def part_forms(mesh: PartMesh, structure: Structure, elastic: bool) -> PartForms
         energy=_dolfinx.form(energy),
         residual=_dolfinx.form(residual),
         tangent=_dolfinx.form(tangent),
-        load=_dolfinx.form(loads.dead_load(q, v) * dx),
+        load=_dolfinx.form(loads.distributed_load(q, v) * dx),
         pressure=pressure and _dolfinx.form(pressure),
     )
 

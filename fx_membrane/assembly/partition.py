@@ -7,7 +7,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 
 def bisect(points: NDArray[np.float64], size: int) -> NDArray[np.int32]:
-    """Owner of each point by recursive coordinate bisection, shape (n,): equal shares, short seams.
+    """Callbacks of each point by recursive coordinate bisection, shape (n,): equal shares, short seams.
 
     Args:
         points: Positions, shape (n, 3) [m].

@@ -74,11 +74,11 @@ class Problem:
         self.parts = {name: part_forms(mesh, structure, elastic) for name, mesh in self.discretization.parts.items()}
         self.prestress_forces = prestress_force(structure)
         self.stiffness = typical_stiffness(structure)
-        owned = (np.repeat(sizes[self.discretization.owned], 3) for sizes in scales(structure, elastic))
+        owned = (np.repeat(sizes[self.discretization.owned_nodes], 3) for sizes in scales(structure, elastic))
         self._scales = Scales(*owned)
         self.tension = 0.0
         self._tension_stiffness: PETSc.Mat | None = None
-        self._points = self.discretization.distribute(structure.points)
+        self._points = self.discretization.to_petsc(structure.points)
         self._loads, self._prescribed = self._points.duplicate(), self._points.duplicate()
         self.apply(Actions(np.zeros(structure.points.shape), structure.supported, np.zeros(structure.points.shape)))
 
@@ -86,28 +86,30 @@ class Problem:
         """Set loads, constrained components and their displacements."""
         self.symmetric = not any(p.any() for p in actions.pressures.values())
         for name, part in self.parts.items():
-            part.p.x.array[:] = actions.pressures[name][part.mesh.cells] if name in actions.pressures else 0.0
-        self.discretization.distribute(actions.loads, self._loads)
-        self.discretization.distribute(actions.displacement, self._prescribed)
+            part.p.x.array[:] = actions.pressures[name][part.mesh.cell_rows] if name in actions.pressures else 0.0
+        self.discretization.to_petsc(actions.loads, self._loads)
+        self.discretization.to_petsc(actions.displacement, self._prescribed)
         self._held = self.discretization.dofs(actions.held)
         self._held_here = self._held - self._loads.getOwnershipRange()[0]
 
-    def nodal_loads(self, dead_loads: Mapping[str, NDArray[np.float64]]) -> NDArray[np.float64]:
+    def nodal_loads(self, distributed_loads: Mapping[str, NDArray[np.float64]]) -> NDArray[np.float64]:
         """Convert dead loads on parts to nodal forces, shape (n, 3) [N].
 
         Args:
-            dead_loads: For each loaded part, load per reference area or length of each cell, shape (cells, 3).
+            distributed_loads: For each loaded part, load per reference area or length of each cell, shape (cells, 3).
         """
         for name, part in self.parts.items():
-            part.q.x.array[:] = dead_loads[name][part.mesh.cells].ravel() if name in dead_loads else 0.0
+            part.q.x.array[:] = (
+                distributed_loads[name][part.mesh.cell_rows].ravel() if name in distributed_loads else 0.0
+            )
         with self.discretization.work(1) as (total,):
-            return self.discretization.gather(self._assemble(lambda part: part.load, total))
+            return self.discretization.to_numpy(self._assemble(lambda part: part.load, total))
 
     def pressure_loads(self, x: PETSc.Vec) -> NDArray[np.float64]:
         """Convert the applied pressures to nodal forces in the shape x, shape (n, 3) [N]."""
         self._set(x)
         with self.discretization.work(1) as (total,):
-            return self.discretization.gather(self._assemble(lambda part: part.pressure, total))
+            return self.discretization.to_numpy(self._assemble(lambda part: part.pressure, total))
 
     def loads(self, x: PETSc.Vec, total: PETSc.Vec) -> None:
         """Set a vector to the nodal loads in the shape x, dead loads and pressures [N]."""
@@ -186,7 +188,7 @@ class Problem:
             A.axpy(self.tension, self._tension(), PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
 
     @contextmanager
-    def without_kept_stiffness(self, left: float = 0.0) -> Iterator[None]:
+    def no_compression_stiffness(self, left: float = 0.0) -> Iterator[None]:
         """Set aside the compression stiffness of wrinkled and slack cells.
 
         Args:
@@ -208,13 +210,13 @@ class Problem:
         pointers, _, values = A.getValuesCSR()
         entries = np.repeat(np.arange(len(pointers) - 1), np.diff(pointers))
         np.maximum.at(here.array, entries, np.abs(values))
-        return np.any(self.discretization.gather(here), axis=1)
+        return np.any(self.discretization.to_numpy(here), axis=1)
 
     def mass(self, A: PETSc.Mat) -> None:
         """Consistent mass matrix [kg], independent of the state."""
         self._assemble_matrix(lambda part: mass_form(part.mesh), A)
 
-    def hold(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
+    def constrain_residual(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
         """Replace reactions in the residual by the error of the constrained components times `stiffness` [N]."""
         gap = x.array_r[self._held_here] - self._prescribed.array_r[self._held_here]
         b.array[self._held_here] = self.stiffness * gap
@@ -227,18 +229,18 @@ class Problem:
         beyond = np.maximum(np.abs(b.array_r) - rounding, 0.0)
         return math.sqrt(self.discretization.comm.allreduce(float(beyond @ beyond)))
 
-    def bring(self, x: PETSc.Vec) -> bool:
+    def impose(self, x: PETSc.Vec) -> bool:
         """Impose the prescribed displacements; return True if a component was elsewhere."""
         prescribed = self._prescribed.array_r[self._held_here]
         elsewhere = bool((x.array_r[self._held_here] != prescribed).any())
         x.array[self._held_here] = prescribed
         return bool(self.discretization.comm.allreduce(elsewhere, MPI.LOR))
 
-    def release(self, v: PETSc.Vec) -> None:
+    def zero_constrained(self, v: PETSc.Vec) -> None:
         """Set the entries of constrained components to zero."""
         v.array[self._held_here] = 0.0
 
-    def hold_tangent(self, x: PETSc.Vec, A: PETSc.Mat, b: PETSc.Vec) -> None:
+    def constrain_tangent(self, x: PETSc.Vec, A: PETSc.Mat, b: PETSc.Vec) -> None:
         """Constrain A dx = b: dx closes the error of constrained components, b gets its effect on others."""
         with self.discretization.work(1) as (gap,):
             gap.waxpy(-1.0, self._prescribed, x)
@@ -247,7 +249,7 @@ class Problem:
     def stiffen(self, x: PETSc.Vec, A: PETSc.Mat, b: PETSc.Vec, tension: float) -> None:
         """Add a shift, an artificial tension given as a strain, to a constrained tangent."""
         A.axpy(tension, self._tension(), PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
-        self.hold_tangent(x, A, b)
+        self.constrain_tangent(x, A, b)
 
     def tension_work(self, v: PETSc.Vec) -> float:
         """Double the work of a displacement against an artificial tension of strain one [J]."""
@@ -263,7 +265,7 @@ class Problem:
         return self._tension_stiffness
 
     def _set(self, x: PETSc.Vec) -> None:
-        self.discretization.to_meshes(x)
+        self.discretization.scatter(x)
         for part in self.parts.values():
             part.follow()
 
@@ -273,7 +275,7 @@ class Problem:
         for name in self.discretization.structure.parts:
             if name in self.parts:
                 part = self.parts[name]
-                A.setLGMap(part.mesh.numbering, part.mesh.numbering)
+                A.setLGMap(part.mesh.lgmap, part.mesh.lgmap)
                 fem_petsc.assemble_matrix(A, form(part))
             else:  # end of assemble_matrix, together on all processes
                 A.assemble(PETSc.Mat.AssemblyType.FLUSH)
@@ -284,7 +286,7 @@ class Problem:
         b.set(0.0)
         having = (part for part in self.parts.values() if form(part) is not None)
         shares = ((part.mesh, _assemble_vector(part, form(part))) for part in having)
-        self.discretization.add_from_meshes(shares, b)
+        self.discretization.scatter_add(shares, b)
         return b
 
 

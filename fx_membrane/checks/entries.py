@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .values import shown
+from .values import short_repr
 
 
 def entries(name: str, value: Any, wanted: str) -> NDArray[Any]:
@@ -20,7 +20,7 @@ def entries(name: str, value: Any, wanted: str) -> NDArray[Any]:
     try:
         array = _array(value)
     except ValueError:
-        raise ValueError(f"{name} must be {wanted}, not {shown(value)}.") from None
+        raise ValueError(f"{name} must be {wanted}, not {short_repr(value)}.") from None
     if _masked(array):
         raise ValueError(f"{name} has masked entries; leave them out, or fill them with array.filled(value).")
     return array
@@ -51,14 +51,14 @@ def all_are(fits: Callable[[type], bool], array: NDArray[Any]) -> bool:
 
 def misfit(fits: Callable[[type], bool], value: Any) -> str:
     """Show a value in a message; if it is long, with the first entry that does not fit."""
-    text = shown(value)
+    text = short_repr(value)
     mixed = isinstance(value, list | tuple) or (isinstance(value, np.ndarray) and value.dtype.kind == "O")
     if not mixed or not text.startswith(("a ", "an ")):
         return text
     array = np.array(value, dtype=object)
     for index, entry in np.ndenumerate(array):
         if not fits(type(entry)) and not isinstance(entry, list | tuple | np.ndarray):
-            return f"{text}, with {shown(entry)} at index {index}"
+            return f"{text}, with {short_repr(entry)} at index {index}"
     return text
 
 
@@ -67,8 +67,8 @@ def described(value: Any) -> str:
     try:
         array = np.asarray(value)
     except ValueError:  # rows of unequal length
-        return shown(value)
-    return f"{array.dtype} of shape {array.shape}" if array.ndim else shown(value)
+        return short_repr(value)
+    return f"{array.dtype} of shape {array.shape}" if array.ndim else short_repr(value)
 
 
 def frozen_integers(name: str, array: NDArray[Any]) -> NDArray[np.int64]:
@@ -76,7 +76,7 @@ def frozen_integers(name: str, array: NDArray[Any]) -> NDArray[np.int64]:
     limits = np.iinfo(np.int64)
     for extreme in (array.max(), array.min()) if array.size else ():
         if not limits.min <= extreme <= limits.max:
-            raise ValueError(f"{name} has {shown(extreme)}, a number that no node and no cell has; mend it.")
+            raise ValueError(f"{name} has {short_repr(extreme)}, a number that no node and no cell has; mend it.")
     result = np.array(array, dtype=np.int64)
     result.setflags(write=False)
     return result

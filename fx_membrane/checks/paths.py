@@ -5,7 +5,7 @@ import os
 from pathlib import Path
 from typing import Any
 
-from .validation import instance, shown
+from .validation import instance, short_repr
 
 LONGEST = 4096  # bytes of a path on Linux
 SPARE = 10  # bytes for the suffix of a temporary name
@@ -18,7 +18,7 @@ def path(name: str, value: Any, spare: int = SPARE) -> Path:
         ValueError: It is no path, is empty, or no file can have that name.
     """
     instance(name, value, str | Path)
-    shown_name = f"{name} is {shown(str(value))}"
+    shown_name = f"{name} is {short_repr(str(value))}"
     try:
         encoded = os.fsencode(value)
     except UnicodeEncodeError:
@@ -40,7 +40,7 @@ def check_writable(name: str, file: Path) -> None:
     Raises:
         ValueError: It is a folder, or lies under a file, or in a folder without write permission.
     """
-    named = f"{name} is {shown(str(file))}"
+    named = f"{name} is {short_repr(str(file))}"
     try:
         above = next(folder for folder in file.absolute().parents if _there(folder))
         if file.is_dir():

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .entries import all_are, described, entries, frozen_integers, misfit
 from .values import expected, is_real, is_whole, scalar, with_article
-from .values import place as place  # noqa: PLC0414  (others take both from here)
-from .values import shown as shown  # noqa: PLC0414
+from .values import format_point as format_point  # noqa: PLC0414  (others take both from here)
+from .values import short_repr as short_repr  # noqa: PLC0414
 
 LARGEST = 1e60  # limit of all numbers: the square of the product of two is still finite
 MOST = 2**31 - 1  # limit of whole numbers
@@ -34,18 +34,18 @@ def keep(owner: object, **values: Any) -> None:
 def number(name: str, value: Any) -> float:
     """Check a finite number."""
     if isinstance(value, str):
-        raise ValueError(f"{name} is the text {shown(value)}; give a number.")
+        raise ValueError(f"{name} is the text {short_repr(value)}; give a number.")
     value = scalar(value)
     if not is_real(type(value)):
-        raise ValueError(f"{name} must be a number, not {shown(value)}.")
+        raise ValueError(f"{name} must be a number, not {short_repr(value)}.")
     try:
         result = float(value)
     except (TypeError, ValueError):
-        raise ValueError(f"{name} must be a number, not {shown(value)}.") from None
+        raise ValueError(f"{name} must be a number, not {short_repr(value)}.") from None
     except OverflowError:
         result = np.inf
     if not abs(result) <= LARGEST:
-        raise ValueError(f"{name} is {shown(value)}; give a finite number, at most {LARGEST:g} in size.")
+        raise ValueError(f"{name} is {short_repr(value)}; give a finite number, at most {LARGEST:g} in size.")
     return result
 
 
@@ -53,7 +53,7 @@ def positive(name: str, value: Any) -> float:
     """Check a finite number above zero."""
     result = number(name, value)
     if result <= 0:
-        raise ValueError(f"{name} is {shown(value)}; it must be positive.")
+        raise ValueError(f"{name} is {short_repr(value)}; it must be positive.")
     return result
 
 
@@ -61,11 +61,11 @@ def not_negative(name: str, value: Any) -> float:
     """Check a finite number, zero or above."""
     result = number(name, value)
     if result < 0:
-        raise ValueError(f"{name} is {shown(value)}; it must not be negative.")
+        raise ValueError(f"{name} is {short_repr(value)}; it must not be negative.")
     return result
 
 
-def whole(name: str, value: Any, most: int = MOST) -> int:
+def positive_integer(name: str, value: Any, most: int = MOST) -> int:
     """Check a whole number above zero."""
     return _integer(name, value, "a whole number above zero", 1, most)
 
@@ -80,15 +80,15 @@ def _integer(name: str, value: Any, wanted: str, least: int, most: int) -> int:
     fits = is_whole(type(value))
     if not (fits and least <= value <= most):
         limit = f" and at most {most}" if fits and value > most else ""
-        raise ValueError(f"{name} is {shown(value)}; give {wanted}{limit}.")
+        raise ValueError(f"{name} is {short_repr(value)}; give {wanted}{limit}.")
     return int(value)
 
 
-def share(name: str, value: Any) -> float:
+def fraction(name: str, value: Any) -> float:
     """Check a number above zero and at most one."""
     result = positive(name, value)
     if result > 1:
-        raise ValueError(f"{name} is {shown(value)}; it must be at most 1.")
+        raise ValueError(f"{name} is {short_repr(value)}; it must be at most 1.")
     return result
 
 
@@ -96,7 +96,7 @@ def tolerance(name: str, value: Any) -> float:
     """Check a relative tolerance: a number above zero and at most one per cent."""
     result = positive(name, value)
     if result > 1e-2:
-        raise ValueError(f"{name} is {shown(value)}; it must be at most 0.01, or forces would not balance.")
+        raise ValueError(f"{name} is {short_repr(value)}; it must be at most 0.01, or forces would not balance.")
     return result
 
 
@@ -109,7 +109,7 @@ def truth(name: str, value: Any) -> bool:
 def choice(name: str, value: Any, choices: Sequence[str | None], remedy: str) -> Any:
     """Check for one of some texts, or None if it is one of the choices."""
     if not (value is None or isinstance(value, str)) or value not in choices:
-        raise ValueError(f"{name} is {shown(value)}; give {remedy}.")
+        raise ValueError(f"{name} is {short_repr(value)}; give {remedy}.")
     return value if value is None else str.__str__(value)
 
 
@@ -123,7 +123,7 @@ def finite(name: str, value: ArrayLike) -> NDArray[np.float64]:
         with np.errstate(over="ignore"):
             result = np.array(array, dtype=np.float64)
     except (TypeError, ValueError):
-        raise ValueError(f"{name} must be {wanted}, not {shown(value)}.") from None
+        raise ValueError(f"{name} must be {wanted}, not {short_repr(value)}.") from None
     except OverflowError:
         raise ValueError(f"{name} has a value that is not finite as a number of 64 bits; give smaller ones.") from None
     bad = np.argwhere(~(np.abs(result) <= LARGEST))
@@ -148,7 +148,7 @@ def vector(name: str, value: ArrayLike) -> NDArray[np.float64]:
     """Make a read-only array of three finite numbers."""
     result = finite(name, value)
     if result.shape != (3,):
-        raise ValueError(f"{name} is {shown(value)}; give three components (x, y, z).")
+        raise ValueError(f"{name} is {short_repr(value)}; give three components (x, y, z).")
     return result
 
 
@@ -156,12 +156,12 @@ def direction(name: str, value: ArrayLike) -> NDArray[np.float64]:
     """Scale a nonzero vector to length one."""
     result = vector(name, value)
     if not result.any():
-        raise ValueError(f"{name} is {shown(value)}; give a direction (x, y, z) that is not zero.")
+        raise ValueError(f"{name} is {short_repr(value)}; give a direction (x, y, z) that is not zero.")
     result = result / np.abs(result).max()  # squares of tiny ones would be zero
     return np.asarray(result / np.linalg.norm(result))
 
 
-def rows(name: str, value: ArrayLike, empty: bool = False) -> NDArray[np.int64]:
+def indices(name: str, value: ArrayLike, empty: bool = False) -> NDArray[np.int64]:
     """Make a read-only, one-dimensional array of node or cell numbers; a single number gives an array of one."""
     wanted = "a list of whole numbers"
     array = np.atleast_1d(entries(name, value, wanted))
@@ -174,9 +174,9 @@ def rows(name: str, value: ArrayLike, empty: bool = False) -> NDArray[np.int64]:
     return frozen_integers(name, array)
 
 
-def distinct(name: str, value: ArrayLike, of: str) -> NDArray[np.int64]:
+def unique_indices(name: str, value: ArrayLike, of: str) -> NDArray[np.int64]:
     """Check unique numbers of nodes or cells, returned as by `rows`."""
-    result = rows(name, value)
+    result = indices(name, value)
     numbers, count = np.unique(result, return_counts=True)
     if (count > 1).any():
         raise ValueError(
@@ -223,7 +223,9 @@ def in_range(name: str, numbers: NDArray[np.int64], count: int, of: str) -> None
 def letters(name: str, value: Any) -> str:
     """Check components given as a text, some of "xyz"."""
     if not isinstance(value, str) or not value or set(value) - set("xyz") or len(set(value)) < len(value):
-        raise ValueError(f'{name} is {shown(value)}; give one or more of the letters x, y and z, like "xyz" or "z".')
+        raise ValueError(
+            f'{name} is {short_repr(value)}; give one or more of the letters x, y and z, like "xyz" or "z".'
+        )
     return str.__str__(value)
 
 
@@ -235,7 +237,7 @@ def components(name: str, value: str) -> tuple[int, ...]:
 def name(what: str, value: Any) -> str:
     """Check a text that is not empty."""
     if not isinstance(value, str) or not value:
-        raise ValueError(f"The name of a {what} is {shown(value)}; give a text.")
+        raise ValueError(f"The name of a {what} is {short_repr(value)}; give a text.")
     return str.__str__(value)
 
 
@@ -254,7 +256,7 @@ def texts(name: str, values: Any) -> tuple[str, ...]:
 def communicator(name: str, value: Any) -> MPI.Intracomm:
     """Check for processes that share the work."""
     if not isinstance(value, MPI.Intracomm) or value == MPI.COMM_NULL:
-        raise ValueError(f"{name} is {shown(value)}; give a communicator of mpi4py, as MPI.COMM_WORLD.")
+        raise ValueError(f"{name} is {short_repr(value)}; give a communicator of mpi4py, as MPI.COMM_WORLD.")
     return value
 
 
@@ -262,7 +264,7 @@ def instance(what: str, value: Any, kind: Any) -> None:
     """Refuse an object of another kind (a class, or several joined by |)."""
     if not isinstance(value, kind):
         hint = ", with brackets behind its name" if isinstance(value, type) else ""
-        raise ValueError(f"{what} is {shown(value)}; give {with_article(expected(kind))}{hint}.")
+        raise ValueError(f"{what} is {short_repr(value)}; give {with_article(expected(kind))}{hint}.")
 
 
 def plain(what: str, value: Any, kind: Any) -> None:
@@ -282,10 +284,10 @@ def _refuse_derived(what: str, value: Any, kind: Any) -> None:
 def instances(name: str, values: Any, kind: Any) -> tuple[Any, ...]:
     """Make a tuple of objects of a kind (a class, or several joined by |), from any sequence of them."""
     if not isinstance(values, Sequence) or isinstance(values, str | bytes | bytearray):
-        raise ValueError(f"{name} must be a list of {expected(kind)}, not {shown(values)}; put it in brackets.")
+        raise ValueError(f"{name} must be a list of {expected(kind)}, not {short_repr(values)}; put it in brackets.")
     for value in values:
         if not isinstance(value, kind):
-            raise ValueError(f"{name} has {shown(value)}; give a list of {expected(kind)}.")
+            raise ValueError(f"{name} has {short_repr(value)}; give a list of {expected(kind)}.")
         if kind is not str:
             _refuse_derived(f"{name} has", value, kind)
     return tuple(values)

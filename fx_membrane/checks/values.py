@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def shown(value: Any) -> str:
+def short_repr(value: Any) -> str:
     """Show a value in a message: in full, or by its kind and shape if that would be long."""
     if isinstance(value, type):
         return f"the class {value.__name__}"
@@ -37,7 +37,7 @@ def expected(kind: Any) -> str:
     return " or ".join(words.get(name, name) for name in names)
 
 
-def place(point: NDArray[np.float64]) -> str:
+def format_point(point: NDArray[np.float64]) -> str:
     """Show a position in a message."""
     return f"({', '.join(f'{coordinate:.6g}' for coordinate in point)})"
 

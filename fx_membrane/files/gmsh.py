@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from ..checks import paths, validation
 from ..model.parts import Part
-from ..model.structure import Structure, Support
+from ..model.structure import Structure
+from ..model.supports import Support
 from . import gmsh_file
 from .gmsh_reader import GmshMesh, Group, mesh_of_model
 
@@ -83,7 +84,7 @@ def _check_arguments(source: Any, parts: Any, supports: Any) -> None:
     for name, make in parts.items():
         if not callable(make):
             raise ValueError(
-                f"The part {validation.name('part', name)!r} is {validation.shown(make)}; give a function of its "
+                f"The part {validation.name('part', name)!r} is {validation.short_repr(make)}; give a function of its "
                 "cells, lambda cells: Membrane(cells, ...)."
             )
     for name, components in (supports or {}).items():
@@ -110,7 +111,7 @@ def _structure(
         if len(loose):
             raise ValueError(
                 f"The support {name!r} has nodes that no part uses, {len(loose)} of {len(nodes)}, as gmsh's node "
-                f"{mesh.tags[loose[0]]} at {validation.place(mesh.points[loose[0]])}; put it on a part."
+                f"{mesh.tags[loose[0]]} at {validation.format_point(mesh.points[loose[0]])}; put it on a part."
             )
         held.append(Support(np.unique(row[nodes]), components))
     made = {name: _part(name, make, row[cells[name]]) for name, make in parts.items()}

@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
 from ..checks import validation
-from ..model.structure import Support
+from ..model.supports import Support
 
 FAR = 1e3  # distance, in sizes of the fixed nodes, that counts as no shape
 

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.measures import measures, normals
-from ..geometry.topology import boundary
+from ..geometry.topology import boundary_edges
 from ..model.parts import Bar, Mast
 from ..model.structure import Structure
 
@@ -27,7 +27,7 @@ def change_of_shape(structure: Structure, points: NDArray[np.float64], displacem
     """
     lines, edges = [], []
     for part in structure.parts.values():
-        lines.append(boundary(part.cells) if part.dimension == 2 else part.cells)
+        lines.append(boundary_edges(part.cells) if part.dimension == 2 else part.cells)
         size = measures(points, part.cells)
         edges.append(np.sqrt(2 * size) if part.dimension == 2 else size)
     segments = np.unique(np.sort(np.concatenate(lines)), axis=0)  # a cable on the edge of a membrane is one line

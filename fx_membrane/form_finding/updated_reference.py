@@ -31,13 +31,13 @@ from ..assembly import load_cases
 from ..assembly.problem import Actions, Problem
 from ..checks import validation
 from ..geometry.measures import measures, normals, projected
-from ..model import loads
 from ..model.fingerprints import of_settings
-from ..model.loads import DeadLoad, PointLoad, Pressure, Stage
+from ..model.loads import DistributedLoad, PointLoad, Pressure
 from ..model.parts import Mast, Membrane, Part
 from ..model.restraint import check_supports
+from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
-from ..results.evaluation import Recorder
+from ..results.evaluation import StateEvaluator
 from ..results.states import BarResult, MembraneResult, StageResult
 from ..runtime.processes import refuse_differences, together
 from ..solvers.base import Iteration, Solution
@@ -93,9 +93,9 @@ class Form:
 
 def updated_reference(
     structure: Structure,
-    loads_in_form: Sequence[PointLoad | DeadLoad | Pressure] = (),
+    loads: Sequence[PointLoad | DistributedLoad | Pressure] = (),
     tolerance: float = 1e-3,
-    max_steps: int = 100,
+    max_iterations: int = 100,
     comm: MPI.Intracomm = MPI.COMM_WORLD,
 ) -> Form:
     """Find the shape in which the prestress of membranes, cables and masts is in equilibrium, without elasticity.
@@ -108,10 +108,10 @@ def updated_reference(
 
     Args:
         structure: Initial shape with the intended prestress and the supports of the form.
-        loads_in_form: Loads that the form balances, such as an inner pressure; dead loads are per area or length of the
+        loads: Loads that the form balances, such as an inner pressure; dead loads are per area or length of the
             form.
         tolerance: Accepted change of shape in a step, `Step.change` [-].
-        max_steps: Maximum number of steps.
+        max_iterations: Maximum number of steps.
         comm: The processes that share the work.
 
     Returns:
@@ -131,26 +131,26 @@ def updated_reference(
     with together(comm):
         validation.instance("updated_reference structure", structure, Structure)
         tolerance = validation.positive("tolerance", tolerance)
-        max_steps = validation.whole("max_steps", max_steps)
-        stage = Stage("form", validation.instances("loads_in_form", loads_in_form, PointLoad | DeadLoad | Pressure))
-        loads.check(structure, [stage])
+        max_iterations = validation.positive_integer("max_iterations", max_iterations)
+        stage = Stage("form", validation.instances("loads", loads, PointLoad | DistributedLoad | Pressure))
+        check_stages(structure, [stage])
         check_supports(structure, structure.supported)
         _check_prestress(structure)
-    settings = {"loads_in_form": stage.loads, "tolerance": tolerance, "max_steps": max_steps}
+    settings = {"loads": stage.loads, "tolerance": tolerance, "max_iterations": max_iterations}
     refuse_differences(comm, lambda: of_settings(settings))
     problem = Problem(structure, comm, elastic=False)
-    solve, record = Newton(line_search=False).prepare(problem), Recorder(problem)
+    solve, record = Newton(line_search=False).prepare(problem), StateEvaluator(problem)
     points = structure.points
     steps: list[Step] = []
     parts: dict[str, Part] = dict(structure.parts)
     converged = searched = False
-    stray = STRAY_LOADED if any(isinstance(load, PointLoad | DeadLoad) for load in stage.loads) else STRAY
+    stray = STRAY_LOADED if any(isinstance(load, PointLoad | DistributedLoad) for load in stage.loads) else STRAY
     pulse = Pulse("form finding", comm.rank == 0)
 
     def monitor(number: int, entry: Iteration) -> None:
         pulse(f"step {len(steps) + 1}, iteration {number}, residual {entry.residual:.1e}")
 
-    while len(steps) < max_steps and not converged:
+    while len(steps) < max_iterations and not converged:
         try:
             state = _step(record, partial(solve, monitor=monitor), stage, points, len(steps) + 1)
         except RuntimeError:
@@ -175,7 +175,11 @@ def updated_reference(
 
 
 def _step(
-    record: Recorder, solve: Callable[[PETSc.Vec], Solution], stage: Stage, points: NDArray[np.float64], number: int
+    record: StateEvaluator,
+    solve: Callable[[PETSc.Vec], Solution],
+    stage: Stage,
+    points: NDArray[np.float64],
+    number: int,
 ) -> StageResult:
     """State in which the prestress with respect to a shape is in equilibrium.
 
@@ -196,7 +200,7 @@ def _balanced_bars(problem: Problem, stage: Stage, comm: MPI.Intracomm, pulse: P
     structure = problem.discretization.structure
     if not has_free_masts(structure) or not all(isinstance(load, PointLoad) for load in stage.loads):
         return None
-    actions = load_cases.target(problem, stage, load_cases.unloaded(structure))
+    actions = load_cases.at_end(problem, stage, load_cases.unloaded(structure))
     with together(comm):
         found = balanced_points(structure, actions.loads, pulse) if comm.rank == 0 else None
     balanced: NDArray[np.float64] | None = comm.bcast(found)
@@ -215,7 +219,7 @@ def _equilibrium(
     x, shape, before = problem.discretization.create_vector(), reference, None
     for _ in range(REPEATS):
         problem.discretization.move(shape)
-        actions = load_cases.target(problem, stage, supports)
+        actions = load_cases.at_end(problem, stage, supports)
         problem.discretization.move(reference)
         problem.apply(actions)
         if before is not None and np.abs(actions.loads - before).max() <= SAME * np.abs(actions.loads).max():
@@ -224,7 +228,7 @@ def _equilibrium(
             if before is None:
                 return None
             break
-        shape, before = reference + problem.discretization.gather(x), actions.loads
+        shape, before = reference + problem.discretization.to_numpy(x), actions.loads
     raise RuntimeError(
         "Form finding found no shape for the dead loads: they grow with the form faster than the prestress can hold. "
         "Give a larger prestress or smaller loads."
@@ -236,7 +240,7 @@ def _warn_of_unsettled_form(steps: Sequence[Step], tolerance: float) -> None:
     warnings.warn(
         f"The form has not settled: step {len(steps)}, the last, changed it by {last.change:.3g} of the length of an "
         f"edge, more than the tolerance {tolerance:g}, and its stress is off by {100 * last.stress_error:.3g} % of the "
-        "prescribed one; it is in equilibrium with the stress found. Allow more steps (max_steps=...) or a larger "
+        "prescribed one; it is in equilibrium with the stress found. Allow more steps (max_iterations=...) or a larger "
         "tolerance; where the change does not fall from step to step (form.steps), the prestress may have no form.",
         UnsettledFormWarning,
         stacklevel=3,

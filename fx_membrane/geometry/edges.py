@@ -10,7 +10,7 @@ from .. import _dolfinx
 from ..checks import validation
 
 
-def edges_on(
+def edges_where(
     points: ArrayLike, triangles: ArrayLike, on: Callable[[NDArray[np.float64]], NDArray[np.bool_]]
 ) -> NDArray[np.int64]:
     """Edges of a membrane on a line or a surface, as cells for cables, shape (edges, 2).
@@ -28,13 +28,13 @@ def edges_on(
     """
     if not callable(on):
         raise ValueError(
-            f"on is {validation.shown(on)}; give a function of positions, lambda x: numpy.isclose(x[1], 0)."
+            f"on is {validation.short_repr(on)}; give a function of positions, lambda x: numpy.isclose(x[1], 0)."
         )
     positions = validation.positions("points", points)
     mask = np.asarray(on(positions.T))
     if mask.shape != (len(positions),) or mask.dtype != bool:
         raise ValueError(
-            f"on gives {validation.shown(mask)}; it must give True or False for each position, shape (m,)."
+            f"on gives {validation.short_repr(mask)}; it must give True or False for each position, shape (m,)."
         )
     cells = validation.cells("triangles", triangles, 3)
     validation.in_range("triangles", cells.ravel(), len(positions), "node")

@@ -35,7 +35,7 @@ def rectangle(
         ValueError: A size or a number is not positive, or diagonals is none of the three.
     """
     width, height = validation.positive("width", width), validation.positive("height", height)
-    columns, rows = validation.whole("columns", columns), validation.whole("rows", rows)
+    columns, rows = validation.positive_integer("columns", columns), validation.positive_integer("rows", rows)
     if 3 * (columns + 1) * (rows + 1) > validation.MOST:
         raise ValueError(f"columns is {columns} and rows is {rows}, more nodes than PETSc numbers; give smaller ones.")
     choices = ("right", "left", "to centre")
@@ -63,7 +63,7 @@ def polyline(nodes: ArrayLike) -> NDArray[np.int64]:
     Raises:
         ValueError: They are not at least two whole numbers.
     """
-    line = validation.rows("nodes", nodes)
+    line = validation.indices("nodes", nodes)
     if len(line) < 2:
-        raise ValueError(f"nodes is {validation.shown(nodes)}; give at least two.")
+        raise ValueError(f"nodes is {validation.short_repr(nodes)}; give at least two.")
     return np.column_stack([line[:-1], line[1:]])

@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import connected_components
 from ..checks import validation
 
 
-def boundary(triangles: ArrayLike) -> NDArray[np.int64]:
+def boundary_edges(triangles: ArrayLike) -> NDArray[np.int64]:
     """Edges that belong to one triangle only, shape (edges, 2), in the sense of their triangle.
 
     Args:

@@ -46,9 +46,9 @@ def coincident_nodes(
     count = f" ({len(pairs)} such pairs in all)" if len(pairs) > 1 else ""
     (first, one), (second, other) = _first_cell(parts, a), _first_cell(parts, b)
     return (
-        f"Nodes {a} and {b} are at the same place, {validation.place(points[a])}, but nothing joins them{count}: cell "
-        f"{one} of {first!r} and cell {other} of {second!r} can part there. To join them, give all cells that meet "
-        f"there the same node number; if they are meant to be apart, say so by separate=[({first!r}, {second!r})]."
+        f"Nodes {a} and {b} are at the same place, {validation.format_point(points[a])}, but nothing joins "
+        f"them{count}: cell {one} of {first!r} and cell {other} of {second!r} can part there. To join them, give all "
+        f"cells that meet there the same node number; if they are meant to be apart, say so by separate=[({first!r}, {second!r})]."
     )
 
 

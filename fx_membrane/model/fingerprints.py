@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.topology import from_smallest
-from .loads import Stage
+from .stages import Stage
 from .structure import Structure
 
 
@@ -27,10 +27,10 @@ def fingerprints(data: Structure | Stage) -> dict[str, str]:
 
 
 def of_stages(stages: Sequence[Stage]) -> dict[str, str]:
-    """Digests of all data of a list of stages, its order and `steps` included."""
+    """Digests of all data of a list of stages, its order and `increments` included."""
     digests = {"names of the stages": fingerprint([stage.name for stage in stages])}
     for stage in stages:
-        mine = fingerprints(stage) | {"steps": fingerprint(stage.steps)}
+        mine = fingerprints(stage) | {"increments": fingerprint(stage.increments)}
         digests |= {f"{name} of stage {stage.name!r}": digest for name, digest in mine.items()}
     return digests
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..checks.validation import number, positive, shown, store
+from ..checks.validation import number, positive, short_repr, store
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Fabric:
         given = self.nu
         store(self, number, "nu")
         if not -1 < self.nu <= 0.5:
-            raise ValueError(f"Fabric nu is {shown(given)}; Poisson's ratio must be above -1 and at most 0.5.")
+            raise ValueError(f"Fabric nu is {short_repr(given)}; Poisson's ratio must be above -1 and at most 0.5.")
 
     @classmethod
     def from_modulus(cls, E: float, nu: float, thickness: float) -> "Fabric":
@@ -69,7 +69,8 @@ class OrthotropicFabric:
         limit = (self.Et_warp / self.Et_weft) ** 0.5
         if not abs(self.nu) < limit:
             raise ValueError(
-                f"OrthotropicFabric nu is {shown(given)}; with these stiffnesses its size must be below {limit:.6g}."
+                f"OrthotropicFabric nu is {short_repr(given)}; with these stiffnesses its size must be "
+                f"below {limit:.6g}."
             )
 
     def strain(self, stress: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -34,7 +34,7 @@ class Membrane:
         mass: Mass per area of the reference shape, as in data sheets [kg/m2], for `natural_frequencies`. Its unit
             follows from the other data, force unit times s2 over length unit, per area: t/m2 with kN and m. It is here
             and not in the material, so that membranes, cables and masts have it in one place. It adds no weight: that
-            is a load, `DeadLoad((0, 0, -9.81 * mass), part)`.
+            is a load, `DistributedLoad((0, 0, -9.81 * mass), part)`.
 
     Raises:
         ValueError: Cells, prestress or warp have a wrong shape or values that are not finite; the material is of
@@ -54,7 +54,7 @@ class Membrane:
         validation.keep(self, cells=validation.cells("Membrane cells", self.cells, 3))
         validation.plain("Membrane material", self.material, Fabric | OrthotropicFabric)
         validation.store(self, validation.finite, "prestress")
-        validation.store(self, validation.share, "compression_stiffness")
+        validation.store(self, validation.fraction, "compression_stiffness")
         validation.store(self, validation.not_negative, "mass")
         tensors = self.prestress_tensors()
         directed = not np.array_equal(tensors, tensors[:, :1, :1] * np.eye(2))
@@ -64,9 +64,9 @@ class Membrane:
             if warp.shape not in ((3,), (len(self.cells), 3)):
                 raise ValueError(f"Membrane warp has shape {warp.shape}; give (3,) or ({len(self.cells)}, 3).")
         elif directed or isinstance(self.material, OrthotropicFabric):
-            what = f"material is {validation.shown(self.material)}"
+            what = f"material is {validation.short_repr(self.material)}"
             if not isinstance(self.material, OrthotropicFabric):
-                what = f"prestress is {validation.shown(self.prestress)}"
+                what = f"prestress is {validation.short_repr(self.prestress)}"
             raise ValueError(
                 f"Membrane {what}, which has a warp and a weft; give the warp as a vector, warp=(x, y, z)."
             )
@@ -153,7 +153,7 @@ class Cable(Bar):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        validation.store(self, validation.share, "compression_stiffness")
+        validation.store(self, validation.fraction, "compression_stiffness")
 
 
 @dataclass(frozen=True, eq=False)  # repeated so that Python's TypeError names Mast

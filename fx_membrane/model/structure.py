@@ -8,37 +8,18 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ..checks import validation
 from ..geometry.measures import SLENDER, SLIVER, aspects, normals, projected
 from ..geometry.topology import with_one_sense
 from .coincidence import CoincidentNodesWarning, coincident_nodes
 from .parts import Cable, Kind, Mast, Membrane, Part
+from .supports import Support
 
 
 class SliverWarning(UserWarning):
     """Triangle so slender that the rounding of its forces shows in results."""
-
-
-@dataclass(frozen=True, eq=False)
-class Support:
-    """Nodes held at their reference position.
-
-    Args:
-        nodes: A node number or several, shape (k,).
-        components: The constrained components, some of "xyz".
-
-    Raises:
-        ValueError: Nodes are not whole numbers; components are not letters of "xyz".
-    """
-
-    nodes: ArrayLike
-    components: str = "xyz"
-
-    def __post_init__(self) -> None:
-        validation.store(self, validation.rows, "nodes")
-        validation.store(self, validation.letters, "components")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -181,13 +162,13 @@ class Structure:
             ValueError: There is no part of that name and kind.
         """
         if not isinstance(kind, type) or kind not in (Membrane, Cable, Mast):
-            raise ValueError(f"The kind of a part is {validation.shown(kind)}; give Membrane, Cable or Mast.")
+            raise ValueError(f"The kind of a part is {validation.short_repr(kind)}; give Membrane, Cable or Mast.")
         part = self.parts.get(name) if isinstance(name, str) else None
         if not isinstance(part, kind):
             other = f", which is a {type(part).__name__}" if part is not None else ""
             names = [key for key, part in self.parts.items() if isinstance(part, kind)]
             raise ValueError(
-                f"No {kind.__name__} is named {validation.shown(name)}{other}; those of the structure are {names}."
+                f"No {kind.__name__} is named {validation.short_repr(name)}{other}; those of the structure are {names}."
             )
         return part
 
@@ -200,7 +181,7 @@ class Structure:
         validation.in_range(what, nodes, len(self.points), "node")
         loose = nodes[~self.used[nodes]]
         if len(loose):
-            where = validation.place(self.points[loose[0]])
+            where = validation.format_point(self.points[loose[0]])
             raise ValueError(
                 f"{what} is on node {loose[0]}, which no part uses, at {where}; mend the number or add the part."
             )
@@ -209,11 +190,13 @@ class Structure:
         pairs: Sequence[Any] = self.separate if isinstance(self.separate, list | tuple) else [self.separate]
         for pair in pairs:
             if not isinstance(pair, list | tuple) or len(pair) != 2:
-                raise ValueError(f'separate has {validation.shown(pair)}; give pairs of names, [("top", "bottom")].')
+                raise ValueError(
+                    f'separate has {validation.short_repr(pair)}; give pairs of names, [("top", "bottom")].'
+                )
             for name in pair:
                 if not isinstance(name, str) or name not in self.parts:
                     raise ValueError(
-                        f"separate names part {validation.shown(name)}, which does not exist; those are "
+                        f"separate names part {validation.short_repr(name)}, which does not exist; those are "
                         f"{list(self.parts)}."
                     )
         return [(validation.text("separate", a), validation.text("separate", b)) for a, b in pairs]
@@ -240,7 +223,7 @@ class Structure:
         cell = int(aspect.argmax())
         if aspect[cell] <= SLENDER:
             return
-        where = validation.place(self.points[part.cells[cell]].mean(axis=0))
+        where = validation.format_point(self.points[part.cells[cell]].mean(axis=0))
         what = f"Part {name!r}, cell {cell} (nodes {part.cells[cell].tolist()})"
         if not np.isfinite(aspect[cell]):
             measure = "length" if part.dimension == 1 else "area"

@@ -43,17 +43,19 @@ def checked(result: StageResult, title: str, field: Field) -> Checked:
     return found
 
 
-def checked_limits(title: str, field: Checked, given: Sequence[float]) -> tuple[float, float]:
+def checked_range(title: str, field: Checked, given: Sequence[float]) -> tuple[float, float]:
     """Minimum and maximum of the colours.
 
     Raises:
         ValueError: They are not two numbers, the lower first; or the field shows states.
     """
     if joined(field).dtype.kind == "U":
-        raise ValueError(f"limits are given for {title!r}, which shows states; leave them out there.")
-    pair = validation.finite(f"limits of {title!r}", given)
+        raise ValueError(f"ranges are given for {title!r}, which shows states; leave them out there.")
+    pair = validation.finite(f"range of {title!r}", given)
     if pair.shape != (2,) or not pair[0] < pair[1]:
-        raise ValueError(f"limits of {title!r} is {validation.shown(given)}; give (low, high), the lower one first.")
+        raise ValueError(
+            f"The range of {title!r} is {validation.short_repr(given)}; give (low, high), the lower one first."
+        )
     return float(pair[0]), float(pair[1])
 
 

@@ -20,7 +20,7 @@ from ..results.states import StageResult
 from ..runtime.processes import by_the_first
 from ..solvers.base import Iteration
 from .colours import colour_bar, colours
-from .fields import Field, checked, checked_limits, checked_scale
+from .fields import Field, checked, checked_range, checked_scale
 from .scene import INK, picture, screen_axes
 from .screen import obstacle
 
@@ -151,7 +151,7 @@ def wireframe(
     lines = {validation.name("part", name): _cells(name, part, len(positions)) for name, part in parts.items()}
     if not lines:
         raise ValueError('parts is empty; give at least one, {"name": cells}.')
-    marked = validation.rows("labels", labels, empty=True)
+    marked = validation.indices("labels", labels, empty=True)
     validation.in_range("labels", marked, len(positions), "node")
     first = validation.integer("first", first)
     seen = positions @ screen_axes((0, 0, 1) if view is None else validation.direction("view", view)).T
@@ -193,8 +193,8 @@ def contours(
     scale: float = 1.0,
     view: Sequence[float] = (1.0, -1.6, 1.1),
     mirror: str | None = None,
-    odd: Sequence[str] = (),
-    limits: Mapping[str, Sequence[float]] | None = None,
+    antisymmetric: Sequence[str] = (),
+    ranges: Mapping[str, Sequence[float]] | None = None,
 ) -> None:
     """Plot fields on the deformed structure, one picture beside the other; cables and masts are drawn as tubes.
 
@@ -208,16 +208,16 @@ def contours(
         scale: Factor of the displacements.
         view: Direction from the structure to the eye; z points up, from straight above, (0, 0, 1), y.
         mirror: "x", "y" or "z" adds the mirror image about that coordinate's zero, for half models.
-        odd: Titles of the fields whose sign changes in the mirror image, such as the displacement across it.
-        limits: Minimum and maximum of the colours for the titles of some fields, {"title": (low, high)}; values beyond
+        antisymmetric: Titles of the fields whose sign changes in the mirror image, such as the displacement across it.
+        ranges: Minimum and maximum of the colours for the titles of some fields, {"title": (low, high)}; values beyond
             have the colour of that end, and the numbers at the ends are written with <= and >=. By default the colours
             go from the minimum to the maximum, and one peak can leave the rest in one colour.
 
     Raises:
         ValueError: A field has a wrong number of values, values that are not finite, or names no part; mirror is none
-            of the three; odd or limits name no field; limits are not two numbers, the lower first, or are given for
-            states; view is not a direction; scale is not a number, or draws displacements 1e4 times as large as the
-            structure; path ends in no picture format, or cannot be written.
+            of the three; antisymmetric or ranges name no field; a range is not two numbers, the lower first, or is
+            given for states; view is not a direction; scale is not a number, or draws displacements 1e4 times as large
+            as the structure; path ends in no picture format, or cannot be written.
     """
     validation.instance("The first argument of contours", result, StageResult)
     validation.instance("fields", fields, Mapping)
@@ -225,13 +225,13 @@ def contours(
         raise ValueError('fields is empty; give at least one, {"title": values}.')
     drawn = {title: checked(result, title, field) for title, field in fields.items()}
     validation.choice("mirror", mirror, (None, "x", "y", "z"), '"x", "y", "z" or None')
-    validation.instance("limits", limits, Mapping | None)
-    odd = validation.texts("odd", odd)
-    for what, titles in (("odd", odd), ("limits", limits or {})):
+    validation.instance("ranges", ranges, Mapping | None)
+    antisymmetric = validation.texts("antisymmetric", antisymmetric)
+    for what, titles in (("antisymmetric", antisymmetric), ("ranges", ranges or {})):
         unknown = [title for title in titles if title not in drawn]
         if unknown:
             raise ValueError(f"{what} names {unknown[0]!r}; the fields are {list(drawn)}.")
-    ranges = {title: checked_limits(title, drawn[title], given) for title, given in (limits or {}).items()}
+    bounds = {title: checked_range(title, drawn[title], given) for title, given in (ranges or {}).items()}
     scale = checked_scale(result, scale)
     eye = validation.direction("view", view)
     file = _checked_path(path)
@@ -242,11 +242,13 @@ def contours(
     figure = _figure(6.4 * len(drawn), 5.6)
     panels = figure.subplots(1, len(drawn), squeeze=False)[0]
     for axes, (title, field) in zip(panels, drawn.items(), strict=True):
-        shades, numbers = colours(field, symmetric=title in odd, limits=ranges.get(title))
-        axes.imshow(picture(result, numbers, shades, scale=scale, view=eye, mirror=mirror, odd=title in odd))
+        shades, numbers = colours(field, symmetric=title in antisymmetric, limits=bounds.get(title))
+        axes.imshow(
+            picture(result, numbers, shades, scale=scale, view=eye, mirror=mirror, antisymmetric=title in antisymmetric)
+        )
         axes.axis("off")
         axes.set_title(title, color=INK, fontsize=15)
-        colour_bar(figure, axes, shades, limited=title in ranges)
+        colour_bar(figure, axes, shades, limited=title in bounds)
     _save(figure, file)
 
 

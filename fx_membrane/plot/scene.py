@@ -33,13 +33,13 @@ def picture(
     scale: float,
     view: ArrayLike,
     mirror: str | None,
-    odd: bool,
+    antisymmetric: bool,
 ) -> NDArray[np.uint8]:
     """Draw the deformed structure, cables and masts as tubes; shape (height, width, 3).
 
     Cell values colour their parts. Nodal values colour the membranes, or the lines if there are none.
 
-    A coordinate in `mirror` adds the mirror image, with values of the other sign if the field is odd.
+    A coordinate in `mirror` adds the mirror image, with values of the other sign if the field is antisymmetric.
     """
     import pyvista  # noqa: PLC0415  (numbers alone must not wait for it)
 
@@ -51,7 +51,7 @@ def picture(
     membranes = any(part.dimension == 2 for part in result.structure.parts.values())
     shapes = [(points, 1)]
     if mirror is not None:
-        shapes.append((points * np.where(np.arange(3) == "xyz".index(mirror), -1.0, 1.0), -1 if odd else 1))
+        shapes.append((points * np.where(np.arange(3) == "xyz".index(mirror), -1.0, 1.0), -1 if antisymmetric else 1))
     for shape, sign in shapes:
         for name, part in result.structure.parts.items():
             if part.dimension == 1:

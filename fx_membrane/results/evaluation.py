@@ -25,13 +25,13 @@ MEMBRANE = {
     "cauchy": (3, 3),
     "cauchy_projected": (3, 3),
     "principal": (2,),
-    "thread_forces": (2,),
+    "warp_weft_stress": (2,),
     "state": (),
 }
 BAR = {"strain": (), "force": (), "state": ()}
 
 
-class Recorder:
+class StateEvaluator:
     """Evaluation of states; it keeps the compiled stress expressions between stages."""
 
     def __init__(self, problem: Problem):
@@ -44,7 +44,7 @@ class Recorder:
         _dolfinx.free_dropped(discretization.comm)
         with discretization.work(1) as (b,):
             problem.residual(x, b)
-            residual, displacement = discretization.gather(b), discretization.gather(x)
+            residual, displacement = discretization.to_numpy(b), discretization.to_numpy(x)
         loads = actions.loads + problem.pressure_loads(x)
         reactions = np.where(actions.held, residual, 0.0)
         unbalanced = np.abs(residual - reactions).max(axis=1)
@@ -102,7 +102,7 @@ def _expression(part: PartForms) -> Callable[[], NDArray[np.float64]]:
             "cauchy": cauchy,
             "cauchy_projected": stress.cauchy(F, S, kinematics.projected_ratio(F, part.T)),
             "principal": stress.principal(cauchy, F),
-            "thread_forces": stress.along(cauchy, F),
+            "warp_weft_stress": stress.warp_weft_stress(cauchy, F),
             "state": part.state,
         }
         assert {name: value.ufl_shape for name, value in fields.items()} == MEMBRANE

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ..geometry.measures import measures
 from ..model.parts import Mast, Membrane
-from ..solvers.lowest_mode import WEAK
+from ..solvers.curvature import WEAK
 from .slack_forces import LIMIT, compression, rounding, slack_cells
 from .states import BarResult, StageResult
 

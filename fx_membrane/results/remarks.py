@@ -85,7 +85,7 @@ def _far(result: StageResult, motion: Motion) -> str:
     return (
         f"{reached} {', and '.join(filter(None, (far, motion.tilted)))}: it has fallen, snapped, hung down or been "
         "stretched into quite another shape. If that is not meant, check units and stiffness, that every mast has its "
-        "stays, and whether something is slack or missing; `trace` shows the way there."
+        "stays, and whether something is slack or missing; `equilibrium_path` shows the way there."
     )
 
 
@@ -102,7 +102,8 @@ def _snapped(result: StageResult, motion: Motion) -> Iterator[Remark]:
             yield Remark(
                 f"between load factors {before:.6g} and {increment.load_factor:.6g} the structure lost its stability: "
                 f"it has snapped or buckled into another shape{motion.tilted and f' ({motion.tilted})'}. Stay below "
-                "that load, or add supports, members or prestress, if that is not meant; `trace` shows the limit point."
+                "that load, or add supports, members or prestress, if that is not meant; `equilibrium_path` shows the "
+                "limit point."
             )
         before = increment.load_factor
 

@@ -41,13 +41,13 @@ def report(
             unit is not a text.
     """
     validation.instance("The first argument of report", result, StageResult)
-    listed = validation.rows("nodes", nodes, empty=True)
+    listed = validation.indices("nodes", nodes, empty=True)
     validation.in_range("nodes", listed, len(result.structure.points), "node")
     first = validation.integer("first", first)
     force_unit, length_unit = validation.text("force_unit", force_unit), validation.text("length_unit", length_unit)
     iterations = [len(increment.iterations) - 1 for increment in result.increments]
-    more = sum(increment.unlisted for increment in result.increments)
-    remarks = f", drawn smooth first ({more} iterates more)" * any(entry.drawn_smooth for entry in result.increments)
+    more = sum(increment.extra_iterations for increment in result.increments)
+    remarks = f", drawn smooth first ({more} iterates more)" * any(entry.stabilized for entry in result.increments)
     remarks += ", not stable" * any(increment.unstable for increment in result.increments)
     units = f"units as given: {force_unit}, {length_unit}"
     lines = [f"WARNING: {remark}" for remark in result.remarks]
@@ -83,7 +83,7 @@ def _part(result: StageResult, name: str, first: int, force_unit: str, length_un
     largest = np.linalg.eigvalsh(part.strain + before)[:, 1]
     stress, unit = part.principal[:, 0], f"{force_unit}/{length_unit}"
     directed = isinstance(given, Membrane) and given.warp is not None
-    threads = zip(("warp", "weft"), part.thread_forces.T, strict=True) if directed else ()
+    threads = zip(("warp", "weft"), part.warp_weft_stress.T, strict=True) if directed else ()
     return [
         f"{_range(stress)} {unit}, principal stress I, largest {_where(result, name, stress)}",
         f"{_range(part.principal[:, 1])} {unit}, principal stress II",

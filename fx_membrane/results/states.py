@@ -41,19 +41,19 @@ class Increment(NamedTuple):
     Attributes:
         load_factor: Fraction of the stage's own loads and displacements, in (0, 1].
         iterations: The iterates of the solver, the start first.
-        drawn_smooth: True if the iterations follow a homotopy in a fading stabilization, since the solver failed from
+        stabilized: True if the iterations follow a homotopy in a fading stabilization, since the solver failed from
             the last increment.
         unstable: True if the equilibrium is unstable, as far as the solver looked (see `stability`).
-        unlisted: Number of iterates missing from `iterations`: those of rejected attempts and of the homotopy.
+        extra_iterations: Number of iterates missing from `iterations`: those of rejected attempts and of the homotopy.
         snapped: True if the structure lost its stability, and has snapped through or buckled into another shape.
         fallen: Sentence on the parts that only slack parts held before it snapped; empty if it buckled.
     """
 
     load_factor: float
     iterations: tuple[Iteration, ...]
-    drawn_smooth: bool = False
+    stabilized: bool = False
     unstable: bool = False
-    unlisted: int = 0
+    extra_iterations: int = 0
     snapped: bool = False
     fallen: str = ""
 
@@ -67,7 +67,7 @@ class MembraneResult:
         second_piola_kirchhoff: Stress per reference length in the warp/weft frame, shape (cells, 2, 2) [N/m], Gil (32).
         cauchy: Stress per current length in global axes, shape (cells, 3, 3) [N/m].
         principal: Principal values of `cauchy`, the larger first, shape (cells, 2) [N/m].
-        thread_forces: Normal components of `cauchy` along the current warp and weft, shape (cells, 2) [N/m].
+        warp_weft_stress: Normal components of `cauchy` along the current warp and weft, shape (cells, 2) [N/m].
         state: "taut", "wrinkled" or "slack", shape (cells,). With `compression_stiffness=1` the membrane neither
             wrinkles nor slackens: all cells are "taut", even if `principal` shows compression.
         cauchy_projected: Cauchy stress of Gil (19) with J = det(I + grad u), the paper's Table 2, in global axes, shape
@@ -79,7 +79,7 @@ class MembraneResult:
     cauchy: Array
     principal: Array
     cauchy_projected: Array
-    thread_forces: Array
+    warp_weft_stress: Array
     state: NDArray[np.str_]
 
 

@@ -9,10 +9,10 @@ from petsc4py import PETSc
 from ..assembly.problem import Problem
 from ..runtime.decimal_point import decimal_point
 
-Driver = tuple[Callable[[PETSc.Vec], bool], PETSc.KSP]  # backend: the iteration and its linear solver
+Backend = tuple[Callable[[PETSc.Vec], bool], PETSc.KSP]  # backend: the iteration and its linear solver
 
 
-class Owner(Protocol):
+class Callbacks(Protocol):
     """Callbacks and workspace of the iteration.
 
     Attributes:
@@ -41,7 +41,7 @@ class Owner(Protocol):
         """Replace the solution dx of the linear system by the step: the next iterate is x - dx."""
 
 
-def by_dolfinx(owner: Owner) -> Driver:
+def by_dolfinx(owner: Callbacks) -> Backend:
     """Drive the iteration by dolfinx's NewtonSolver."""
     newton = owner.newton
 
@@ -69,7 +69,7 @@ def by_dolfinx(owner: Owner) -> Driver:
 
 
 @decimal_point()
-def by_snes(owner: Owner) -> Driver:
+def by_snes(owner: Callbacks) -> Backend:
     """Drive the same iteration by PETSc's SNES, for versions of dolfinx without NewtonSolver."""
     reasons = PETSc.SNES.ConvergedReason
 

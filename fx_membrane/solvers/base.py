@@ -44,10 +44,10 @@ class Solution:
         reason: Sentence on why the solve stopped and, after a failure, on the remedy.
         iterations: The iterates, the start first.
         retry: True if a smaller load increment may succeed after this failure.
-        drawn_smooth: True if the iterates start from the result of the homotopy in a fading stabilization, not from the
+        stabilized: True if the iterates start from the result of the homotopy in a fading stabilization, not from the
             given start.
         unstable: True if the equilibrium is unstable and no stable one was found from there.
-        unlisted: Number of iterates missing from `iterations`: those of rejected attempts and of the homotopy.
+        extra_iterations: Number of iterates missing from `iterations`: those of rejected attempts and of the homotopy.
         lost_stability: True if the start was stable, but negative curvature appeared during the iteration, beyond that
             of wrinkled and slack cells: that of masts or a pressure. Iterates can be far off, so smaller load
             increments may avoid it.
@@ -58,9 +58,9 @@ class Solution:
     reason: str
     iterations: tuple[Iteration, ...]
     retry: bool = False
-    drawn_smooth: bool = False
+    stabilized: bool = False
     unstable: bool = False
-    unlisted: int = 0
+    extra_iterations: int = 0
     lost_stability: bool = False
     motion: NDArray[np.float64] | None = None
 
@@ -84,7 +84,7 @@ class Solver(Protocol):
         ...
 
 
-def silent(number: int, iterate: Iteration) -> None:
+def no_monitor(number: int, iterate: Iteration) -> None:
     """Monitor that does nothing."""
 
 
@@ -105,12 +105,12 @@ def tolerance(problem: Problem, x: PETSc.Vec, b: PETSc.Vec, rtol: float) -> floa
     return max(rtol * min(forces, MOST * loads or forces), 1e-300)
 
 
-def lost(problem: Problem, x: PETSc.Vec, residual: float) -> bool:
+def diverged(problem: Problem, x: PETSc.Vec, residual: float) -> bool:
     """Return True if the iterate has diverged or is not a number."""
-    return not (math.isfinite(residual) and largest(x) <= FAR * problem.discretization.structure.size)
+    return not (math.isfinite(residual) and max_norm(x) <= FAR * problem.discretization.structure.size)
 
 
-def largest(vector: PETSc.Vec) -> float:
+def max_norm(vector: PETSc.Vec) -> float:
     """Largest absolute value; NaN on every process if an entry is NaN.
 
     MPI_MAX does not define the result for NaN, so that processes could disagree.

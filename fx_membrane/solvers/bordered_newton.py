@@ -1,6 +1,6 @@
 """Newton's method for displacement and load factor together: a point of an equilibrium path in a plane.
 
-    R(u, factor) = 0,    across . u + share factor = distance
+    R(u, factor) = 0,    normal . u + load_weight factor = distance
 
 Elimination solves the two equations. Each iteration takes one factorization of K and two solutions: for R, and for the
 derivative of R by the load factor. That derivative is minus the stage's own loads, pressures as in the present shape.
@@ -18,7 +18,7 @@ from petsc4py import PETSc
 from ..assembly import load_cases
 from ..assembly.problem import Actions, Problem
 from . import factorization
-from .base import Iteration, Monitor, silent, tolerance
+from .base import Iteration, Monitor, no_monitor, tolerance
 from .progress import Pulse
 
 MOST = 12  # maximum number of iterations
@@ -54,15 +54,15 @@ class Point(NamedTuple):
 
 
 class Plane(NamedTuple):
-    """Set of all (u, factor) with across . u + share factor = distance."""
+    """Set of all (u, factor) with normal . u + load_weight factor = distance."""
 
-    across: PETSc.Vec
-    share: float
+    normal: PETSc.Vec
+    load_weight: float
     distance: float
 
-    def beyond(self, point: Point) -> float:
+    def signed_distance(self, point: Point) -> float:
         """Signed distance of a point beyond the plane, in the unit of the distance."""
-        return float(self.across.dot(point.x)) + self.share * point.factor - self.distance
+        return float(self.normal.dot(point.x)) + self.load_weight * point.factor - self.distance
 
 
 class BorderedNewton:
@@ -78,11 +78,11 @@ class BorderedNewton:
     def __init__(self, problem: Problem, start: Actions, end: Actions, x: PETSc.Vec, rtol: float):
         self.problem, self.start, self.end, self.rtol = problem, start, end, rtol
         self.rate = load_cases.change(start, end)
-        self.monitor: Monitor = silent
+        self.monitor: Monitor = no_monitor
         self.pulse = Pulse("trace", problem.discretization.comm.rank == 0)
         self.A = problem.discretization.create_matrix()
         create = problem.discretization.create_vector
-        self.b, self.back, self.along, self.work, self.zero = create(), create(), create(), create(), create()
+        self.b, self.du_residual, self.du_load, self.work, self.zero = create(), create(), create(), create(), create()
         self.size = problem.discretization.structure.size
         self.symmetric = self.has_potential(x)
         self.ksp = PETSc.KSP().create(problem.discretization.comm)
@@ -99,7 +99,7 @@ class BorderedNewton:
             self.problem.apply(actions)
             if not self.problem.symmetric:
                 self.problem.tangent(x, self.A)
-                self.problem.hold_tangent(x, self.A, self.work)
+                self.problem.constrain_tangent(x, self.A, self.work)
                 if not factorization.is_symmetric(self.A):
                     return False
         return True
@@ -110,14 +110,14 @@ class BorderedNewton:
         iterations: list[Iteration] = []
         while True:
             balanced = self.residual(x, factor)
-            largest = self.b.norm(PETSc.NormType.NORM_INFINITY)
-            iterations.append(Iteration(self.problem.energy(x), largest, float(bool(iterations))))
-            self.pulse(f"load factor {factor:.6g}, iteration {len(iterations) - 1}, residual {largest:.1e}")
+            max_norm = self.b.norm(PETSc.NormType.NORM_INFINITY)
+            iterations.append(Iteration(self.problem.energy(x), max_norm, float(bool(iterations))))
+            self.pulse(f"load factor {factor:.6g}, iteration {len(iterations) - 1}, residual {max_norm:.1e}")
             self.monitor(len(iterations) - 1, iterations[-1])
             if balanced:
                 return Point(x, factor, tuple(iterations))
-            lost = not (math.isfinite(largest) and x.norm(PETSc.NormType.NORM_INFINITY) <= FAR * self.size)
-            if lost or len(iterations) > MOST or not self.linearize(x):
+            diverged = not (math.isfinite(max_norm) and x.norm(PETSc.NormType.NORM_INFINITY) <= FAR * self.size)
+            if diverged or len(iterations) > MOST or not self.linearize(x):
                 return None
             move = self.correction(Point(x, factor), plane)
             if move is None:
@@ -127,13 +127,13 @@ class BorderedNewton:
 
     def correction(self, guess: Point, plane: Plane) -> Step | None:
         """Step of one iteration into a plane, by the tangent factored last; None if it is singular."""
-        if not self.solve(self.b, self.back):
+        if not self.solve(self.b, self.du_residual):
             return None
-        slope = float(plane.across.dot(self.along)) + plane.share
-        change = (float(plane.across.dot(self.back)) - plane.beyond(guess)) / (slope or math.nan)
-        move = self.along.copy()
+        slope = float(plane.normal.dot(self.du_load)) + plane.load_weight
+        change = (float(plane.normal.dot(self.du_residual)) - plane.signed_distance(guess)) / (slope or math.nan)
+        move = self.du_load.copy()
         move.scale(change)
-        move.axpy(-1.0, self.back)
+        move.axpy(-1.0, self.du_residual)
         return Step(move, change)
 
     def residual(self, x: PETSc.Vec, factor: float) -> bool:
@@ -141,7 +141,7 @@ class BorderedNewton:
         self.problem.apply(load_cases.between(self.start, self.end, factor))
         self.problem.residual(x, self.b)
         accepted = tolerance(self.problem, x, self.b, self.rtol)
-        self.problem.hold(x, self.b)
+        self.problem.constrain_residual(x, self.b)
         return self.problem.beyond_rounding(x, self.b) < accepted
 
     def linearize(self, x: PETSc.Vec) -> bool:
@@ -152,9 +152,9 @@ class BorderedNewton:
         with self.problem.discretization.work(1) as (gain,):
             self.problem.loads(x, gain)
             gain.scale(-1.0)
-            self.problem.hold_tangent(self.zero, self.A, gain)  # constrained components move at their rate
+            self.problem.constrain_tangent(self.zero, self.A, gain)  # constrained components move at their rate
             gain.scale(-1.0)
-            return self.solve(gain, self.along)
+            return self.solve(gain, self.du_load)
 
     def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> bool:
         """Solve A x = b; return True if x is a solution."""

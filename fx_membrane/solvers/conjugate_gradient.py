@@ -14,8 +14,8 @@ from petsc4py import PETSc
 
 from ..assembly.problem import Problem
 from ..checks import validation
-from .base import ROUNDING, Iteration, Monitor, Solution, Solve, lost, silent, tolerance
-from .diagnosis import stalled
+from .base import ROUNDING, Iteration, Monitor, Solution, Solve, diverged, no_monitor, tolerance
+from .diagnosis import stagnation_message
 from .line_search import Point, line, rounding, search
 from .preconditioners import Kind, preconditioner
 
@@ -127,7 +127,7 @@ def _check(settings: SteepestDescent | ConjugateGradient) -> None:
     preconditioner = validation.choice(f"{name} preconditioner", given, (None, "jacobi", "tangent"), remedy)
     validation.keep(settings, preconditioner=preconditioner)
     validation.store(settings, validation.tolerance, "rtol")
-    validation.store(settings, validation.whole, "max_iterations")
+    validation.store(settings, validation.positive_integer, "max_iterations")
 
 
 class _Descent:
@@ -151,11 +151,11 @@ class _Descent:
         self.now, self.before = Gradient(create(), create()), Gradient(create(), create())
         self.direction = create()
 
-    def __call__(self, x: PETSc.Vec, monitor: Monitor = silent, thorough: bool = True) -> Solution:
+    def __call__(self, x: PETSc.Vec, monitor: Monitor = no_monitor, thorough: bool = True) -> Solution:
         self.history: list[Iteration] = []
         self.anew, self.age = True, 0
         self.restart = self.free_components()
-        self.problem.bring(x)
+        self.problem.impose(x)
         if self.arrived(x, 0.0, monitor):
             return Solution(True, "converged", tuple(self.history))
         divide = self.preconditioner(x)
@@ -168,7 +168,7 @@ class _Descent:
                 return self.failure(x, slow=False)
             if self.arrived(x, length, monitor):
                 return Solution(True, "converged", tuple(self.history))
-            if lost(self.problem, x, self.history[-1].residual):
+            if diverged(self.problem, x, self.history[-1].residual):
                 return self.failure(x, slow=False)
         return self.failure(x, slow=True)
 
@@ -177,9 +177,9 @@ class _Descent:
         b = self.now.g
         self.problem.residual(x, b)
         accepted = tolerance(self.problem, x, b, self.settings.rtol if self.history else ROUNDING)
-        self.problem.release(b)
-        largest = b.norm(PETSc.NormType.NORM_INFINITY)
-        self.history.append(Iteration(self.problem.energy(x), largest, length))
+        self.problem.zero_constrained(b)
+        max_norm = b.norm(PETSc.NormType.NORM_INFINITY)
+        self.history.append(Iteration(self.problem.energy(x), max_norm, length))
         monitor(len(self.history) - 1, self.history[-1])
         return self.problem.beyond_rounding(x, b) < accepted
 
@@ -226,21 +226,21 @@ class _Descent:
 
     def full(self, x: PETSc.Vec, d: PETSc.Vec) -> float:
         """Factor that scales a direction to the full step, limited to displacements of the structure's size."""
-        largest = d.norm(PETSc.NormType.NORM_INFINITY)
-        difference = DIFFERENCE * self.size / largest
+        max_norm = d.norm(PETSc.NormType.NORM_INFINITY)
+        difference = DIFFERENCE * self.size / max_norm
         slope = float(self.now.g.dot(d))
         with self.problem.discretization.work(2) as (near, b):
             near.waxpy(difference, d, x)
             self.problem.residual(near, b)
             curvature = (float(b.dot(d)) - slope) / difference
-        most = self.size / largest
+        most = self.size / max_norm
         return min(-slope / curvature, most) if curvature > 0 else most
 
     def free_components(self) -> int:
         """Count of unconstrained components."""
         with self.problem.discretization.work(1) as (free,):
             free.set(1.0)
-            self.problem.release(free)
+            self.problem.zero_constrained(free)
             return int(free.sum())
 
     def stands_still(self) -> bool:
@@ -257,7 +257,7 @@ class _Descent:
         """
         name, last = type(self.settings).__name__, self.history[-1].residual
         at_rounding = slow and self.stands_still()
-        reason = stalled(self.problem, x, len(self.history) - 1, last, at_rounding, solver=name)
+        reason = stagnation_message(self.problem, x, len(self.history) - 1, last, at_rounding, solver=name)
         if at_rounding:
             reason += " The energy, which first-order methods go by, falls by rounding only; Newton() may get closer."
         elif slow:

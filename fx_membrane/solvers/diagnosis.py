@@ -11,8 +11,8 @@ from ..assembly.problem import Problem
 from ..geometry.measures import measures
 from ..model.parts import Cable, Mast, Membrane
 from ..model.structure import Structure
-from .base import largest
-from .lowest_mode import WEAK, softest
+from .base import max_norm
+from .curvature import WEAK, lowest_mode
 
 NOTHING = 1e-6  # fraction of its size to which a collapsed cell has shrunk
 SHARE = 0.1  # of the largest displacement in a motion, above which a node moves with it
@@ -31,7 +31,7 @@ def linear_failure(problem: Problem, A: PETSc.Mat) -> str:
             f"the tangent stiffness is singular: nothing holds node {node}{also} in the direction ({axis}). "
             + _why_loose(problem.discretization.structure, node)
         )
-    less = "" if problem.unloaded() else ", or apply less load per step (steps=...)"
+    less = "" if problem.unloaded() else ", or apply less load per increment"
     return (
         "the tangent stiffness is singular: parts of the structure can move without resistance (a mechanism, or the "
         f"point where it buckles). Add prestress, supports or members{less}."
@@ -68,11 +68,11 @@ class Mechanism(NamedTuple):
 
 def mechanism(problem: Problem, x: PETSc.Vec) -> Mechanism | None:
     """Free motion of a structure in a state; None if every motion meets resistance."""
-    found = softest(problem, x, WEAK)
+    found = lowest_mode(problem, x, WEAK)
     # Written so that NaN is not taken for a mechanism.
     if not abs(found.stiffness) < WEAK:
         return None
-    free = _mechanism(problem.discretization.gather(found.motion))
+    free = _mechanism(problem.discretization.to_numpy(found.motion))
     return free._replace(words=f"{free.words} Add supports, members or prestress that hold it.")
 
 
@@ -87,9 +87,9 @@ def slack_mechanism(problem: Problem, x: PETSc.Vec) -> Mechanism | None:
         return None
     # Slack fabric may be softer than a mast that falls: masts move alone, too.
     for moving in (np.ones_like(masts), masts):
-        with problem.without_kept_stiffness():
-            found = softest(problem, x, WEAK, moving)
-        motion = problem.discretization.gather(found.motion)
+        with problem.no_compression_stiffness():
+            found = lowest_mode(problem, x, WEAK, moving)
+        motion = problem.discretization.to_numpy(found.motion)
         # Fabric that is slack here and there is not the structure.
         if found.stiffness < WEAK and masts[np.linalg.norm(motion, axis=1).argmax()]:
             return _slack_mechanism(structure, _mechanism(motion, " but for the small stiffness that slack parts keep"))
@@ -131,7 +131,7 @@ def _mechanism(motion: NDArray[np.float64], but: str = "") -> Mechanism:
 def collapsed(problem: Problem, x: PETSc.Vec) -> bool:
     """Return True if a cell has shrunk to nothing: stabilization collapses an unsupported structure."""
     structure = problem.discretization.structure
-    shape = structure.points + problem.discretization.gather(x)
+    shape = structure.points + problem.discretization.to_numpy(x)
     cells = [part.cells for part in structure.parts.values()]
     return any((measures(shape, c) < NOTHING * measures(structure.points, c)).any() for c in cells)
 
@@ -147,7 +147,7 @@ def unlikely_units(problem: Problem, x: PETSc.Vec) -> str:
     )
 
 
-def stalled(
+def stagnation_message(
     problem: Problem, x: PETSc.Vec, iterations: int, residual: float, at_rounding: bool, solver: str = "Newton"
 ) -> str:
     """Sentence on why the iteration did not converge.
@@ -167,16 +167,16 @@ def stalled(
             f"({solver}(max_iterations=...))."
         )
     size = problem.discretization.structure.size
-    displacement = largest(x)
+    displacement = max_norm(x)
     swung = swung_masts(problem, x, SWUNG if problem.unloaded() else FAR_OVER, "tried")
     if problem.unloaded():
         advice = (
-            "nothing is applied that could come in more steps: give a prestress that the shape and its supports can "
-            "balance (force_density and updated_reference find such shapes), or a load that slack parts can hang by"
+            "nothing is applied that could come in more increments: give a prestress that the shape and its supports "
+            "can balance (force_density and updated_reference find such shapes), or a load that slack parts can hang by"
         )
     else:
         advice = (
-            "apply the loads in more steps (steps=...), give more prestress, start from a shape in which the prestress "
+            "apply the loads in more increments, give more prestress, start from a shape in which the prestress "
             "is nearer to balance"
         )
     advice += f", or allow more iterations ({solver}(max_iterations=...))"
@@ -198,7 +198,7 @@ def swung_masts(problem: Problem, x: PETSc.Vec, limit: float, kind: str) -> str:
         limit: The angle [rad].
         kind: How the state came about: "found" or "tried".
     """
-    structure, moved = problem.discretization.structure, problem.discretization.gather(x)
+    structure, moved = problem.discretization.structure, problem.discretization.to_numpy(x)
     found = []
     for name, part in structure.parts.items():
         if isinstance(part, Mast):
@@ -225,7 +225,7 @@ def loose_nodes(problem: Problem, A: PETSc.Mat) -> list[tuple[int, list[float]]]
     pointers, columns, values = A.getValuesCSR()
     rows = np.repeat(np.arange(len(pointers) - 1), np.diff(pointers))
     same_node = (columns - first) // 3 == rows // 3
-    blocks = np.zeros((len(discretization.owned), 3, 3))
+    blocks = np.zeros((len(discretization.owned_nodes), 3, 3))
     blocks[rows[same_node] // 3, rows[same_node] % 3, (columns[same_node] - first) % 3] = values[same_node]
     if not discretization.comm.allreduce(bool(np.isfinite(blocks).all()), MPI.LAND):
         return []  # all processes return together: eigh would fail on some only
@@ -233,5 +233,5 @@ def loose_nodes(problem: Problem, A: PETSc.Mat) -> list[tuple[int, list[float]]]
     limit = 1e-13 * np.minimum(np.abs(blocks).max(axis=(1, 2)), problem.stiffness)  # neither another node nor a support
     weakest = np.argmin(np.abs(stiffness), axis=1)
     loose = np.flatnonzero(np.abs(stiffness).min(axis=1) <= limit)
-    found = [(int(discretization.owned[i]), directions[i, :, weakest[i]].tolist()) for i in loose]
+    found = [(int(discretization.owned_nodes[i]), directions[i, :, weakest[i]].tolist()) for i in loose]
     return sorted(entry for part in discretization.comm.allgather(found) for entry in part)

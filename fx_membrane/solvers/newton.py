@@ -23,21 +23,21 @@ from ..assembly.problem import Problem
 from ..checks import validation
 from . import artificial_tension, factorization
 from .backends import by_dolfinx, by_snes
-from .base import FALLEN, FAR, ROUNDING, Iteration, Monitor, Solution, Solve, largest, lost, silent, tolerance
+from .base import FALLEN, FAR, ROUNDING, Iteration, Monitor, Solution, Solve, diverged, max_norm, no_monitor, tolerance
 from .convergence import at_rest, nearer
-from .diagnosis import collapsed, linear_failure, mechanism, slack_mechanism, stalled, unlikely_units
+from .curvature import negative_between, negative_curvature_direction, wrinkling_threshold
+from .diagnosis import collapsed, linear_failure, mechanism, slack_mechanism, stagnation_message, unlikely_units
 from .line_search import step_back
-from .lowest_mode import downhill, explained, negative_between
 
 # The numbers from here on have no source: they were chosen by trial on tests/benchmarks/hard_cases.py.
 
 # Levels of the homotopy: artificial tension in the structure, as a strain.
-FADING = tuple(10.0**-i for i in range(2, 9))
+HOMOTOPY = tuple(10.0**-i for i in range(2, 9))
 ROUGH, FEW = 1e-3, 40  # tolerance and iterations of each level
 PATIENCE, MORE = 5, 50  # factor of max_iterations, and batch, while residuals fall: slack fabric converges slowly
 
 # Escape from a saddle of the energy.
-NUDGE, NUDGES = 1e-3, 3  # size of the step, in sizes of the structure, and number of attempts
+ESCAPE, ESCAPES = 1e-3, 3  # size of the step, in sizes of the structure, and number of attempts
 
 REST = 1e-8  # fraction of all forces below which a stagnant residual is at rounding
 
@@ -65,7 +65,7 @@ class Newton:
 
     def __post_init__(self) -> None:
         validation.store(self, validation.tolerance, "rtol")
-        validation.store(self, validation.whole, "max_iterations")
+        validation.store(self, validation.positive_integer, "max_iterations")
         validation.store(self, validation.truth, "line_search")
 
     def prepare(self, problem: Problem) -> Solve:
@@ -96,7 +96,7 @@ class _NewtonRaphson:
         create = problem.discretization.create_vector
         self.work, self.begin, self.origin, self.before, self.here = (create() for _ in range(5))
         self.history: list[Iteration] = []
-        self.monitor: Monitor = silent
+        self.monitor: Monitor = no_monitor
         self.rtol = self.tolerance = self.length = self.added = 0.0
         self.balanced = False
         self.most = settings.max_iterations
@@ -110,15 +110,15 @@ class _NewtonRaphson:
         self.iterate, self.ksp = by_snes(owner) if self.newton is None else by_dolfinx(owner)
         factorization.keep_until_all_are_done(self, problem.discretization.comm, self.ksp)
 
-    def __call__(self, x: PETSc.Vec, monitor: Monitor = silent, thorough: bool = True) -> Solution:
+    def __call__(self, x: PETSc.Vec, monitor: Monitor = no_monitor, thorough: bool = True) -> Solution:
         self.monitor, self.iterates = monitor, 0
         self.from_stable = self.lost_stability = False
         start = x.copy(self.begin)
         solution = self.solve(x, thorough)
         if solution.converged and self.from_stable and not self.lost_stability:
             self.lost_stability = negative_between(self.problem, start, x)  # a step may pass over a snap-through
-        unlisted = self.iterates - len(solution.iterations)
-        return replace(solution, unlisted=unlisted, lost_stability=self.lost_stability)
+        extra_iterations = self.iterates - len(solution.iterations)
+        return replace(solution, extra_iterations=extra_iterations, lost_stability=self.lost_stability)
 
     def solve(self, x: PETSc.Vec, thorough: bool) -> Solution:
         """Run the strategies one after the other."""
@@ -129,18 +129,18 @@ class _NewtonRaphson:
         free = None if solution.converged else mechanism(self.problem, start)
         # A mechanism stays one in a smaller increment.
         self.work.waxpy(-1.0, start, x)
-        thorough = thorough and not (free and largest(self.work) > FALLEN * self.size)
+        thorough = thorough and not (free and max_norm(self.work) > FALLEN * self.size)
         if thorough:
             solution = self.onward(x, solution, unknown=False)
         if solution.converged:
-            return self.made_stable(x, solution)
+            return self.escape_saddle(x, solution)
         if thorough:
             start.copy(x)
-            self.draw_smooth(x)
+            self.stabilized_start(x)
             second = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
             second = self.onward(x, second, unknown=True)
             if second.converged and not collapsed(self.problem, x):
-                return replace(self.made_stable(x, second), drawn_smooth=True)
+                return replace(self.escape_saddle(x, second), stabilized=True)
         motion = free or slack_mechanism(self.problem, start)
         reason = motion.words if motion else solution.reason
         return replace(
@@ -160,21 +160,21 @@ class _NewtonRaphson:
             solution = self.run(x)
         return solution
 
-    def made_stable(self, x: PETSc.Vec, solution: Solution) -> Solution:
+    def escape_saddle(self, x: PETSc.Vec, solution: Solution) -> Solution:
         """Escape from an unstable equilibrium along its lowest mode to a stable one.
 
         A last tangent without shift had no negative curvature, so that the equilibrium is stable.
         """
-        for _ in range(NUDGES):
+        for _ in range(ESCAPES):
             if len(solution.iterations) == 1 or (self.symmetric and self.added == 0):
                 return solution
-            found = downhill(self.problem, x)
+            found = negative_curvature_direction(self.problem, x)
             if found.negative == 0:
                 return solution
             self.lost_stability |= self.from_stable
             before = x.copy(self.before)
             step = found.motion
-            step.scale(NUDGE * self.size / step.norm(PETSc.NormType.NORM_INFINITY))
+            step.scale(ESCAPE * self.size / step.norm(PETSc.NormType.NORM_INFINITY))
             energy = self.problem.energy_along(x, step)
             x.axpy(1.0 if energy(1.0) < energy(-1.0) else -1.0, step)
             onward = self.attempt(x, self.settings.rtol, self.settings.max_iterations)
@@ -184,14 +184,14 @@ class _NewtonRaphson:
             solution = replace(onward, iterations=solution.iterations + onward.iterations)
         return replace(solution, unstable=True)
 
-    def draw_smooth(self, x: PETSc.Vec) -> None:
+    def stabilized_start(self, x: PETSc.Vec) -> None:
         """Solve a homotopy in a fading artificial tension."""
         try:
-            for tension in FADING:
+            for tension in HOMOTOPY:
                 self.problem.tension = tension
                 before = x.copy(self.before)
                 self.attempt(x, ROUGH, FEW)
-                if not largest(x) <= FAR * self.size:
+                if not max_norm(x) <= FAR * self.size:
                     before.copy(x)
                     return
         finally:
@@ -215,41 +215,41 @@ class _NewtonRaphson:
             # A tangent that is singular at the start of an increment stays so for any smaller one.
             retry = self.settings.line_search or len(self.history) > 1
             return Solution(False, str(stop), tuple(self.history), retry)
-        reason = "converged" if converged else self.stalled(x)
+        reason = "converged" if converged else self.stagnation_message(x)
         return Solution(converged, reason, tuple(self.history), retry=True)
 
     def conservative(self, x: PETSc.Vec) -> bool:
         """Return True if pressures have a potential here, as within held edges: the tangent is symmetric."""
         self.problem.tangent(x, self.A)
-        self.problem.hold_tangent(x, self.A, self.b)
+        self.problem.constrain_tangent(x, self.A, self.b)
         return factorization.is_symmetric(self.A)
 
-    def stalled(self, x: PETSc.Vec) -> str:
+    def stagnation_message(self, x: PETSc.Vec) -> str:
         """Sentence on why the last iterate is no solution."""
         last = self.history[-1].residual
         # Small, and no longer falling.
         at_rounding = len(self.history) > 2 and self.history[-2].residual < 10 * last < 1e4 * self.tolerance
-        return stalled(self.problem, x, len(self.history) - 1, last, at_rounding)
+        return stagnation_message(self.problem, x, len(self.history) - 1, last, at_rounding)
 
     def residual(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
         """Residual with constraints; record the iterate and the tolerance for its 2-norm."""
         self.problem.residual(x, b)
         self.tolerance = tolerance(self.problem, x, b, self.rtol if self.history else ROUNDING)
-        self.problem.hold(x, b)
-        beyond, unbalanced = self.problem.beyond_rounding(x, b), largest(b)
+        self.problem.constrain_residual(x, b)
+        beyond, unbalanced = self.problem.beyond_rounding(x, b), max_norm(b)
         self.history.append(Iteration(self.problem.energy(x), unbalanced, self.length, self.added))
         small = beyond < REST * self.tolerance / self.rtol
         self.balanced = beyond < self.tolerance or (small and at_rest(self.history))
         self.iterates += 1
         self.monitor(len(self.history) - 1, self.history[-1])
-        if lost(self.problem, x, unbalanced):
-            raise _Stop(self.stalled(x))
+        if diverged(self.problem, x, unbalanced):
+            raise _Stop(self.stagnation_message(x))
 
     def tangent(self, x: PETSc.Vec, A: PETSc.Mat) -> None:
         """Tangent and right-hand side with constraints."""
         A.setOption(PETSc.Mat.Option.SYMMETRIC, self.symmetric)
         self.problem.tangent(x, A)
-        self.problem.hold_tangent(x, A, self.b)
+        self.problem.constrain_tangent(x, A, self.b)
         damping = artificial_tension.to_begin_with(self.length, self.added, self.history)
         self.added = 0.0
         if damping:
@@ -263,24 +263,24 @@ class _NewtonRaphson:
                 raise _Stop(linear_failure(self.problem, self.A))
             return
         start = x.copy(self.here)
-        moved = self.problem.bring(start)
+        moved = self.problem.impose(start)
         length = None
         while length is None:
-            while not self.descends(dx):
-                self.solve_with_more_tension(x, dx)
-            self.problem.release(dx)
+            while not self.is_descent(dx):
+                self.correct_inertia(x, dx)
+            self.problem.zero_constrained(dx)
             length = step_back(self.problem, self.b, self.history[-1].energy, start, dx, moved)
             if length is None:
-                self.solve_with_more_tension(x, dx)
+                self.correct_inertia(x, dx)
         if self.iterates == 1:
             # The least shift makes up for slack cells; without slack cells it would hide an unstable start.
-            self.from_stable = self.added <= (artificial_tension.FIRST if explained(self.problem) else 0.0)
+            self.from_stable = self.added <= (artificial_tension.FIRST if wrinkling_threshold(self.problem) else 0.0)
         self.length = length
         dx.scale(length)
         dx.axpy(1.0, x)
         dx.axpy(-1.0, start)
 
-    def descends(self, dx: PETSc.Vec) -> bool:
+    def is_descent(self, dx: PETSc.Vec) -> bool:
         """Return True if dx solves the linear system and -dx is a descent direction, without negative curvature."""
         if not factorization.solves(self.A, dx, self.b, self.work):
             return False
@@ -290,10 +290,10 @@ class _NewtonRaphson:
             negative, zero = int(float(self.b.dot(dx)) <= 0), 0
         # Later attempts begin out of balance.
         if negative and self.from_stable and self.first:
-            self.lost_stability |= self.added > explained(self.problem)
+            self.lost_stability |= self.added > wrinkling_threshold(self.problem)
         return (negative, zero) == (0, 0)
 
-    def solve_with_more_tension(self, x: PETSc.Vec, dx: PETSc.Vec) -> None:
+    def correct_inertia(self, x: PETSc.Vec, dx: PETSc.Vec) -> None:
         """Correct the inertia: increase the shift of the tangent and solve again."""
         if self.added > artificial_tension.LARGEST:
             raise _Stop(linear_failure(self.problem, self.A))

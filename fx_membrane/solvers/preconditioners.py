@@ -31,7 +31,7 @@ def preconditioner(problem: Problem, kind: Kind) -> Callable[[PETSc.Vec], Divide
         problem.tangent(x, A)
         if not problem.symmetric:
             factorization.symmetrize(A)
-        problem.hold_tangent(x, A, b)
+        problem.constrain_tangent(x, A, b)
         divide = divide_by(A)
         for less, more in pairwise(TENSIONS):
             if divide is not None:

@@ -12,7 +12,17 @@ from time import perf_counter
 import numpy as np
 from dolfinx.fem import petsc as fem_petsc
 
-from fx_membrane import Analysis, DeadLoad, Fabric, Membrane, Stage, Structure, Support, boundary, rectangle
+from fx_membrane import (
+    Analysis,
+    DistributedLoad,
+    Fabric,
+    Membrane,
+    Stage,
+    Structure,
+    Support,
+    boundary_edges,
+    rectangle,
+)
 from fx_membrane.assembly.problem import Problem
 
 
@@ -43,7 +53,7 @@ def main(n: int) -> None:
     """Print the table."""
     points, triangles = rectangle(1.0, 1.0, n, n)
     fabric = Membrane(triangles, Fabric(1e5, 0.3), prestress=1e3)
-    structure = Structure(points, {"fabric": fabric}, [Support(np.unique(boundary(triangles)))])
+    structure = Structure(points, {"fabric": fabric}, [Support(np.unique(boundary_edges(triangles)))])
     rows = [("meshes, numbering, forms", least(lambda: Problem(structure), 1))]
     problem = Problem(structure)
     x, b = problem.discretization.create_vector(), problem.discretization.create_vector()
@@ -58,7 +68,7 @@ def main(n: int) -> None:
         ("bare dolfinx assemble_matrix", bare),
     ]
     analysis = Analysis(structure)
-    stage = Stage("load", [DeadLoad((0, 0, -500.0), "fabric")])
+    stage = Stage("load", [DistributedLoad((0, 0, -500.0), "fabric")])
     count = 0
 
     def solve() -> None:

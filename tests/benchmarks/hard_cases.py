@@ -31,7 +31,7 @@ from fx_membrane import (
     Analysis,
     Cable,
     ConvergenceError,
-    DeadLoad,
+    DistributedLoad,
     Fabric,
     LargeStrainWarning,
     Mast,
@@ -45,7 +45,7 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
-    boundary,
+    boundary_edges,
     force_density,
     rectangle,
 )
@@ -69,7 +69,7 @@ def sheet(prestress: float, load: float, n: int = 8, fabric: Fabric | Orthotropi
     """Flat, 6 m by 6 m, held all around."""
     points, triangles = rectangle(6.0, 6.0, n, n)
     parts = {"fabric": Membrane(triangles, fabric, prestress=prestress, warp=(1, 0, 0))}
-    supports = [Support(np.unique(boundary(triangles)))]
+    supports = [Support(np.unique(boundary_edges(triangles)))]
     return Structure(points, parts, supports), [Stage("snow", [PlanLoad((0, 0, -load), "fabric")])]
 
 
@@ -93,7 +93,7 @@ def hypar(prestress: float, force: float, rise: float, stages: list[Stage], n: i
     corners = np.flatnonzero((np.abs(np.abs(x) - 1) < 1e-9) & (np.abs(np.abs(y) - 1) < 1e-9))
     parts = {
         "fabric": Membrane(triangles, FABRIC, prestress=prestress),
-        "edge cables": Cable(boundary(triangles), axial_stiffness=12e6, prestress=force),
+        "edge cables": Cable(boundary_edges(triangles), axial_stiffness=12e6, prestress=force),
     }
     return Structure(points, parts, [Support(corners)]), stages
 
@@ -131,7 +131,7 @@ def hanging(sag: float, load: float, n: int = 20) -> Case:
     x = np.linspace(0, 10, n + 1)
     points = np.column_stack([x, 0 * x, sag * np.sin(np.pi * x / 10 * 4)])
     structure = Structure(points, {"cable": Cable(path(np.arange(n + 1)), 1e6)}, [Support([0, n])])
-    return structure, [Stage("weight", [DeadLoad((0, 0, -load), "cable")])]
+    return structure, [Stage("weight", [DistributedLoad((0, 0, -load), "cable")])]
 
 
 def pulled(along: float, across: float, shear: float, fabric: Fabric | OrthotropicFabric, n: int = 12) -> Case:
@@ -183,7 +183,7 @@ def slack_roof(move: float, load: float, n: int = 8) -> Case:
         "cables": Cable(rim, axial_stiffness=12e6, prestress=100.0),
     }
     let_in = [PrescribedDisplacement(corner, -move * np.sign(plan[corner] - (0, 0, 1))) for corner in low]
-    weight = DeadLoad((0, 0, -load), "fabric")
+    weight = DistributedLoad((0, 0, -load), "fabric")
     return Structure(form.points, parts, [Support(high)]), [Stage("weight", [weight], let_in)]
 
 
@@ -293,7 +293,7 @@ def measure(make: Callable[[], Case], solver: Newton) -> str:
     line = f"{'NO' if words else 'yes':>7}{error:9.0e}{''.join(f'{count:6}' for count in counts)}{time:8.2f}"
     if solver.line_search:
         tense, short = sum(step.tension > 0 for step in steps), sum(step.step < 1 for step in steps)
-        line += f"{tense:6}{short:6}{sum(increment.drawn_smooth for increment in increments):6}"
+        line += f"{tense:6}{short:6}{sum(increment.stabilized for increment in increments):6}"
     return line + " (unstable)" * any(increment.unstable for increment in increments) + words
 
 

@@ -77,8 +77,8 @@ def test_single_elements(name, amplitude):
     element = dccf.elements(X, warp)
 
     problem = Problem(structure, MPI.COMM_SELF)
-    number = problem.discretization.number
-    x = problem.discretization.distribute(u.reshape(-1, 3))
+    number = problem.discretization.block_of_node
+    x = problem.discretization.to_petsc(u.reshape(-1, 3))
     b, A = problem.discretization.create_vector(), problem.discretization.create_matrix()
     problem.residual(x, b)
     problem.tangent(x, A)
@@ -86,7 +86,7 @@ def test_single_elements(name, amplitude):
 
     energies = dccf.energy(element, u, s0, C)
     assert abs(problem.energy(x) - energies.sum()) <= 1e-12 * np.abs(energies).sum()
-    forces = problem.discretization.gather(b).reshape(X.shape)
+    forces = problem.discretization.to_numpy(b).reshape(X.shape)
     expected = dccf.internal_force(element, u, s0, C)
     tangents = dccf.tangent(element, u, s0, C)
     width = 3 * X.shape[1]
@@ -152,7 +152,7 @@ def test_whole_mesh():
     u = 0.01 * rng.normal(size=points.shape)
 
     problem = Problem(Structure(points, {"fabric": fabric, "cable": cable}))
-    x = problem.discretization.distribute(u)
+    x = problem.discretization.to_petsc(u)
     b, A = problem.discretization.create_vector(), problem.discretization.create_matrix()
     problem.residual(x, b)
     problem.tangent(x, A)
@@ -168,6 +168,6 @@ def test_whole_mesh():
         K = dccf.tangent(element, u[cells], s0, C)
         along = np.einsum("nij,nj->ni", K, direction[cells].reshape(len(cells), -1))
         np.add.at(product, cells, along.reshape(*cells.shape, 3))
-    assert relative_error(problem.discretization.gather(b), force) < 1e-12
-    A.mult(problem.discretization.distribute(direction), b)
-    assert relative_error(problem.discretization.gather(b), product) < 1e-12
+    assert relative_error(problem.discretization.to_numpy(b), force) < 1e-12
+    A.mult(problem.discretization.to_petsc(direction), b)
+    assert relative_error(problem.discretization.to_numpy(b), product) < 1e-12

@@ -26,7 +26,7 @@ def assembled(structure):
     A = problem.discretization.create_matrix()
     problem.mass(A)
     first, last = A.getOwnershipRange()
-    user = np.argsort(problem.discretization.number)
+    user = np.argsort(problem.discretization.block_of_node)
     result = np.zeros((len(user), 3, len(user), 3))
     for row in range(first, last):
         columns, values = A.getRow(row)

@@ -91,7 +91,7 @@ def test_results_are_the_blend_of_relaxed_and_full(case, eta):
 def along_random(problem, u, seed, steps):
     """Remainders along a random displacement."""
     d = np.random.default_rng(seed).normal(size=u.shape)
-    return remainders(problem, problem.discretization.distribute(u), problem.discretization.distribute(d), steps)
+    return remainders(problem, problem.discretization.to_petsc(u), problem.discretization.to_petsc(d), steps)
 
 
 @pytest.mark.parametrize("number", range(3), ids=STATES)

@@ -6,7 +6,7 @@ import pytest
 from fx_membrane import (
     Analysis,
     Cable,
-    DeadLoad,
+    DistributedLoad,
     Membrane,
     PointLoad,
     PrescribedDisplacement,
@@ -116,9 +116,9 @@ def test_result_does_not_depend_on_the_number_of_steps(analysis, steps):
     results = analysis.run(
         [
             Stage("one", [SNOW, WIND], [LIFT]),
-            Stage("many", [SNOW, WIND], [LIFT], steps=steps),
+            Stage("many", [SNOW, WIND], [LIFT], increments=steps),
             Stage("one more", [SNOW], after="one"),
-            Stage("many more", [SNOW], after="many", steps=steps),
+            Stage("many more", [SNOW], after="many", increments=steps),
         ]
     )
     assert [i.load_factor for i in results["many"].increments] == [(k + 1) / steps for k in range(steps)]
@@ -154,7 +154,7 @@ def test_load_on_a_support_goes_into_its_reaction(analysis):
 
 @pytest.mark.parametrize(("cells", "area"), [(None, 4.0), ([0, 1, 5], 3 * 0.125), (7, 0.125)])
 def test_dead_load_sums_to_load_times_area(analysis, cells, area):
-    result = analysis.run([Stage("snow", [DeadLoad((1.0, 2.0, -3.0), "fabric", cells)])])["snow"]
+    result = analysis.run([Stage("snow", [DistributedLoad((1.0, 2.0, -3.0), "fabric", cells)])])["snow"]
     assert result.loads.sum(axis=0) == pytest.approx(area * np.array([1, 2, -3]), rel=1e-13, abs=1e-15)
     assert result.equilibrium.loads == pytest.approx(result.loads.sum(axis=0))
 
@@ -163,7 +163,7 @@ def test_dead_load_on_cables_sums_to_load_times_length():
     structure = Structure(
         [[0.0, 0, 0], [3, 4, 0], [3, 4, 2]], {"cable": Cable([[0, 1], [1, 2]], 1e6, 1e3)}, [Support([0, 1, 2])]
     )
-    result = Analysis(structure).run([Stage("ice", [DeadLoad((0, 0, -2.0), "cable")])])["ice"]
+    result = Analysis(structure).run([Stage("ice", [DistributedLoad((0, 0, -2.0), "cable")])])["ice"]
     assert result.loads[:, 2] == pytest.approx([-5, -5 - 2, -2], rel=1e-13)
 
 
@@ -171,7 +171,11 @@ def test_dead_load_on_cables_sums_to_load_times_length():
     "loads",
     [
         [PointLoad(CENTRE, (0, 0, -50.0)), PointLoad(CENTRE, (0, 0, -50.0))],
-        [PointLoad(CENTRE, (0, 0, -100.0)), DeadLoad((0, 0, 7.0), "fabric"), DeadLoad((0, 0, -7.0), "fabric")],
+        [
+            PointLoad(CENTRE, (0, 0, -100.0)),
+            DistributedLoad((0, 0, 7.0), "fabric"),
+            DistributedLoad((0, 0, -7.0), "fabric"),
+        ],
     ],
     ids=["two loads", "two dead loads that cancel"],
 )
@@ -184,7 +188,7 @@ def test_loads_add_up(analysis, loads):
 
 def test_loads_of_stages_add_up(analysis):
     stages = [Stage("half", [SNOW]), Stage("full", [SNOW], after="half")]
-    double = DeadLoad(2 * SNOW.load, "fabric")
+    double = DistributedLoad(2 * SNOW.load, "fabric")
     assert same_state(analysis.run(stages)["full"], analysis.run([Stage("full", [double])])["full"])
 
 

@@ -42,14 +42,14 @@ def laplacian(structure):
 
 def product(problem, A, vector):
     b = problem.discretization.create_vector()
-    A.mult(problem.discretization.distribute(vector), b)
-    return problem.discretization.gather(b)
+    A.mult(problem.discretization.to_petsc(vector), b)
+    return problem.discretization.to_numpy(b)
 
 
 def residual(problem, at):
     b = problem.discretization.create_vector()
-    problem.residual(problem.discretization.distribute(at), b)
-    return problem.discretization.gather(b)
+    problem.residual(problem.discretization.to_petsc(at), b)
+    return problem.discretization.to_numpy(b)
 
 
 def close(a, b):
@@ -59,25 +59,25 @@ def close(a, b):
 def held_tangent(problem, x):
     A, b = problem.discretization.create_matrix(), problem.discretization.create_vector()
     problem.residual(x, b)
-    problem.hold(x, b)
+    problem.constrain_residual(x, b)
     problem.tangent(x, A)
-    problem.hold_tangent(x, A, b)
+    problem.constrain_tangent(x, A, b)
     return A, b
 
 
 def test_tension_in_the_structure_is_a_stiffness_against_gradients(structure, problem):
     at = state(1)
-    before = residual(problem, at), problem.energy(problem.discretization.distribute(at))
+    before = residual(problem, at), problem.energy(problem.discretization.to_petsc(at))
     problem.tension = TENSION
     force = TENSION * laplacian(structure) @ (POINTS + at)
     assert close(residual(problem, at) - before[0], force)
-    energy = problem.energy(problem.discretization.distribute(at)) - before[1]
+    energy = problem.energy(problem.discretization.to_petsc(at)) - before[1]
     assert energy == pytest.approx(np.sum(force * (POINTS + at)) / 2, rel=1e-12)
 
 
 def test_tangent_with_tension_in_the_structure_is_consistent(problem):
     problem.tension = TENSION
-    x, d = (problem.discretization.distribute(state(seed)) for seed in (1, 2))
+    x, d = (problem.discretization.to_petsc(state(seed)) for seed in (1, 2))
     norms = remainders(problem, x, d, [1e-2, 5e-3, 2.5e-3])
     assert np.log2(norms[:-1] / norms[1:]) == pytest.approx([2, 2], abs=0.1)
 
@@ -94,9 +94,9 @@ def test_tension_in_the_structure_leaves_nothing_behind(problem):
 def test_stiffen_adds_the_same_stiffness_to_a_tangent_that_is_held(structure, problem, portions):
     held = structure.supported
     problem.apply(Actions(np.zeros(POINTS.shape), held, state(7)))
-    x = problem.discretization.distribute(state(1))
+    x = problem.discretization.to_petsc(state(1))
     A, b = held_tangent(problem, x)
-    before = problem.discretization.gather(b)
+    before = problem.discretization.to_numpy(b)
     K, _ = held_tangent(problem, x)
     for portion in portions:
         problem.stiffen(x, A, b, portion)
@@ -107,13 +107,13 @@ def test_stiffen_adds_the_same_stiffness_to_a_tangent_that_is_held(structure, pr
     assert close(product(problem, A, gap), problem.stiffness * gap)
     # The added stiffness couples the constrained components to the right-hand side of the others.
     effect = np.where(held, 0.0, TENSION * laplacian(structure) @ gap)
-    assert close(problem.discretization.gather(b), before - effect)
+    assert close(problem.discretization.to_numpy(b), before - effect)
 
 
 def test_stiffened_system_is_that_of_the_tangent_with_tension(structure, problem):
     """Stiffness of a tension and no force of it: the solution differs from that of the structure under tension."""
     problem.apply(Actions(np.zeros(POINTS.shape), structure.supported, state(7)))
-    x = problem.discretization.distribute(state(1))
+    x = problem.discretization.to_petsc(state(1))
     A, b = held_tangent(problem, x)
     problem.stiffen(x, A, b, TENSION)
     problem.tension = TENSION
@@ -121,30 +121,30 @@ def test_stiffened_system_is_that_of_the_tangent_with_tension(structure, problem
     B.axpy(-1.0, A)
     assert B.norm() <= 1e-13 * A.norm()
     forces = TENSION * laplacian(structure) @ (POINTS + state(1))
-    expected = problem.discretization.gather(b) + np.where(structure.supported, 0.0, forces)
-    assert close(problem.discretization.gather(c), expected)
+    expected = problem.discretization.to_numpy(b) + np.where(structure.supported, 0.0, forces)
+    assert close(problem.discretization.to_numpy(c), expected)
 
 
 def test_bring_puts_held_components_in_place_and_tells_if_they_were_not(structure, problem):
     held, prescribed = structure.supported, state(7)
     problem.apply(Actions(np.zeros(POINTS.shape), held, prescribed))
-    x = problem.discretization.distribute(state(1))
-    assert problem.bring(x) is True
+    x = problem.discretization.to_petsc(state(1))
+    assert problem.impose(x) is True
     expected = np.where(held, prescribed, state(1))
-    assert np.array_equal(problem.discretization.gather(x), expected)
-    assert problem.bring(x) is False
-    assert np.array_equal(problem.discretization.gather(x), expected)
+    assert np.array_equal(problem.discretization.to_numpy(x), expected)
+    assert problem.impose(x) is False
+    assert np.array_equal(problem.discretization.to_numpy(x), expected)
 
 
 def test_one_component_out_of_place_is_told_to_all_processes(structure, problem):
     away = np.zeros(POINTS.shape)
     away[FOOT, 1] = 1e-12
-    assert problem.bring(problem.discretization.distribute(away)) is True
+    assert problem.impose(problem.discretization.to_petsc(away)) is True
     away[FOOT] = (0, 0, 5.0)  # is free
-    assert problem.bring(problem.discretization.distribute(away)) is False
+    assert problem.impose(problem.discretization.to_petsc(away)) is False
 
 
 def test_release_makes_held_components_zero(structure, problem):
-    v = problem.discretization.distribute(state(1))
-    problem.release(v)
-    assert np.array_equal(problem.discretization.gather(v), np.where(structure.supported, 0.0, state(1)))
+    v = problem.discretization.to_petsc(state(1))
+    problem.zero_constrained(v)
+    assert np.array_equal(problem.discretization.to_numpy(v), np.where(structure.supported, 0.0, state(1)))

@@ -13,7 +13,7 @@ from fx_membrane import (
     Analysis,
     Cable,
     ConjugateGradient,
-    DeadLoad,
+    DistributedLoad,
     Fabric,
     Mast,
     Membrane,
@@ -28,8 +28,9 @@ from fx_membrane import (
     Structure,
     Support,
     WorkLimit,
-    boundary,
-    edges_on,
+    boundary_edges,
+    edges_where,
+    equilibrium_path,
     force_density,
     natural_frequencies,
     plot,
@@ -38,7 +39,6 @@ from fx_membrane import (
     report,
     stability,
     structure_from_gmsh,
-    trace,
     updated_reference,
 )
 from fx_membrane.checks import validation
@@ -83,7 +83,7 @@ CASES = {
     Mast.from_modulus: (MODULUS, MODULI),
     Support: ({"nodes": [0, 1], "components": "z"}, {"nodes": "rows", "components": "object"}),
     PointLoad: ({"nodes": [0, 1], "force": [0.0, 0.0, 1.0]}, {"nodes": "rows", "force": "array"}),
-    DeadLoad: SPREAD,
+    DistributedLoad: SPREAD,
     PlanLoad: SPREAD,
     Pressure: ({"pressure": 1.0, "part": "a", "cells": [0]}, {"pressure": "number", "part": "text", "cells": "rows?"}),
     PrescribedDisplacement: (
@@ -114,8 +114,8 @@ CASES = {
         {"width": "number", "height": "number", "columns": "whole", "rows": "whole", "diagonals": "object"},
     ),
     polyline: ({"nodes": [0, 1]}, {"nodes": "rows"}),
-    boundary: ({"triangles": TRIANGLES}, {"triangles": "rows"}),
-    edges_on: (
+    boundary_edges: ({"triangles": TRIANGLES}, {"triangles": "rows"}),
+    edges_where: (
         {"points": SQUARE, "triangles": TRIANGLES, "on": lambda x: x[0] > 0},
         {"points": "array", "triangles": "rows", "on": "object"},
     ),
@@ -125,13 +125,13 @@ CASES = {
         {"points": "array", "branches": "rows", "q": "array", "fixed": "object", "loads": "array?"},
     ),
     updated_reference: (
-        {"structure": SHEET, "loads_in_form": (), "tolerance": 0.1, "max_steps": 2, **COMM},
-        {"structure": "object", "loads_in_form": "list", "tolerance": "number", "max_steps": "whole",
+        {"structure": SHEET, "loads": (), "tolerance": 0.1, "max_iterations": 2, **COMM},
+        {"structure": "object", "loads": "list", "tolerance": "number", "max_iterations": "whole",
          "comm": "object"},
     ),
     natural_frequencies: MODES,
     stability: MODES,
-    trace: (
+    equilibrium_path: (
         {"start": ARCH, "stage": LOAD, "load_factor": 1.0, "displacement": None, "max_points": 2, "rtol": 1e-6,
          "limit": WorkLimit(), **COMM},
         {"start": "object", "stage": "object", "load_factor": "number?", "displacement": "object?",
@@ -166,9 +166,9 @@ CASES = {
     ),
     plot.contours: (
         {"result": STATE, "fields": {"height": POINTS[:, 2]}, "path": "a", "scale": 1.0, "view": [0.0, -1.0, 0.5],
-         "mirror": None, "odd": (), "limits": None},
+         "mirror": None, "antisymmetric": (), "ranges": None},
         {"result": "object", "fields": "object", "path": "path", "scale": "number", "view": "array",
-         "mirror": "object?", "odd": "list", "limits": "table?"},
+         "mirror": "object?", "antisymmetric": "list", "ranges": "table?"},
     ),
 }  # fmt: skip
 NO_INPUT = {  # made by the package
@@ -177,7 +177,7 @@ NO_INPUT = {  # made by the package
     "Stability", "StageResult", "StageResults", "plot",
 }  # fmt: skip
 NOT_RIGHT = structure_from_gmsh, type(STATE).cable, type(STATE).membrane  # their arguments are refused, too
-SLOW = plot.convergence, plot.compare_convergence, plot.wireframe, plot.contours, trace, updated_reference
+SLOW = plot.convergence, plot.compare_convergence, plot.wireframe, plot.contours, equilibrium_path, updated_reference
 ALIASES = {
     "name": ("No M", "No C"), "result": ("first argument",), "Et_warp": ("stiffnesses",), "Et_weft": ("stiffnesses",),
     "points": ("are numbered",), "parts": ("part",), "supports": ("support", "no file"),

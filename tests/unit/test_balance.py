@@ -6,7 +6,7 @@ import pytest
 from fx_membrane import (
     Analysis,
     Cable,
-    DeadLoad,
+    DistributedLoad,
     Fabric,
     Mast,
     Membrane,
@@ -16,14 +16,14 @@ from fx_membrane import (
     Structure,
     Support,
     UnbalancedStateWarning,
-    boundary,
+    boundary_edges,
     polyline,
     rectangle,
 )
 
 POINTS, TRIANGLES = rectangle(8, 6, 8, 8)
 POINTS[:, 2] = POINTS[:, 0] * POINTS[:, 1] / 12
-RIM = np.unique(boundary(TRIANGLES))
+RIM = np.unique(boundary_edges(TRIANGLES))
 COUNT = len(POINTS)
 UNITS = pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3], ids=["kN", "N", "mN"])
 strict = pytest.mark.filterwarnings("error::fx_membrane.UnbalancedStateWarning")
@@ -37,7 +37,7 @@ def hypar(unit=1.0, prestress=2e3, ridge=None, held=RIM):
 
 
 def snow(weight, after=None):
-    return Stage("snow", [DeadLoad((0, 0, -weight), "fabric")], after=after)
+    return Stage("snow", [DistributedLoad((0, 0, -weight), "fabric")], after=after)
 
 
 @strict

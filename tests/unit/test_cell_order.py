@@ -17,14 +17,14 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
-    boundary,
+    boundary_edges,
+    equilibrium_path,
     natural_frequencies,
     plot,
     rectangle,
     report,
     stability,
     structure_from_gmsh,
-    trace,
     updated_reference,
 )
 from fx_membrane.analysis.checkpoint import fingerprints
@@ -39,7 +39,7 @@ LEFT = FLAT[TRIANGLES].mean(axis=1)[:, 0] < 0
 TENSORS = np.array([[[900.0, 150 + 3 * k], [150 + 3 * k, 700]] for k in range(np.count_nonzero(LEFT))])
 STAGES = [
     Stage("air", [Pressure(300.0, "plain"), Pressure(150.0, "woven", range(5, 20))]),
-    Stage("snow", [PlanLoad((400.0, 0, -4000.0), "woven")], after="air", steps=2),
+    Stage("snow", [PlanLoad((400.0, 0, -4000.0), "woven")], after="air", increments=2),
 ]
 
 
@@ -64,7 +64,7 @@ def roof(seed=None):
         "ridge": Cable(order(np.column_stack([np.arange(21, 27), np.arange(22, 28)])), 1e6, 3e3, mass=1.0),
         "mast": Mast(order(np.array([[49, 24], [49, 10]])), 1e6, mass=1.0),
     }
-    return Structure(np.vstack([POINTS, [[0, 0, -1]]]), parts, [Support([*np.unique(boundary(TRIANGLES)), 49])])
+    return Structure(np.vstack([POINTS, [[0, 0, -1]]]), parts, [Support([*np.unique(boundary_edges(TRIANGLES)), 49])])
 
 
 def assert_same(found, expected, what="result", size=None):
@@ -142,8 +142,8 @@ def test_modes_and_stability(expected):
 
 def test_path(expected):
     stage = Stage("more air", [Pressure(200.0, "plain")], after="air")
-    found = trace(Analysis(roof(1)).run(STAGES[:1])["air"], stage, load_factor=1.0)
-    wanted = trace(expected["air"], stage, load_factor=1.0)
+    found = equilibrium_path(Analysis(roof(1)).run(STAGES[:1])["air"], stage, load_factor=1.0)
+    wanted = equilibrium_path(expected["air"], stage, load_factor=1.0)
     assert found.load_factors == pytest.approx(wanted.load_factors, rel=1e-8)
     assert_same(found.displacements[-1], wanted.displacements[-1])
 
@@ -153,7 +153,9 @@ def test_form_finding(seed):
     def form(order):
         cells = TRIANGLES if order is None else shuffled(TRIANGLES, order)
         fabric = Membrane(cells, WOVEN, (2e3, 1e3), warp=(1, 0.3, 0))
-        rim = Structure(POINTS + FLAT**2 * [0, 0, 0.3], {"fabric": fabric}, [Support(np.unique(boundary(TRIANGLES)))])
+        rim = Structure(
+            POINTS + FLAT**2 * [0, 0, 0.3], {"fabric": fabric}, [Support(np.unique(boundary_edges(TRIANGLES)))]
+        )
         return updated_reference(rim, [Pressure(300.0, "fabric")])
 
     found, wanted = form(seed), form(None)
@@ -200,7 +202,7 @@ def test_gmsh_model():
         parts = {"fabric": lambda cells: Membrane(cells, FABRIC, [[900, 200], [200, 700]], warp=(1, 0, 0))}
         made = structure_from_gmsh(None, parts)
         gmsh.model.remove()
-        return dataclasses.replace(made, supports=[Support(np.unique(boundary(TRIANGLES)))])
+        return dataclasses.replace(made, supports=[Support(np.unique(boundary_edges(TRIANGLES)))])
 
     gmsh.initialize()
     gmsh.option.setNumber("General.Terminal", 0)

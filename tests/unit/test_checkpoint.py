@@ -84,7 +84,7 @@ def test_stages_that_are_left_out_stay_in_the_file(path, expected):
 def test_steps_may_change(path, expected):
     cut_short(path, 3)  # the first of three steps of snow is done
     finer = Analysis(structure())
-    snow = finer.run(stages(steps=12)[:2], path)["snow"]
+    snow = finer.run(stages(increments=12)[:2], path)["snow"]
     factors = [increment.load_factor for increment in snow.increments]
     assert factors == pytest.approx([1 / 3 + k / 12 for k in range(9)])
     largest = np.abs(expected["snow"].displacement).max()

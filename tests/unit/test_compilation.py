@@ -18,7 +18,7 @@ def compiled():
 
 def analyse(n):
     points, triangles = rectangle(1.0, 1.0, n, n)
-    edges, half = boundary(triangles), len(triangles) // 2
+    edges, half = boundary_edges(triangles), len(triangles) // 2
     woven = OrthotropicFabric(Et_warp=1e5 * n, Et_weft=8e4, nu=0.3, Gt=2e4)
     parts = {
         f"fabric {n}": Membrane(triangles[:half], Fabric(Et=1e5 * n, nu=0.3), prestress=1e3 * n),
@@ -28,8 +28,9 @@ def analyse(n):
     supports = [Support(edges[edges[:, 0] > 0, 0])]
     analysis = Analysis(Structure(points, parts, supports))
     made = compiled()
-    snow = Stage("snow", [DeadLoad((0, 0, -n), f"fabric {n}")], [PrescribedDisplacement(0, (0, 0, 0.1))])
-    analysis.run([snow, Stage("ice", [DeadLoad((0, 0, -n), f"cable {n}"), PointLoad(0, (0, 0, n))], after="snow")])
+    snow = Stage("snow", [DistributedLoad((0, 0, -n), f"fabric {n}")], [PrescribedDisplacement(0, (0, 0, 0.1))])
+    ice = [DistributedLoad((0, 0, -n), f"cable {n}"), PointLoad(0, (0, 0, n))]
+    analysis.run([snow, Stage("ice", ice, after="snow")])
     return made, compiled()
 
 print(*(count for n in (2, 3, 4) for count in analyse(n)))

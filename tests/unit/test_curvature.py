@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, Support, boundary, rectangle
+from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, Support, boundary_edges, rectangle
 from fx_membrane.assembly.problem import Actions, Problem
-from fx_membrane.solvers.lowest_mode import WEAK, downhill, softest
+from fx_membrane.solvers.curvature import WEAK, lowest_mode, negative_curvature_direction
 
 POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
-EDGE = np.unique(boundary(TRIANGLES))
+EDGE = np.unique(boundary_edges(TRIANGLES))
 
 
 def sheet(prestress, **data):
@@ -27,9 +27,9 @@ def found(structure, tension=WEAK, displacement=None):
     problem = Problem(structure)
     x = problem.discretization.create_vector()
     if displacement is not None:
-        problem.discretization.distribute(displacement).copy(x)
-    result = softest(problem, x, tension)
-    return result, problem.discretization.gather(result.motion)
+        problem.discretization.to_petsc(displacement).copy(x)
+    result = lowest_mode(problem, x, tension)
+    return result, problem.discretization.to_numpy(result.motion)
 
 
 def test_frame_sways_to_the_side():
@@ -68,9 +68,9 @@ def dense(problem, motion):
     for component in np.flatnonzero(free):
         unit = np.zeros(free.shape)
         unit.flat[component] = 1.0
-        A.mult(discretization.distribute(unit), b)
-        columns.append(discretization.gather(b)[free])
-    return np.stack(columns, axis=1), discretization.gather(motion)[free]
+        A.mult(discretization.to_petsc(unit), b)
+        columns.append(discretization.to_numpy(b)[free])
+    return np.stack(columns, axis=1), discretization.to_numpy(motion)[free]
 
 
 @pytest.mark.parametrize(
@@ -82,7 +82,7 @@ def test_pressure_counts_by_its_symmetric_part(held, negative):
     structure = Structure(POINTS, sheet(1e3).parts, [Support(held)])
     problem, zero = Problem(structure), np.zeros(POINTS.shape)
     problem.apply(Actions(zero, structure.supported, zero, {"fabric": np.full(len(TRIANGLES), 1.2e4)}))
-    result = softest(problem, problem.discretization.create_vector(), 0.0)
+    result = lowest_mode(problem, problem.discretization.create_vector(), 0.0)
     A, motion = dense(problem, result.motion)
     eigenvalues = np.linalg.eigvalsh((A + A.T) / 2)
     assert np.count_nonzero(eigenvalues < 0) == negative == result.negative
@@ -99,11 +99,11 @@ def test_pressure_counts_by_its_symmetric_part(held, negative):
 def test_ripples_are_no_instability():
     """Edges moved in by 1 % buckle a sheet: the compression stiffness of slack cells has negative curvature."""
     problem = Problem(sheet(0.0))
-    x = problem.discretization.distribute(-0.01 * POINTS)
-    assert softest(problem, x, WEAK).negative > 0
-    assert downhill(problem, x).negative == 0
+    x = problem.discretization.to_petsc(-0.01 * POINTS)
+    assert lowest_mode(problem, x, WEAK).negative > 0
+    assert negative_curvature_direction(problem, x).negative == 0
     full = Problem(sheet(0.0, compression_stiffness=1.0))
-    assert downhill(full, x).negative > 0
+    assert negative_curvature_direction(full, x).negative > 0
 
 
 @pytest.mark.parametrize("kept", [1e-6, 1e-4, 1.0])
@@ -117,9 +117,9 @@ def test_mast_between_two_stays_stands_by_uplift_only(load, negative, kept):
     mast = Mast([[0, 1]], 1e9, prestress=-(2e4 / 2**0.5 + load))
     points = [[0.0, 0, 0], [0, 0, 4], [4, 0, 0], [-4, 0, 0]]
     problem = Problem(Structure(points, {"mast": mast, "stays": stays}, [Support([0, 2, 3])]))
-    result = downhill(problem, problem.discretization.create_vector())
+    result = negative_curvature_direction(problem, problem.discretization.create_vector())
     assert result.negative == negative
-    motion = problem.discretization.gather(result.motion)
+    motion = problem.discretization.to_numpy(result.motion)
     assert np.abs(motion[1]) == pytest.approx([0, 1, 0], abs=1e-6)
     assert result.stiffness * problem.tension_work(result.motion) == pytest.approx(-load / 4, rel=1e-6)
 
@@ -129,6 +129,6 @@ def test_the_motion_downhill_is_the_steepest_of_several():
     points = [[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]]
     struts = Mast([[0, 1], [1, 2], [3, 4], [4, 5]], 1e6, prestress=[-10.0, -10.0, -30.0, -30.0])
     problem = Problem(Structure(points, {"struts": struts}, [Support([0, 2, 3, 5])]))
-    result = downhill(problem, problem.discretization.create_vector())
+    result = negative_curvature_direction(problem, problem.discretization.create_vector())
     assert result.negative == 4
     assert -30 / 1e6 <= result.stiffness < -29 / 1e6  # from above, as inverse iteration converges

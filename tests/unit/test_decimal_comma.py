@@ -23,10 +23,10 @@ from fx_membrane import *
 if len(sys.argv) > 1:
     locale.setlocale(locale.LC_ALL, "de_DE.UTF-8")
 points, triangles = rectangle(1.0, 1.0, 4, 4)
-edges = edges_on(points, triangles, lambda x: np.isclose(x[0], 0.0))
+edges = edges_where(points, triangles, lambda x: np.isclose(x[0], 0.0))
 parts = {"fabric": Membrane(triangles, Fabric(1e5, 0.3), 1e3, mass=1.5), "cable": Cable(edges, 1e6, 1e3)}
-structure = Structure(points, parts, [Support(np.unique(boundary(triangles)))])
-snow = Analysis(structure).run([Stage("snow", [DeadLoad((0, 0, -10.5), "fabric")])])["snow"]
+structure = Structure(points, parts, [Support(np.unique(boundary_edges(triangles)))])
+snow = Analysis(structure).run([Stage("snow", [DistributedLoad((0, 0, -10.5), "fabric")])])["snow"]
 print(*snow.displacement.ravel(), *natural_frequencies(snow, 2).frequencies, stability(snow).negative)
 print(locale.localeconv()["decimal_point"])
 """

@@ -8,7 +8,7 @@ import pytest
 from fx_membrane import (
     Analysis,
     Cable,
-    DeadLoad,
+    DistributedLoad,
     Fabric,
     Mast,
     Membrane,
@@ -19,8 +19,8 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
+    equilibrium_path,
     force_density,
-    trace,
     updated_reference,
 )
 from models import POINTS, TRIANGLES, arch, sheet
@@ -42,7 +42,7 @@ def derived(kind):
 
 
 MyMembrane, MyCable, MyMast, MySupport, MyLoad, MyStage, MyMove = map(
-    derived, (Membrane, Cable, Mast, Support, DeadLoad, Stage, PrescribedDisplacement)
+    derived, (Membrane, Cable, Mast, Support, DistributedLoad, Stage, PrescribedDisplacement)
 )
 BAR = ([[0, 1]], 1e6)
 PUSH = PointLoad(1, (0, 0, -1.0))
@@ -60,8 +60,8 @@ PUSH = PointLoad(1, (0, 0, -1.0))
         (lambda: Stage("a", [MyLoad((0, 0, 1), "a")]), "Stage 'a': loads has a MyDeadLoad"),
         (lambda: Stage("a", [], [MyMove(0, (0, 0, 1))]), "Stage 'a': displacements has a MyPrescribedDisplacement"),
         (lambda: Analysis(arch()).run([MyStage("a", [PUSH])]), "stages has a MyStage"),
-        (lambda: trace(arch(), MyStage("a", [PUSH])), "trace stage is a MyStage"),
-        (lambda: updated_reference(sheet(), [derived(Pressure)(1.0, "fabric")]), "loads_in_form has a My"),
+        (lambda: equilibrium_path(arch(), MyStage("a", [PUSH])), "equilibrium_path stage is a MyStage"),
+        (lambda: updated_reference(sheet(), [derived(Pressure)(1.0, "fabric")]), "loads has a My"),
         (lambda: force_density(np.eye(3), [[0, 1], [1, 2]], 1.0, [MySupport([0, 2])]), "fixed has a MyS"),
     ],
 )
@@ -75,7 +75,7 @@ def test_text_of_a_derived_class_is_kept_as_text():
         def __str__(self):
             return "another"
 
-    stage = Stage(Name("snow"), [DeadLoad((0, 0, -1), Name("fabric"))], after=Name("wind"))
+    stage = Stage(Name("snow"), [DistributedLoad((0, 0, -1), Name("fabric"))], after=Name("wind"))
     assert [(type(text), text) for text in (stage.name, stage.after, stage.loads[0].part)] == [
         (str, "snow"),
         (str, "wind"),

@@ -30,7 +30,7 @@ class Reduced:
     def vector(self, values):
         full = np.zeros(self.free.shape)
         full[self.free] = values
-        return self.problem.discretization.distribute(full)
+        return self.problem.discretization.to_petsc(full)
 
     def energy(self, values):
         return self.problem.energy(self.vector(values))
@@ -38,14 +38,14 @@ class Reduced:
     def gradient(self, values):
         b = self.problem.discretization.create_vector()
         self.problem.residual(self.vector(values), b)
-        return self.problem.discretization.gather(b)[self.free]
+        return self.problem.discretization.to_numpy(b)[self.free]
 
     def tangent(self, values):
         """Assemble column by column, from products with unit vectors."""
         A = self.problem.discretization.create_matrix()
         self.problem.tangent(self.vector(values), A)
         columns = [A * self.vector(row) for row in np.eye(len(values))]
-        return np.array([self.problem.discretization.gather(column)[self.free] for column in columns]).T
+        return np.array([self.problem.discretization.to_numpy(column)[self.free] for column in columns]).T
 
     def iterates(self, solver, count, **settings):
         """List the iterates of the solver, each by a separate solve that ends there."""
@@ -53,7 +53,7 @@ class Reduced:
         for most in range(1, count + 1):
             x = self.vector(self.start)
             solver(max_iterations=most, **settings).prepare(self.problem)(x)
-            found.append(self.problem.discretization.gather(x)[self.free])
+            found.append(self.problem.discretization.to_numpy(x)[self.free])
         return np.array(found)
 
 
@@ -128,7 +128,7 @@ def test_the_two_formulas():
     problem = Problem(sheet())
     rng = np.random.default_rng(0)
     (g0, s0, g1, s1) = arrays = rng.normal(size=(4, *INCLINED.shape))
-    vectors = [problem.discretization.distribute(array) for array in arrays]
+    vectors = [problem.discretization.to_petsc(array) for array in arrays]
     before, now = Gradient(*vectors[:2]), Gradient(*vectors[2:])
     assert fletcher_reeves(now, before) == pytest.approx((g1 * s1).sum() / (g0 * s0).sum(), rel=1e-12)
     assert polak_ribiere(now, before) == pytest.approx(((g1 - g0) * s1).sum() / (g0 * s0).sum(), rel=1e-12)
@@ -142,11 +142,11 @@ def test_same_state_as_an_independent_implementation():
     x = reduced.vector(reduced.start)
     solution = ConjugateGradient("PR").prepare(reduced.problem)(x)
     assert solution.converged
-    ours = reduced.problem.discretization.gather(x)[reduced.free]
+    ours = reduced.problem.discretization.to_numpy(x)[reduced.free]
     assert np.abs(ours).max() > 0.01
     # gtol over the lowest stiffness
-    softest = np.linalg.eigvalsh(reduced.tangent(ours))[0]
-    assert np.linalg.norm(ours - found.x) < 1e-3 * len(ours) ** 0.5 / softest
+    lowest_mode = np.linalg.eigvalsh(reduced.tangent(ours))[0]
+    assert np.linalg.norm(ours - found.x) < 1e-3 * len(ours) ** 0.5 / lowest_mode
 
 
 def test_monitor_is_told_each_iterate():

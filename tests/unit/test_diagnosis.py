@@ -5,21 +5,21 @@ import pytest
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, Support, boundary, rectangle
+from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, Support, boundary_edges, rectangle
 from fx_membrane.assembly.problem import Actions, Problem
-from fx_membrane.solvers.base import largest
+from fx_membrane.solvers.base import max_norm
 from fx_membrane.solvers.diagnosis import (
     linear_failure,
     loose_nodes,
     mechanism,
     slack_mechanism,
-    stalled,
+    stagnation_message,
     swung_masts,
     unlikely_units,
 )
 
 POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
-EDGE = np.unique(boundary(TRIANGLES))
+EDGE = np.unique(boundary_edges(TRIANGLES))
 INSIDE = np.setdiff1d(np.arange(25), EDGE)
 
 
@@ -32,7 +32,7 @@ def first_tangent(structure):
     problem = Problem(structure)
     A, b, x = (make() for make in [problem.discretization.create_matrix] + 2 * [problem.discretization.create_vector])
     problem.tangent(x, A)
-    problem.hold_tangent(x, A, b)
+    problem.constrain_tangent(x, A, b)
     return problem, A
 
 
@@ -113,29 +113,31 @@ def lifted(height):
 def test_stalled(displacement, words):
     problem = Problem(sheet(1e3))
     problem.apply(lifted(1e-3))
-    x = problem.discretization.distribute(np.full(POINTS.shape, displacement))
-    message = stalled(problem, x, iterations=30, residual=2.5, at_rounding=False)
+    x = problem.discretization.to_petsc(np.full(POINTS.shape, displacement))
+    message = stagnation_message(problem, x, iterations=30, residual=2.5, at_rounding=False)
     assert words in message
-    assert "steps=..." in message
+    assert "increments=..." in message
 
 
 def test_more_steps_are_not_advised_where_nothing_is_applied():
     problem = Problem(sheet(1e3))
     problem.apply(lifted(0.0))
     x, A = problem.discretization.create_vector(), problem.discretization.create_matrix()
-    message = stalled(problem, x, iterations=30, residual=2.5, at_rounding=False)
-    assert "steps=" not in message
+    message = stagnation_message(problem, x, iterations=30, residual=2.5, at_rounding=False)
+    assert "increments=" not in message
     assert "nothing is applied" in message
     assert "force_density" in message
     problem.tangent(x, A)
-    assert "steps=" not in linear_failure(problem, A)
+    assert "increments=" not in linear_failure(problem, A)
     problem.apply(lifted(1e-3))
-    assert "steps=" in linear_failure(problem, A)
+    assert "increments=" in linear_failure(problem, A)
 
 
 def test_stalled_at_rounding_advises_another_tolerance():
     problem = Problem(sheet(1e3))
-    message = stalled(problem, problem.discretization.create_vector(), iterations=30, residual=1e-9, at_rounding=True)
+    message = stagnation_message(
+        problem, problem.discretization.create_vector(), iterations=30, residual=1e-9, at_rounding=True
+    )
     assert "Newton(rtol=...)" in message
     assert "steps" not in message
 
@@ -145,9 +147,9 @@ def test_every_process_sees_what_is_not_a_number_on_one(process):
     comm = MPI.COMM_WORLD
     vector = PETSc.Vec().createMPI((2, PETSc.DECIDE), comm=comm)
     vector.array[:] = -1.0 - comm.rank
-    assert largest(vector) == comm.size
+    assert max_norm(vector) == comm.size
     vector.array[0] = np.nan if comm.rank == process % comm.size else 0.0
-    assert all(comm.allgather(np.isnan(largest(vector))))
+    assert all(comm.allgather(np.isnan(max_norm(vector))))
 
 
 def test_mechanism_names_the_node_that_moves_and_where():
@@ -193,7 +195,7 @@ def test_mast_that_has_turned_far_is_named(angle, said):
     problem = Problem(Structure(points, parts, [Support([0, 2, 3])]))
     moved = np.zeros((5, 3))
     moved[1] = 4 * np.sin(angle), 0, 4 * np.cos(angle) - 4
-    words = swung_masts(problem, problem.discretization.distribute(moved), 0.5, "tried")
+    words = swung_masts(problem, problem.discretization.to_petsc(moved), 0.5, "tried")
     assert bool(words) == said
     if said:
         assert f"mast 'pole' (cell 1, at node 1) has turned by {np.degrees(angle):.3g} degrees in the" in words
@@ -201,7 +203,7 @@ def test_mast_that_has_turned_far_is_named(angle, said):
 
 def test_slack_fabric_is_no_mechanism():
     problem = Problem(sheet(0.0))
-    assert slack_mechanism(problem, problem.discretization.distribute(-0.01 * POINTS)) is None
+    assert slack_mechanism(problem, problem.discretization.to_petsc(-0.01 * POINTS)) is None
 
 
 def test_taut_sheet_is_no_mechanism():

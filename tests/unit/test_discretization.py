@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, boundary, rectangle
+from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, boundary_edges, rectangle
 from fx_membrane.assembly.discretization import Discretization
 from fx_membrane.geometry.topology import node_graph
 
@@ -17,7 +17,7 @@ def structure():
         points,
         {
             "fabric": Membrane(triangles, Fabric(Et=1e5, nu=0.3)),
-            "edge": Cable(boundary(triangles), 1e6),
+            "edge": Cable(boundary_edges(triangles), 1e6),
             "mast": Mast([[15, len(points) - 1]], 1e7),
         },
     )
@@ -33,11 +33,11 @@ def nodal_values(structure):
 
 
 def test_each_used_node_has_one_owner_and_one_number(structure, discretization):
-    owned = np.concatenate(discretization.comm.allgather(discretization.owned))
+    owned = np.concatenate(discretization.comm.allgather(discretization.owned_nodes))
     used = np.flatnonzero(structure.used)
     assert sorted(owned) == used.tolist()
-    assert discretization.number[owned].tolist() == list(range(len(used)))
-    assert discretization.number[~structure.used].tolist() == [-1]
+    assert discretization.block_of_node[owned].tolist() == list(range(len(used)))
+    assert discretization.block_of_node[~structure.used].tolist() == [-1]
 
 
 def test_each_cell_is_in_one_mesh(structure, discretization):
@@ -49,37 +49,37 @@ def test_each_cell_is_in_one_mesh(structure, discretization):
 def test_meshes_have_the_users_points(structure, discretization):
     for mesh in discretization.parts.values():
         coordinates = mesh.u.function_space.tabulate_dof_coordinates()
-        assert coordinates == pytest.approx(structure.points[discretization.local[mesh.nodes]], abs=1e-14)
+        assert coordinates == pytest.approx(structure.points[discretization.local_nodes[mesh.node_rows]], abs=1e-14)
 
 
 def test_distribute_and_gather_are_inverse(structure, discretization):
     values = nodal_values(structure)
-    assert np.array_equal(discretization.gather(discretization.distribute(values)), values)
+    assert np.array_equal(discretization.to_numpy(discretization.to_petsc(values)), values)
 
 
 def test_nodes_that_no_part_uses_are_gathered_as_zero(structure, discretization):
-    gathered = discretization.gather(discretization.distribute(np.ones(structure.points.shape)))
+    gathered = discretization.to_numpy(discretization.to_petsc(np.ones(structure.points.shape)))
     assert gathered.tolist() == np.where(structure.used[:, None], np.ones(3), 0).tolist()
 
 
 def test_meshes_see_the_users_values(structure, discretization):
     values = nodal_values(structure)
-    discretization.to_meshes(discretization.distribute(values))
+    discretization.scatter(discretization.to_petsc(values))
     for mesh in discretization.parts.values():
-        assert np.array_equal(mesh.u.x.array.reshape(-1, 3), values[discretization.local[mesh.nodes]])
+        assert np.array_equal(mesh.u.x.array.reshape(-1, 3), values[discretization.local_nodes[mesh.node_rows]])
 
 
 def test_mesh_vectors_add_up_at_shared_nodes(structure, discretization):
-    shares = ((mesh, np.ones(3 * len(mesh.nodes))) for mesh in discretization.parts.values())
+    shares = ((mesh, np.ones(3 * len(mesh.node_rows))) for mesh in discretization.parts.values())
     total = discretization.create_vector()
-    discretization.add_from_meshes(shares, total)
+    discretization.scatter_add(shares, total)
     count = np.zeros(len(structure.points))  # number of meshes with a node, over all processes
     for meshes in discretization.comm.allgather(
-        [discretization.local[mesh.nodes] for mesh in discretization.parts.values()]
+        [discretization.local_nodes[mesh.node_rows] for mesh in discretization.parts.values()]
     ):
         for nodes in meshes:
             count[nodes] += 1
-    assert discretization.gather(total).tolist() == np.repeat(count[:, None], 3, axis=1).tolist()
+    assert discretization.to_numpy(total).tolist() == np.repeat(count[:, None], 3, axis=1).tolist()
 
 
 def test_cell_values_are_gathered_in_the_users_order(structure, discretization):
@@ -104,5 +104,5 @@ def test_dofs_of_a_mask(structure, discretization):
     mask = np.zeros(structure.points.shape, dtype=bool)
     mask[3, 1] = mask[7] = True
     dofs = np.concatenate(discretization.comm.allgather(discretization.dofs(mask)))
-    number = discretization.number
+    number = discretization.block_of_node
     assert sorted(dofs) == sorted([3 * number[3] + 1, *(3 * number[7] + np.arange(3))])

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from fx_membrane import DeadLoad, Membrane, Pressure, Structure, Support
+from fx_membrane import DistributedLoad, Membrane, Pressure, Structure, Support
 from fx_membrane.assembly.problem import Problem
 from models import EDGE, FABRIC, INCLINED, end, flipped, inclined_sheet
 
@@ -24,11 +24,11 @@ def random(seed, shape=INCLINED.shape):
 
 
 def along(problem, at, step):
-    return problem.energy_along(*map(problem.discretization.distribute, (at, step)))
+    return problem.energy_along(*map(problem.discretization.to_petsc, (at, step)))
 
 
 def energy(problem, at):
-    return problem.energy(problem.discretization.distribute(at))
+    return problem.energy(problem.discretization.to_petsc(at))
 
 
 def work(problem, at, step):
@@ -48,7 +48,7 @@ def under_pressure(structure, *pressures):
 
 
 def test_without_pressure_it_is_the_energy():
-    problem = under_pressure(inclined_sheet(), DeadLoad((3.0, 4, -200), "fabric"))
+    problem = under_pressure(inclined_sheet(), DistributedLoad((3.0, 4, -200), "fabric"))
     at, step = random(1), random(2)
     found = along(problem, at, step)
     for t in LENGTHS:
@@ -59,11 +59,11 @@ def test_without_pressure_it_is_the_energy():
 def test_work_of_pressures_is_the_integral_of_their_power(seed):
     # Each cell has its own pressure, and the edge moves too: there is no potential.
     loads = [Pressure(100.0 + 10 * cell, "fabric", cell) for cell in range(0, 32, 3)]
-    problem = under_pressure(inclined_sheet(flipped(seed)), *loads, DeadLoad((3.0, 4, -200), "fabric"))
+    problem = under_pressure(inclined_sheet(flipped(seed)), *loads, DistributedLoad((3.0, 4, -200), "fabric"))
     at, step = random(10 + seed), random(20 + seed)
 
     def power(t):
-        return np.sum(problem.pressure_loads(problem.discretization.distribute(at + t * step)) * step)
+        return np.sum(problem.pressure_loads(problem.discretization.to_petsc(at + t * step)) * step)
 
     expected = [t / 2 * sum(w * power(t * (1 + s) / 2) for s, w in zip(NODES, WEIGHTS, strict=True)) for t in LENGTHS]
     assert work(problem, at, step) == pytest.approx(expected, abs=1e-12 * energy(problem, at + step))
@@ -94,7 +94,7 @@ def test_slope_is_that_of_the_residual():
     at, step, h = random(5), random(6), 1e-5
     found = along(problem, at, step)
     for t in (0.0, 0.4, 1.0):
-        x, b = problem.discretization.distribute(at + t * step), problem.discretization.create_vector()
+        x, b = problem.discretization.to_petsc(at + t * step), problem.discretization.create_vector()
         problem.residual(x, b)
-        slope = np.sum(problem.discretization.gather(b) * step)
+        slope = np.sum(problem.discretization.to_numpy(b) * step)
         assert (found(t + h) - found(t - h)) / (2 * h) == pytest.approx(slope, rel=1e-7)

@@ -5,7 +5,7 @@ import pytest
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fx_membrane import Analysis, DeadLoad, Newton, Pressure, Stage
+from fx_membrane import Analysis, DistributedLoad, Newton, Pressure, Stage
 from fx_membrane.solvers.factorization import choose, pivots
 from models import SNOW, sheet
 
@@ -120,7 +120,7 @@ AIR = Pressure(300.0, "fabric")
 def test_newton_factors_once_for_each_step(load, solver):
     analysis = Analysis(sheet(), solver)
     before, analyses = count(NUMERIC), count(SYMBOLIC)
-    result = analysis.run([Stage("load", [load], steps=2)])["load"]
+    result = analysis.run([Stage("load", [load], increments=2)])["load"]
     steps = [entry for _, entry in result.history if entry.step]
     assert len(steps) > 4
     assert all(entry.tension == 0 for entry in steps)
@@ -132,7 +132,7 @@ def test_newton_factors_again_where_it_adds_tension():
     # The first tangent is singular; then each step begins with the shift of the last, which suffices here.
     analysis = Analysis(sheet(prestress=0.0))
     before = count(NUMERIC)
-    snow = analysis.run([Stage("snow", [DeadLoad((0, 0, -200.0), "fabric")])])["snow"]
+    snow = analysis.run([Stage("snow", [DistributedLoad((0, 0, -200.0), "fabric")])])["snow"]
     steps = [entry for _, entry in snow.history if entry.step]
     assert steps[0].tension > 0
     assert count(NUMERIC) - before == len(steps) + 1

@@ -9,7 +9,7 @@ from fx_membrane import (
     Analysis,
     Cable,
     ConvergenceError,
-    DeadLoad,
+    DistributedLoad,
     Mast,
     Newton,
     PointLoad,
@@ -30,12 +30,12 @@ PLAIN = Newton(line_search=False)
 def test_flat_membrane_without_prestress_has_no_stiffness_across(R):
     # Without the line search and its shift; see the test after this one.
     structure = sheet(prestress=0.0, points=POINTS @ R.T)
-    load = DeadLoad(R @ [0, 0, -200.0], "fabric")
+    load = DistributedLoad(R @ [0, 0, -200.0], "fabric")
     with pytest.raises(
         ConvergenceError,
         match=r"'snow' .* load factor 0\.5 \(the last found is at 0\): .* singular.* node 6 .*prestress",
     ) as error:
-        Analysis(structure, PLAIN).run([Stage("snow", [load], steps=2)])
+        Analysis(structure, PLAIN).run([Stage("snow", [load], increments=2)])
     assert len(error.value.failed.iterations) == 1
     assert not error.value.last.displacement.any()
 
@@ -43,7 +43,7 @@ def test_flat_membrane_without_prestress_has_no_stiffness_across(R):
 @pytest.mark.parametrize("R", [np.eye(3), rotation(0)], ids=["z=0", "turned"])
 def test_flat_membrane_without_prestress_carries_load_all_the_same(R):
     def snow(R):
-        load = DeadLoad(R @ [0, 0, -200.0], "fabric")
+        load = DistributedLoad(R @ [0, 0, -200.0], "fabric")
         return Analysis(sheet(prestress=0.0, points=POINTS @ R.T)).run([Stage("snow", [load])])["snow"]
 
     flat, result = snow(np.eye(3)), snow(R)
@@ -56,7 +56,7 @@ def test_flat_membrane_without_prestress_carries_load_all_the_same(R):
 
 def test_failure_keeps_the_completed_stages_and_the_state_before(analysis):
     short = Analysis(sheet(), Newton(max_iterations=4, line_search=False))
-    first = Stage("first", [DeadLoad((0, 0, -20.0), "fabric")])
+    first = Stage("first", [DistributedLoad((0, 0, -20.0), "fabric")])
     with pytest.raises(ConvergenceError, match=r"^Stage 'snow' found no equilibrium at load factor ") as error:
         short.run([first, Stage("other"), Stage("snow", [TOO_MUCH], [LIFT], after="first"), Stage("never")])
     failure = error.value
@@ -75,14 +75,14 @@ def test_failure_in_a_later_step_keeps_the_steps_before():
     # So close to the limit load there is little stiffness left, and displacements have fewer digits than forces.
     analysis = Analysis(arch(), Newton(rtol=1e-13, max_iterations=12, line_search=False))
     with pytest.raises(ConvergenceError, match=r"\(the last found is at 0\.83") as error:
-        analysis.run([Stage("push", [PointLoad(1, (0, 0, -1.2 * LIMIT))], steps=8)])
+        analysis.run([Stage("push", [PointLoad(1, (0, 0, -1.2 * LIMIT))], increments=8)])
     failure = error.value
     factors = [increment.load_factor for increment in failure.last.increments]
     assert factors[:6] == [0.125, 0.25, 0.375, 0.5, 0.625, 0.75]
     # The limit load lies between the last state and the failed one; both are within the shortest increment.
     assert factors[-1] < 1 / 1.2 < failure.failed.load_factor <= factors[-1] + 0.125 / 2**HALVINGS
     load = factors[-1] * 1.2 * LIMIT
-    part = analysis.run([Stage("push", [PointLoad(1, (0, 0, -load))], steps=6)])["push"]
+    part = analysis.run([Stage("push", [PointLoad(1, (0, 0, -load))], increments=6)])["push"]
     assert same_state(failure.last, part)
     assert failure.last.energy == pytest.approx(part.energy, rel=1e-12)
     assert failure.last.mast("arch").force == pytest.approx(part.mast("arch").force, rel=1e-9)
@@ -107,7 +107,7 @@ def test_failure_after_moving_supports_keeps_their_position():
     push = PointLoad(1, (0, 0, -1.2 * LIMIT))
     spread = PrescribedDisplacement([2], (0.01, 0, 0))
     with pytest.raises(ConvergenceError) as error:
-        analysis.run([hold, Stage("push", [push], [spread], steps=8, after="hold")])
+        analysis.run([hold, Stage("push", [push], [spread], increments=8, after="hold")])
     last = error.value.last
     factor = last.increments[-1].load_factor
     assert 0 < factor < 1
@@ -118,7 +118,7 @@ def test_failure_after_moving_supports_keeps_their_position():
 
 def test_analysis_can_go_on_after_a_failure(analysis):
     short = Analysis(sheet(), Newton(max_iterations=4, line_search=False))
-    mild = [Stage("mild", [DeadLoad((0, 0, -20.0), "fabric")])]
+    mild = [Stage("mild", [DistributedLoad((0, 0, -20.0), "fabric")])]
     with pytest.raises(ConvergenceError):
         short.run([Stage("snow", [TOO_MUCH], [LIFT])])
     assert same_state(short.run(mild)["mild"], analysis.run(mild)["mild"])
@@ -142,7 +142,7 @@ def test_frame_that_sways_is_given_up_after_one_try(masts, monkeypatch):
     }
     supports = [Support(range(masts)), *([Support(tops, "y")] if masts == 2 else [])]
     structure = Structure(np.vstack([feet, np.add(feet, [0, 0, 3.0])]), parts, supports)
-    monkeypatch.setattr(newton._NewtonRaphson, "draw_smooth", lambda *_: pytest.fail("is of no use here"))
+    monkeypatch.setattr(newton._NewtonRaphson, "stabilized_start", lambda *_: pytest.fail("is of no use here"))
     with pytest.raises(ConvergenceError, match=r"the structure is a mechanism: node \d moves freely") as error:
         Analysis(structure).run([Stage("push", [PointLoad(masts, (10.0, 0, 0))])])
     motion = error.value.motion
@@ -169,7 +169,7 @@ def test_soft_cable_that_is_stretched_far_is_reported_once():
     points = np.linspace([0.0, 0, 0], [4, 0, 0], 9)
     rope = Cable(np.column_stack([range(8), range(1, 9)]), 1e3)
     structure = Structure(points, {"rope": rope}, [Support([0, 8])])
-    stage = Stage("weight", [DeadLoad((0, 0, -1e7), "rope")], steps=4)
+    stage = Stage("weight", [DistributedLoad((0, 0, -1e7), "rope")], increments=4)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         result = Analysis(structure).run([stage])["weight"]

@@ -6,7 +6,7 @@ import pytest
 from fx_membrane import (
     Analysis,
     Cable,
-    DeadLoad,
+    DistributedLoad,
     Fabric,
     Mast,
     Membrane,
@@ -15,7 +15,7 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
-    boundary,
+    boundary_edges,
     polyline,
     rectangle,
     stability,
@@ -31,7 +31,7 @@ def hypar_and_pole():
     """Make a roof held along its edge, and beside it a pole without its third guy; return the head too."""
     points, triangles = rectangle(8.0, 6.0, 8, 8)
     points = np.column_stack([points[:, :2], points[:, 0] * points[:, 1] / 12])
-    edge, n = np.unique(boundary(triangles)), len(points)
+    edge, n = np.unique(boundary_edges(triangles)), len(points)
     pole = np.add([[0, 0, 0], [0, 0, 4.0], [3, 0, 0], [-1.5, 2.598, 0]], [15.0, 0, 0])
     parts = {
         "fabric": Membrane(triangles, Fabric(5e5, 0.3), 2e3),
@@ -51,7 +51,7 @@ def tent(stays, k=8):
     west, east, south, north = (int(i) for i in (x.argmin(), x.argmax(), y.argmin(), y.argmax()))
     parts = {
         "fabric": Membrane(triangles, Fabric(800e3, 0.2), 2.5e3),
-        "edges": Cable(boundary(triangles), 2e7, 25e3),
+        "edges": Cable(boundary_edges(triangles), 2e7, 25e3),
     }
     found = updated_reference(Structure(points, parts, [Support([west, east, south, north])])).structure
     ground = [[0.8 - d, 0, 0], [d - 0.8, 0, 0], *([s * (d + 3), t, 0] for s in (-1, 1) for t in (2.5, -2.5))]
@@ -68,7 +68,7 @@ def told(result):
 
 def test_pole_upside_down_beside_a_roof_is_told():
     structure, head = hypar_and_pole()
-    stage = Stage("snow", [DeadLoad((0, 0, -600), "fabric"), PointLoad(head, (30, 50.0, -50))])
+    stage = Stage("snow", [DistributedLoad((0, 0, -600), "fabric"), PointLoad(head, (30, 50.0, -50))])
     result = Analysis(structure).run([stage])["snow"]
     moved = np.linalg.norm(result.displacement[head])
     assert result.position[head, 2] < 0
@@ -81,7 +81,7 @@ def test_pole_upside_down_beside_a_roof_is_told():
 @pytest.mark.parametrize("stays", [[2, 3], [1, 2, 3]])
 def test_mast_of_a_tent_without_its_stays_is_told(stays, snow):
     structure, heads = tent(stays)
-    result = Analysis(structure).run([Stage("snow", [DeadLoad((0, 0, -snow), "fabric")])])["snow"]
+    result = Analysis(structure).run([Stage("snow", [DistributedLoad((0, 0, -snow), "fabric")])])["snow"]
     assert len(told(result)) == 1
     moved = np.linalg.norm(result.displacement[heads[0]])
     assert "mast 'masts' (cell 0) has tilted by" in told(result)[0]
@@ -90,9 +90,9 @@ def test_mast_of_a_tent_without_its_stays_is_told(stays, snow):
 
 def test_tent_with_all_its_stays_gets_no_remark():
     structure, _ = tent([0, 1, 2, 3])
-    wind = Stage("wind", [DeadLoad((200, 0, 400), "fabric")], after="rest")
-    snow = Stage("snow", [DeadLoad((0, 0, -600), "fabric")], after="rest")
-    at_once = Stage("at once", [DeadLoad((0, 0, -600), "fabric")])
+    wind = Stage("wind", [DistributedLoad((200, 0, 400), "fabric")], after="rest")
+    snow = Stage("snow", [DistributedLoad((0, 0, -600), "fabric")], after="rest")
+    at_once = Stage("at once", [DistributedLoad((0, 0, -600), "fabric")])
     results = Analysis(structure).run([Stage("rest"), wind, snow, at_once])
     assert [result.remarks for result in results.values()] == [()] * 4
 
@@ -143,6 +143,6 @@ def test_masts_with_guys_across_are_held():
     structure = in_one_plane([[0, 3.0, 0], [0, -3.0, 0]])
     parts = {**structure.parts, "tie": Cable([[3, 6], [3, 7]], 12e6, 1e3)}
     held = Structure(structure.points, parts, structure.supports)
-    result = Analysis(held).run([Stage("load", [DeadLoad((0, 0, -1.0), "cables")])])["load"]
+    result = Analysis(held).run([Stage("load", [DistributedLoad((0, 0, -1.0), "cables")])])["load"]
     assert stability(result).stable
     assert result.remarks == ()

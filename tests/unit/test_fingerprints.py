@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fx_membrane import (
-    DeadLoad,
+    DistributedLoad,
     Membrane,
     OrthotropicFabric,
     PointLoad,
@@ -56,7 +56,7 @@ def test_fingerprint_does_not_change_between_equal_structures():
     [
         (Pressure(20, "m"), Pressure(20.0, "m")),
         (Pressure(np.float32(20), "m"), Pressure(np.int8(20), "m")),
-        (DeadLoad((0, 0, -1), "m"), DeadLoad(np.array([0.0, -0.0, -1]), "m")),
+        (DistributedLoad((0, 0, -1), "m"), DistributedLoad(np.array([0.0, -0.0, -1]), "m")),
         (PointLoad([1, 2], (0, 0, 1)), PointLoad(np.array([1, 2], dtype=np.uint16), [0, 0, 1.0])),
         (PrescribedDisplacement(3, (0, 0, 1)), PrescribedDisplacement([3], np.array([0, 0, 1]))),
         (structure(prestress=1000), structure(prestress=1e3)),
@@ -87,6 +87,6 @@ def test_what_differs_has_other_fingerprints(one, other):
 
 
 def test_digests_of_stages_name_what_differs():
-    one, other = of_stages(stages()), of_stages(stages(snow=-201.0, steps=4))
+    one, other = of_stages(stages()), of_stages(stages(snow=-201.0, increments=4))
     assert [name for name in one if one[name] != other[name]] == ["loads of stage 'snow'", "steps of stage 'snow'"]
     assert of_stages([Stage("a"), Stage("b")]) != of_stages([Stage("b"), Stage("a")])

@@ -40,7 +40,7 @@ def slack_net():
 
 
 CASES = {
-    "snow": (inclined_sheet(), [Stage("end", [SNOW, WIND], steps=2)]),
+    "snow": (inclined_sheet(), [Stage("end", [SNOW, WIND], increments=2)]),
     "prescribed displacements": (inclined_sheet(), [Stage("end", [WIND], [LIFT])]),
     "pressure": (inclined_sheet(), [Stage("end", [Pressure(300.0, "fabric")])]),
     "slack": (slack_net(), [Stage("end", [PointLoad(2, (-20.0, -20, -5))])]),
@@ -98,7 +98,7 @@ def test_prescribed_displacements_are_there_from_the_first_iterate():
     there = Problem(inclined_sheet())
     moved = np.zeros(INCLINED.shape)
     moved[CENTRE] = (0.01, 0, 0.1)
-    assert first.energy == pytest.approx(there.energy(there.discretization.distribute(moved)), rel=1e-12)
+    assert first.energy == pytest.approx(there.energy(there.discretization.to_petsc(moved)), rel=1e-12)
 
 
 @pytest.mark.serial

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fx_membrane import boundary, polyline, rectangle
+from fx_membrane import boundary_edges, polyline, rectangle
 from fx_membrane.geometry.measures import measures, normals
 from fx_membrane.geometry.topology import from_smallest, orientation, with_one_sense
 
@@ -70,7 +70,7 @@ def test_rectangle_refuses_numbers_of_cells_that_are_not_whole(name):
 @pytest.mark.parametrize("diagonals", DIAGONALS)
 def test_boundary_runs_once_around_counter_clockwise(diagonals):
     points, triangles = rectangle(3.0, 2.0, 3, 4, diagonals)
-    edges = boundary(triangles)
+    edges = boundary_edges(triangles)
     assert len(edges) == 2 * (3 + 4)
     assert np.unique(edges[:, 0], return_counts=True)[1].tolist() == [1] * 14
     (x0, y0), (x1, y1) = points[edges[:, 0], :2].T, points[edges[:, 1], :2].T
@@ -78,10 +78,10 @@ def test_boundary_runs_once_around_counter_clockwise(diagonals):
 
 
 def test_boundary_of_a_list_and_of_what_is_none():
-    assert boundary([[0, 1, 2]]).tolist() == [[0, 1], [2, 0], [1, 2]]
+    assert boundary_edges([[0, 1, 2]]).tolist() == [[0, 1], [2, 0], [1, 2]]
     for wrong in (5, [[0, 1]], [[0.0, 1, 2]]):
         with pytest.raises(ValueError, match=r"^triangles must be an array of whole numbers of shape \(n, 3\)"):
-            boundary(wrong)
+            boundary_edges(wrong)
 
 
 def test_polyline_joins_consecutive_nodes():
@@ -103,7 +103,7 @@ def test_polyline_of_too_little(nodes, message):
 def test_boundary_of_a_sheet_with_a_hole():
     points, triangles = rectangle(3.0, 3.0, 3, 3)
     outside = np.abs(points[triangles].mean(axis=1)[:, :2]).max(axis=1) > 0.5
-    assert len(boundary(triangles[outside])) == 12 + 4
+    assert len(boundary_edges(triangles[outside])) == 12 + 4
 
 
 def test_measures_and_normals_in_space():

@@ -9,13 +9,13 @@ from mpi4py import MPI
 from fx_membrane import (
     Analysis,
     Cable,
-    DeadLoad,
+    DistributedLoad,
     Fabric,
     Membrane,
     Stage,
     Structure,
     Support,
-    edges_on,
+    edges_where,
     rectangle,
     structure_from_gmsh,
 )
@@ -54,7 +54,7 @@ def model(tmp_path):
 
 
 def state(structure):
-    return Analysis(structure).run([Stage("load", [DeadLoad((0, 0, -100.0), "fabric")])])["load"]
+    return Analysis(structure).run([Stage("load", [DistributedLoad((0, 0, -100.0), "fabric")])])["load"]
 
 
 def test_model_in_memory_and_file_are_the_same(model):
@@ -68,7 +68,7 @@ def test_model_in_memory_and_file_are_the_same(model):
 def test_physical_curve_node_line_and_submesh_give_the_same(model):
     by_gmsh = structure_from_gmsh(model, PARTS, SUPPORTS)
     points, triangles = by_gmsh.points, by_gmsh.parts["fabric"].cells
-    picked = edges_on(points, triangles, lambda x: np.isclose(x[1], 0))
+    picked = edges_where(points, triangles, lambda x: np.isclose(x[1], 0))
     on_side = np.flatnonzero(np.isclose(points[:, 1], 0))
     line = on_side[np.argsort(points[on_side, 0])]
     expected = state(by_gmsh)
@@ -84,14 +84,14 @@ def test_physical_curve_node_line_and_submesh_give_the_same(model):
 
 def test_interior_edges_can_be_picked():
     points, triangles = rectangle(2.0, 2.0, 4, 4)
-    cells = edges_on(points, triangles, lambda x: np.isclose(x[1], 0))
+    cells = edges_where(points, triangles, lambda x: np.isclose(x[1], 0))
     assert {tuple(sorted(map(int, cell))) for cell in cells} == {(10, 11), (11, 12), (12, 13), (13, 14)}
 
 
 def test_no_edge_to_pick():
     points, triangles = rectangle(2.0, 2.0, 4, 4)
     with pytest.raises(ValueError, match="No edge of the membrane"):
-        edges_on(points, triangles, lambda x: np.isclose(x[1], 0.1))
+        edges_where(points, triangles, lambda x: np.isclose(x[1], 0.1))
 
 
 def test_file_that_does_not_exist(tmp_path):
@@ -197,4 +197,4 @@ def test_supports_are_those_of_the_groups(model):
 def test_edges_on_needs_a_mask(on, message):
     points, triangles = rectangle(2.0, 2.0, 4, 4)
     with pytest.raises(ValueError, match=message):
-        edges_on(points, triangles, on)
+        edges_where(points, triangles, on)

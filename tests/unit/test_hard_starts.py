@@ -12,7 +12,7 @@ from fx_membrane import Analysis, ConvergenceError, Newton, Pressure, Stage, rep
 from fx_membrane.assembly.problem import Problem
 from fx_membrane.solvers import newton
 from fx_membrane.solvers.artificial_tension import DECAY, FIRST
-from fx_membrane.solvers.newton import FADING
+from fx_membrane.solvers.newton import HOMOTOPY
 from models import SNOW, end, sheet
 
 PLAIN = Newton(line_search=False)
@@ -27,7 +27,7 @@ def solved(structure, stages):
         assert result.equilibrium.residual <= 1e-8 * largest
         total = np.abs(result.reactions).sum()
         assert result.equilibrium.loads + result.equilibrium.reactions == pytest.approx(np.zeros(3), abs=1e-9 * total)
-        assert len(result.increments) == stage.steps
+        assert len(result.increments) == stage.increments
     return list(results.values())
 
 
@@ -107,7 +107,7 @@ def test_sail_that_crumples_is_given_more_iterations_once_it_was_drawn_smooth():
     few = Newton(max_iterations=30)
     prestress = Analysis(structure, few).run(stages)["prestress"]
     (increment,) = prestress.increments
-    assert increment.drawn_smooth
+    assert increment.stabilized
     assert len(increment.iterations) > 1 + few.max_iterations
     assert prestress.equilibrium.residual <= 1e-8 * np.abs(prestress.reactions).max()
     assert (prestress.membrane("fabric").state == "slack").any()
@@ -126,14 +126,14 @@ def test_increment_tells_that_the_structure_was_drawn_smooth(iterates):
     structure, stages = HARD["pulled"](-0.1, 0.6, 0.0, HARD["FABRIC"])
     (twisted,) = solved(structure, stages)
     (increment,) = twisted.increments
-    assert increment.drawn_smooth
-    assert increment.unlisted > Newton().max_iterations  # of the first attempt
-    assert increment.unlisted + len(increment.iterations) == len(iterates)
-    assert f"drawn smooth first ({increment.unlisted} iterates more)" in report(twisted)
+    assert increment.stabilized
+    assert increment.extra_iterations > Newton().max_iterations  # of the first attempt
+    assert increment.extra_iterations + len(increment.iterations) == len(iterates)
+    assert f"drawn smooth first ({increment.extra_iterations} iterates more)" in report(twisted)
     iterates.clear()
     (sheared,) = solved(*HARD["pulled"](0.01, 0.0, 0.15, HARD["FABRIC"]))
     (increment,) = sheared.increments
-    assert (increment.drawn_smooth, increment.unlisted) == (False, 0)
+    assert (increment.stabilized, increment.extra_iterations) == (False, 0)
     assert len(increment.iterations) == len(iterates)
     assert "drawn" not in report(sheared)
 
@@ -145,15 +145,15 @@ def test_failure_counts_the_iterates_that_drew_the_structure_smooth(iterates, mo
         Analysis(structure, Newton(rtol=1e-14, max_iterations=1)).run(stages)
     failed = error.value.failed
     assert len(failed.iterations) == 2
-    assert failed.unlisted > len(FADING)
-    assert failed.unlisted + len(failed.iterations) == len(iterates)
+    assert failed.extra_iterations > len(HOMOTOPY)
+    assert failed.extra_iterations + len(failed.iterations) == len(iterates)
 
 
 def test_plain_newton_draws_nothing_smooth():
     structure, stages = HARD["sheet"](0.0, 1e3)
     with pytest.raises(ConvergenceError) as error:
         Analysis(structure, PLAIN).run(stages)
-    assert not error.value.failed.drawn_smooth
+    assert not error.value.failed.stabilized
 
 
 ENERGY_CASES = {
@@ -199,7 +199,7 @@ def test_tension_in_the_structure_is_gone_after_the_solve():
     short = Newton(max_iterations=1).prepare(problem)
     solution = short(problem.discretization.create_vector())
     assert solution.converged
-    assert solution.drawn_smooth  # impossible in one step
+    assert solution.stabilized  # impossible in one step
     assert problem.tension == 0.0
 
 

@@ -21,7 +21,7 @@ def unwilling(analysis, failing, retry=True):
     solve, problem, tried = analysis._solve, analysis._problem, []
 
     def wrapped(x, *monitor):
-        tried.append(float(problem.discretization.gather(problem._loads)[CENTRE, 2]) / -100.0)
+        tried.append(float(problem.discretization.to_numpy(problem._loads)[CENTRE, 2]) / -100.0)
         if len(tried) - 1 not in failing:
             return solve(x, *monitor)
         x.set(1e3)
@@ -35,7 +35,7 @@ def pushed(failing, steps, retry=True):
     """Load factors tried, those found, and the state."""
     analysis = Analysis(sheet())
     tried = unwilling(analysis, failing, retry)
-    result = analysis.run([Stage("push", [PointLoad(CENTRE, (0, 0, -100.0))], steps=steps)])["push"]
+    result = analysis.run([Stage("push", [PointLoad(CENTRE, (0, 0, -100.0))], increments=steps)])["push"]
     return tried, [increment.load_factor for increment in result.increments], result
 
 
@@ -69,7 +69,7 @@ def test_history_is_that_of_the_increments_found():
 def test_gives_up_after_eight_halvings(analysis, steps):
     stubborn = Analysis(sheet())
     tried = unwilling(stubborn, range(2, 100))
-    stages = [Stage("rest"), Stage("push", [PointLoad(CENTRE, (0, 0, -100.0))], steps=steps, after="rest")]
+    stages = [Stage("rest"), Stage("push", [PointLoad(CENTRE, (0, 0, -100.0))], increments=steps, after="rest")]
     if steps == 1:
         stages.insert(1, Stage("other"))
     # Near a load factor above zero what is told is that load.
@@ -106,7 +106,7 @@ def test_hard_load_in_one_step_ends_where_many_steps_end(analysis):
     assert factors[-1] == 1
     assert (sizes[1:] > sizes[:-1]).any()  # it grows back
     assert (sizes[1:] <= 2 * sizes[:-1]).all()
-    many = analysis.run([Stage("hard", POINT, steps=40)])["hard"]
+    many = analysis.run([Stage("hard", POINT, increments=40)])["hard"]
     assert [increment.load_factor for increment in many.increments] == [(k + 1) / 40 for k in range(40)]
     assert same_state(short, many)
     assert short.energy == pytest.approx(many.energy, rel=1e-12)

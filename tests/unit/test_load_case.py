@@ -5,7 +5,7 @@ import pytest
 
 from fx_membrane import (
     Analysis,
-    DeadLoad,
+    DistributedLoad,
     Mast,
     PlanLoad,
     PointLoad,
@@ -16,7 +16,7 @@ from fx_membrane import (
     Support,
     rectangle,
 )
-from fx_membrane.assembly.load_cases import between, prescribed, taking_hold, unloaded
+from fx_membrane.assembly.load_cases import between, prescribed, unloaded, with_constraints_of
 from fx_membrane.assembly.problem import Actions, Problem
 from models import EDGE, TRIANGLES, end, flipped, inclined_sheet, sheet
 
@@ -37,7 +37,7 @@ def test_plan_load_on_an_inclined_sheet_is_that_on_its_plan(slope):
     loads = end(problem, PlanLoad((1.0, 2.0, -500.0), "fabric")).loads
     assert loads.sum(axis=0) == pytest.approx(6.0 * np.array([1, 2, -500]), rel=1e-13)
     flat = Problem(sheet(points=points * [1, 1, 0], triangles=triangles))
-    assert loads == pytest.approx(end(flat, DeadLoad((1.0, 2.0, -500.0), "fabric")).loads, rel=1e-13)
+    assert loads == pytest.approx(end(flat, DistributedLoad((1.0, 2.0, -500.0), "fabric")).loads, rel=1e-13)
 
 
 def test_plan_load_does_not_see_a_wall():
@@ -67,7 +67,7 @@ def test_plan_load_on_some_cells(problem):
 def test_dead_and_plan_loads_add_up(problem):
     snow, weight, point = (
         PlanLoad((0, 0, -500.0), "fabric"),
-        DeadLoad((0, 3.0, -10.0), "fabric"),
+        DistributedLoad((0, 3.0, -10.0), "fabric"),
         PointLoad(7, (1, 2, 3)),
     )
     apart = sum(end(problem, load).loads for load in (snow, weight, point))
@@ -174,7 +174,7 @@ def test_between_is_linear(factor):
 def test_taking_hold_starts_from_where_the_node_is():
     start, finish = actions(1, HELD_BEFORE), actions(2, HELD_AFTER)
     shape = np.random.default_rng(3).normal(size=(4, 3))
-    begin = taking_hold(start, finish, shape)
+    begin = with_constraints_of(start, finish, shape)
     assert np.array_equal(begin.held, HELD_AFTER)
     assert np.array_equal(begin.displacement[HELD_BEFORE], start.displacement[HELD_BEFORE])
     assert begin.displacement[3, 1] == shape[3, 1]

@@ -5,7 +5,7 @@ import pytest
 
 from fx_membrane import (
     Cable,
-    DeadLoad,
+    DistributedLoad,
     Fabric,
     Membrane,
     PlanLoad,
@@ -15,7 +15,7 @@ from fx_membrane import (
     Stage,
     Structure,
 )
-from fx_membrane.model.loads import check
+from fx_membrane.model.stages import check_stages
 
 POINTS = [[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [5, 5, 5]]  # no part uses the last one
 STRUCTURE = Structure(
@@ -35,21 +35,27 @@ NOWHERE = (0.0, 0.0, 0.0)
         (lambda: PointLoad([True, False], NOWHERE), r"^PointLoad nodes .* not \[True, False\]; .*numpy.flatnonzero"),
         (lambda: PointLoad(3.5, NOWHERE), r"^PointLoad nodes must be a list of whole numbers, not 3\.5\."),
         (lambda: PointLoad([2, 1, 2], NOWHERE), "^PointLoad nodes names node 2 twice"),
-        (lambda: DeadLoad(NOWHERE, "fabric", [0, 1, 1]), "^DeadLoad cells names cell 1 twice"),
+        (lambda: DistributedLoad(NOWHERE, "fabric", [0, 1, 1]), "^DistributedLoad cells names cell 1 twice"),
         (lambda: PlanLoad(NOWHERE, "fabric", [7, 7]), "^PlanLoad cells names cell 7 twice"),
         (lambda: Pressure(1.0, "fabric", [0, 0]), "^Pressure cells names cell 0 twice"),
-        (lambda: DeadLoad("fabric", NOWHERE), "^DeadLoad load must be an array of numbers .* not 'fabric'"),
-        (lambda: DeadLoad(NOWHERE, 5), "^DeadLoad part is 5; give a text"),
+        (
+            lambda: DistributedLoad("fabric", NOWHERE),
+            "^DistributedLoad load must be an array of numbers .* not 'fabric'",
+        ),
+        (lambda: DistributedLoad(NOWHERE, 5), "^DistributedLoad part is 5; give a text"),
         (lambda: PlanLoad(NOWHERE, None), "^PlanLoad part is None; give a text"),
         (lambda: Pressure(1.0, 3), "^Pressure part is 3; give a text"),
         (lambda: Pressure(NOWHERE, "fabric"), r"^Pressure pressure must be a number, not \(0\.0, 0\.0, 0\.0\)"),
-        (lambda: DeadLoad((np.nan, 0, 0), "fabric"), r"^DeadLoad load has .* not finite \(nan\) at index \(0,\)"),
-        (lambda: DeadLoad((0, 0), "fabric"), r"^DeadLoad load is \(0, 0\); give three components"),
         (
-            lambda: DeadLoad(NOWHERE, "fabric", [True, False]),
-            r"^DeadLoad cells .* not \[True, False\]; .*numpy.flatnonzero",
+            lambda: DistributedLoad((np.nan, 0, 0), "fabric"),
+            r"^DistributedLoad load has .* not finite \(nan\) at index \(0,\)",
         ),
-        (lambda: DeadLoad(NOWHERE, "fabric", [[0]]), r"^DeadLoad cells must be .* not \[\[0\]\]"),
+        (lambda: DistributedLoad((0, 0), "fabric"), r"^DistributedLoad load is \(0, 0\); give three components"),
+        (
+            lambda: DistributedLoad(NOWHERE, "fabric", [True, False]),
+            r"^DistributedLoad cells .* not \[True, False\]; .*numpy.flatnonzero",
+        ),
+        (lambda: DistributedLoad(NOWHERE, "fabric", [[0]]), r"^DistributedLoad cells must be .* not \[\[0\]\]"),
         (lambda: PrescribedDisplacement(0, (0, 0, -np.inf)), r"^PrescribedDisplacement displacement has .*\(-inf\) at"),
         (
             lambda: PrescribedDisplacement(0, 0.1),
@@ -71,11 +77,11 @@ def test_bad_values(make, message):
 @pytest.mark.parametrize("steps", [0, -3, 2.0, np.nan, "2", None, True])
 def test_steps_must_be_a_whole_number_above_zero(steps):
     with pytest.raises(ValueError, match=f"^Stage 'snow': steps is {steps!r}; give a whole number"):
-        Stage("snow", steps=steps)
+        Stage("snow", increments=steps)
 
 
 def test_steps_may_be_a_number_of_numpy():
-    assert Stage("snow", steps=np.int32(4)).steps == 4
+    assert Stage("snow", increments=np.int32(4)).steps == 4
 
 
 @pytest.mark.parametrize(
@@ -99,16 +105,16 @@ def test_entries_of_another_kind(data, message):
         (PointLoad([0, -1], NOWHERE), "^Stage 'snow': a point load names node -1, which does not exist"),
         (PointLoad(4, NOWHERE), "^Stage 'snow': a point load is on node 4, which no part uses"),
         (
-            DeadLoad(NOWHERE, "roof"),
+            DistributedLoad(NOWHERE, "roof"),
             r"^Stage 'snow' has a load on part 'roof', which .* parts are \['fabric', 'ridge'\]",
         ),
-        (DeadLoad(NOWHERE, "fabric", [0, 2]), "^Stage 'snow': a load on part 'fabric' names cell 2, .* 0 to 1"),
-        (DeadLoad(NOWHERE, "ridge", -1), "^Stage 'snow': a load on part 'ridge' names cell -1, .* 0 to 0"),
+        (DistributedLoad(NOWHERE, "fabric", [0, 2]), "^Stage 'snow': a load on part 'fabric' names cell 2, .* 0 to 1"),
+        (DistributedLoad(NOWHERE, "ridge", -1), "^Stage 'snow': a load on part 'ridge' names cell -1, .* 0 to 0"),
     ],
 )
 def test_load_that_does_not_fit_the_structure(entry, message):
     with pytest.raises(ValueError, match=message):
-        check(STRUCTURE, [Stage("rest"), Stage("snow", [entry])])
+        check_stages(STRUCTURE, [Stage("rest"), Stage("snow", [entry])])
 
 
 @pytest.mark.parametrize(
@@ -118,12 +124,12 @@ def test_load_that_does_not_fit_the_structure(entry, message):
 def test_prescribed_displacement_that_does_not_fit_the_structure(node, message):
     stage = Stage("lift", displacements=[PrescribedDisplacement(node, NOWHERE)])
     with pytest.raises(ValueError, match=f"^Stage 'lift': a prescribed displacement {message}"):
-        check(STRUCTURE, [stage])
+        check_stages(STRUCTURE, [stage])
 
 
 def test_two_stages_of_one_name():
     with pytest.raises(ValueError, match=r"^Stage 'snow' is given twice"):
-        check(STRUCTURE, [Stage("snow"), Stage("wind"), Stage("snow", after="wind")])
+        check_stages(STRUCTURE, [Stage("snow"), Stage("wind"), Stage("snow", after="wind")])
 
 
 @pytest.mark.parametrize(
@@ -140,15 +146,15 @@ def test_after_a_stage_that_is_not_before(after, remedy):
     stages = [Stage("prestress"), Stage("snow", after=after), Stage("wind")]
     message = rf"^Stage 'snow' is to follow '{after}', but the stages before it are \['prestress'\]; {remedy}"
     with pytest.raises(ValueError, match=message):
-        check(STRUCTURE, stages)
+        check_stages(STRUCTURE, stages)
     with pytest.raises(ValueError, match=f"^Stage 'snow' is to follow '{after}', but no stage is before it; {remedy}"):
-        check(STRUCTURE, stages[1:])
+        check_stages(STRUCTURE, stages[1:])
 
 
 def test_stages_that_fit():
     stages = [
         Stage("prestress", displacements=[PrescribedDisplacement([0, 3], (0, 0, 1), "z")]),
-        Stage("snow", [DeadLoad((0, 0, -1), "fabric", [0, 1]), PointLoad([2, 3], (0, 0, 1))], after="prestress"),
-        Stage("wind", [DeadLoad((0, 0, -1), "ridge")], after="prestress"),
+        Stage("snow", [DistributedLoad((0, 0, -1), "fabric", [0, 1]), PointLoad([2, 3], (0, 0, 1))], after="prestress"),
+        Stage("wind", [DistributedLoad((0, 0, -1), "ridge")], after="prestress"),
     ]
-    check(STRUCTURE, stages)
+    check_stages(STRUCTURE, stages)

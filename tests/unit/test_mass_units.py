@@ -13,7 +13,7 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
-    boundary,
+    boundary_edges,
     natural_frequencies,
     rectangle,
 )
@@ -50,7 +50,7 @@ def roof(force, length, mass, size=8.0, kind=Membrane):
             mass=0.5 / mass * length * (kind != Membrane),
         ),
     }
-    return Structure(points, parts, [Support(np.unique(boundary(triangles)))])
+    return Structure(points, parts, [Support(np.unique(boundary_edges(triangles)))])
 
 
 def first(structure):

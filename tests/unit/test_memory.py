@@ -10,7 +10,7 @@ import pytest
 from dolfinx import cpp
 
 import launch
-from fx_membrane import Analysis, Fabric, Membrane, PointLoad, Stage, Structure, Support, boundary, rectangle
+from fx_membrane import Analysis, Fabric, Membrane, PointLoad, Stage, Structure, Support, boundary_edges, rectangle
 from fx_membrane.assembly.discretization import Discretization
 
 
@@ -19,7 +19,7 @@ def test_problem_is_released(driver, monkeypatch):
     if driver == "snes":
         monkeypatch.delattr(cpp.nls.petsc, "NewtonSolver", raising=False)
     points, triangles = rectangle(1.0, 1.0, 2, 2)
-    edge = np.unique(boundary(triangles))
+    edge = np.unique(boundary_edges(triangles))
     structure = Structure(points, {"fabric": Membrane(triangles, Fabric(1e3, 0.3), prestress=10.0)}, [Support(edge)])
     analysis = Analysis(structure)
     analysis.run([Stage("load", [PointLoad(4, (0, 0, -0.1))])])

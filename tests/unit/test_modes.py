@@ -21,7 +21,7 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
-    boundary,
+    boundary_edges,
     natural_frequencies,
     rectangle,
     stability,
@@ -219,10 +219,10 @@ def matrices(state):
     problem = Problem(state.structure, MPI.COMM_SELF)
     problem.apply(state.actions)
     K, M = problem.discretization.create_matrix(), problem.discretization.create_matrix()
-    problem.tangent(problem.discretization.distribute(state.displacement), K)
+    problem.tangent(problem.discretization.to_petsc(state.displacement), K)
     problem.mass(M)
     free = problem.discretization.dofs(~state.actions.held)
-    user = np.argsort(problem.discretization.number)
+    user = np.argsort(problem.discretization.block_of_node)
     place = (3 * user[:, None] + np.arange(3)).ravel()[free]
     return K.getValues(free, free), M.getValues(free, free), place
 
@@ -234,7 +234,7 @@ def inflated(pressure, held=None):
     fabric = Membrane(triangles, Fabric(1e3, 0.3), 50.0, mass=1.0)
     all_held = Structure(points, {"fabric": fabric}, [Support(np.arange(len(points)))])
     state = Analysis(all_held).run([Stage("rest", [Pressure(pressure, "fabric")])])["rest"]
-    edge = np.unique(boundary(triangles)) if held is None else held(points)
+    edge = np.unique(boundary_edges(triangles)) if held is None else held(points)
     free = replace(all_held, supports=[Support(edge)])
     return replace(state, structure=free, actions=replace(state.actions, held=free.supported))
 
@@ -291,7 +291,7 @@ def compiled():
 
 def state(n):
     points, triangles = rectangle(1.0, 1.0, n, n)
-    edges = boundary(triangles)
+    edges = boundary_edges(triangles)
     parts = {"fabric": Membrane(triangles, Fabric(1e5, 0.3), 1e3, mass=n), "cable": Cable(edges, 1e6, 1e3, mass=1.0)}
     return Analysis(Structure(points, parts, [Support(edges[:, 0])])).run([Stage("rest")])["rest"]
 

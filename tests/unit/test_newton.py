@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from fx_membrane import Cable, Fabric, Mast, Membrane, Newton, Structure, Support, boundary, rectangle
+from fx_membrane import Cable, Fabric, Mast, Membrane, Newton, Structure, Support, boundary_edges, rectangle
 from fx_membrane.assembly.problem import Actions, Problem
 
 POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
-EDGE = np.unique(boundary(TRIANGLES))
+EDGE = np.unique(boundary_edges(TRIANGLES))
 PLAIN = Newton(line_search=False)
 
 
@@ -27,7 +27,7 @@ def sheet_under(force, prestress=1e3):
 
 def solve(problem, solver=Newton()):
     x = problem.discretization.create_vector()
-    return solver.prepare(problem)(x), problem.discretization.gather(x)
+    return solver.prepare(problem)(x), problem.discretization.to_numpy(x)
 
 
 @pytest.mark.parametrize("solver", [Newton(), PLAIN], ids=["line search", "plain"])
@@ -48,7 +48,7 @@ def test_history_starts_with_the_start_and_ends_with_the_solution():
     solution, displacement = solve(problem)
     energies = [entry.energy for entry in solution.iterations]
     assert energies[0] == 0
-    assert energies[-1] == problem.energy(problem.discretization.distribute(displacement))
+    assert energies[-1] == problem.energy(problem.discretization.to_petsc(displacement))
     assert energies[-1] == pytest.approx(min(energies), rel=1e-14)
     steps = [entry.step for entry in solution.iterations]
     assert steps[0] == 0
@@ -97,7 +97,7 @@ def test_number_of_iterations_is_limited(most):
     solution, _ = solve(sheet_under((0, 0, -300.0)), Newton(max_iterations=most, line_search=False))
     assert not solution.converged
     assert len(solution.iterations) == most + 1
-    assert "steps=..." in solution.reason
+    assert "increments=..." in solution.reason
     assert "Newton(max_iterations=...)" in solution.reason
 
 
@@ -139,7 +139,7 @@ def test_prestress_in_balance_with_itself_is_in_equilibrium(seed, load):
     # Energies show nothing here: the work of the prestress cancels, but for rounding above the work of the load.
     assert {entry.step for entry in solution.iterations[1:]} <= {1.0}
     assert len(solution.iterations) <= 4
-    assert not solution.drawn_smooth
+    assert not solution.stabilized
     expected = load / (1e3 / 0.7 + 1e3 / 1.3)  # N0 / l on both sides
     assert displacement[1] @ R[:, 2] == pytest.approx(expected, rel=1e-5, abs=1e-15)
 

@@ -8,7 +8,7 @@ from fx_membrane import (
     Analysis,
     Cable,
     ConvergenceError,
-    DeadLoad,
+    DistributedLoad,
     Fabric,
     Mast,
     Membrane,
@@ -67,12 +67,12 @@ class Model:
         )
         loaded = np.flatnonzero(self.cells["fabric"] < 20)
         snow = [
-            DeadLoad((5.0, 0, -300.0), "fabric", loaded),
+            DistributedLoad((5.0, 0, -300.0), "fabric", loaded),
             PointLoad(self.number[[middle, edge[2]]], (10.0, 20, -30)),
         ]
-        weight = DeadLoad((0, 0, -10.0), "stays")
+        weight = DistributedLoad((0, 0, -10.0), "stays")
         self.stages = [
-            Stage("jack", [weight], [PrescribedDisplacement(self.number[foot], (0, 0, 0.05))], steps=2),
+            Stage("jack", [weight], [PrescribedDisplacement(self.number[foot], (0, 0, 0.05))], increments=2),
             Stage("snow", snow, after="jack"),
         ]
 
@@ -158,7 +158,7 @@ def test_failure_is_the_same_on_every_process():
     points, triangles = rectangle(2.0, 2.0, 4, 4)
     rim = np.flatnonzero(np.abs(points).max(axis=1) == 1)
     structure = Structure(points, {"fabric": Membrane(triangles, Fabric(Et=1e5, nu=0.3))}, [Support(rim)])
-    stages = [Stage("snow", [DeadLoad((0, 0, -1.0), "fabric")])]
+    stages = [Stage("snow", [DistributedLoad((0, 0, -1.0), "fabric")])]
 
     def message(comm):
         with pytest.raises(ConvergenceError) as error:

@@ -3,18 +3,18 @@
 import numpy as np
 import pytest
 
-from fx_membrane import ContinuationError, PointLoad, Stage, WorkLimit, trace
+from fx_membrane import PathError, PointLoad, Stage, WorkLimit, equilibrium_path
 from fx_membrane.analysis import work
 from models import LIMIT, arch, close
 
-PUSH = Stage("push", [PointLoad(1, (0, 0, -1.2 * LIMIT))], steps=8)
+PUSH = Stage("push", [PointLoad(1, (0, 0, -1.2 * LIMIT))], increments=8)
 
 
 @pytest.mark.parametrize("most", [5, 12, 40])
 def test_points_before_the_limit_are_kept(most):
-    whole = trace(arch(), PUSH)
-    with pytest.raises(ContinuationError, match=rf": the limit of {most} iterations for a path is used up; .*\.$") as e:
-        trace(arch(), PUSH, limit=WorkLimit(iterations=most))
+    whole = equilibrium_path(arch(), PUSH)
+    with pytest.raises(PathError, match=rf": the limit of {most} iterations for a path is used up; .*\.$") as e:
+        equilibrium_path(arch(), PUSH, limit=WorkLimit(iterations=most))
     path = e.value.path
     count = len(path.points)
     assert 1 <= count < len(whole.points)
@@ -26,17 +26,19 @@ def test_points_before_the_limit_are_kept(most):
 
 
 def test_limit_that_is_enough_changes_nothing():
-    whole = trace(arch(), PUSH)
-    assert np.array_equal(trace(arch(), PUSH, limit=WorkLimit(iterations=10_000)).load_factors, whole.load_factors)
+    whole = equilibrium_path(arch(), PUSH)
+    assert np.array_equal(
+        equilibrium_path(arch(), PUSH, limit=WorkLimit(iterations=10_000)).load_factors, whole.load_factors
+    )
 
 
 def test_limit_of_seconds(monkeypatch):
     clock = iter(np.arange(0.0, 1e6))
     monkeypatch.setattr(work, "monotonic", lambda: next(clock))
-    with pytest.raises(ContinuationError, match=r"the limit of 9.5 s for a path is used up, after \d iterations"):
-        trace(arch(), PUSH, limit=WorkLimit(seconds=9.5))
+    with pytest.raises(PathError, match=r"the limit of 9.5 s for a path is used up, after \d iterations"):
+        equilibrium_path(arch(), PUSH, limit=WorkLimit(seconds=9.5))
 
 
 def test_a_limit_of_another_kind_is_refused():
-    with pytest.raises(ValueError, match="trace limit is 40"):
-        trace(arch(), PUSH, limit=40)
+    with pytest.raises(ValueError, match="equilibrium_path limit is 40"):
+        equilibrium_path(arch(), PUSH, limit=40)

@@ -7,14 +7,14 @@ import pytest
 from fx_membrane import (
     Analysis,
     Cable,
-    ContinuationError,
     Mast,
+    PathError,
     PointLoad,
     Stage,
     Structure,
     Support,
     UnstableStateWarning,
-    trace,
+    equilibrium_path,
 )
 from fx_membrane.analysis.arc_length import _Tracer
 from models import LIMIT, SNOW, arch, inclined_sheet
@@ -24,7 +24,7 @@ def pushed(structure, load, **arguments):
     """Trace a path; return it with the sentences of the warnings about it."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        path = trace(structure, Stage("wind", [PointLoad(1, load)], steps=10), **arguments)
+        path = equilibrium_path(structure, Stage("wind", [PointLoad(1, load)], increments=10), **arguments)
     return path, [entry for entry in caught if issubclass(entry.category, UnstableStateWarning)]
 
 
@@ -55,15 +55,15 @@ def test_mast_that_guys_hold_is_not():
     start = Analysis(guyed(prestress=1e3, feet=feet)).run([Stage("rest")])["rest"]
     with warnings.catch_warnings():
         warnings.simplefilter("error", UnstableStateWarning)
-        path = trace(start, Stage("wind", [PointLoad(1, (-300.0, 0, -300))], after="rest"))
+        path = equilibrium_path(start, Stage("wind", [PointLoad(1, (-300.0, 0, -300))], after="rest"))
     assert path.complete
 
 
 def test_healthy_paths_are_silent():
     with warnings.catch_warnings():
         warnings.simplefilter("error", UnstableStateWarning)
-        trace(inclined_sheet(), Stage("snow", [SNOW], steps=3))
-        trace(arch(), Stage("push", [PointLoad(1, (0, 0, -1.2 * LIMIT))], steps=8))
+        equilibrium_path(inclined_sheet(), Stage("snow", [SNOW], increments=3))
+        equilibrium_path(arch(), Stage("push", [PointLoad(1, (0, 0, -1.2 * LIMIT))], increments=8))
 
 
 def test_path_that_is_lost_is_told_of_too(monkeypatch):
@@ -71,12 +71,12 @@ def test_path_that_is_lost_is_told_of_too(monkeypatch):
 
     def lost(self, *arguments):
         if len(self.path.points) == 4:
-            raise ContinuationError("The path was lost.", self.path)
+            raise PathError("The path was lost.", self.path)
         return following(self, *arguments)
 
     monkeypatch.setattr(_Tracer, "next", lost)
     with (
         pytest.warns(UnstableStateWarning, match="has 3 of 4 points"),
-        pytest.raises(ContinuationError, match=r"^The path was lost\.$"),
+        pytest.raises(PathError, match=r"^The path was lost\.$"),
     ):
-        trace(guyed(1e-3), Stage("wind", [PointLoad(1, (-300.0, 0, -300))], steps=10))
+        equilibrium_path(guyed(1e-3), Stage("wind", [PointLoad(1, (-300.0, 0, -300))], increments=10))

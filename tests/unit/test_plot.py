@@ -6,7 +6,7 @@ import pytest
 from fx_membrane import (
     Analysis,
     Cable,
-    DeadLoad,
+    DistributedLoad,
     Fabric,
     Mast,
     Membrane,
@@ -14,7 +14,7 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
-    boundary,
+    boundary_edges,
     plot,
     rectangle,
 )
@@ -32,7 +32,7 @@ FOOT, CENTRE = 25, 12
 @pytest.fixture(scope="module")
 def result():
     """Roof of two membranes, a cable on their common line and a mast; one is stretched, one has folds."""
-    rim = np.unique(boundary(TRIANGLES))
+    rim = np.unique(boundary_edges(TRIANGLES))
     parts = {
         "south": Membrane(TRIANGLES[HALF], Fabric(Et=1e5, nu=0.3), prestress=1e3),
         "north": Membrane(np.delete(TRIANGLES, HALF, axis=0), Fabric(Et=1e5, nu=0.3), prestress=10.0),
@@ -40,9 +40,9 @@ def result():
         "mast": Mast([[FOOT, CENTRE]], 1e7),
     }
     structure = Structure(POINTS, parts, [Support(rim), Support(FOOT, "xy")])
-    snow = DeadLoad((0, 0, -100.0), "south")
+    snow = DistributedLoad((0, 0, -100.0), "south")
     lift = PrescribedDisplacement(FOOT, (0, 0, 0.2), "z")
-    return Analysis(structure).run([Stage("snow", [snow], [lift], steps=4)])["snow"]
+    return Analysis(structure).run([Stage("snow", [snow], [lift], increments=4)])["snow"]
 
 
 def picture(path):
@@ -212,7 +212,7 @@ def test_values_beyond_limits_have_the_colour_of_the_end(result, tmp_path, drawi
     for name, values in fields.items():
         for limits in ({}, {"x": (-1.0, 2.0)}):
             path = tmp_path / f"{name} {len(limits)}.png"
-            plot.contours(result, {"x": {"south": values}}, path, limits=limits, view=(0, -0.2, 1))
+            plot.contours(result, {"x": {"south": values}}, path, ranges=limits, view=(0, -0.2, 1))
     assert np.array_equal(picture(tmp_path / "peak 1.png"), picture(tmp_path / "end 1.png"))
     assert not np.array_equal(picture(tmp_path / "peak 0.png"), picture(tmp_path / "peak 1.png"))
     assert not np.array_equal(picture(tmp_path / "end 0.png"), picture(tmp_path / "end 1.png"))  # <= and >= are written
@@ -231,7 +231,7 @@ def test_mirror_draws_the_other_half(result, mirror, ratio, drawing):
     # Seen nearly from above the half is twice as wide as deep, the whole as wide as deep.
     colours = scene.Colours("viridis", -1.0, 1.0, 16)
     drawn = scene.picture(
-        half(result), POINTS[:, 0], colours, scale=1.0, view=(0, -0.2, 1), mirror=mirror, odd=False
+        half(result), POINTS[:, 0], colours, scale=1.0, view=(0, -0.2, 1), mirror=mirror, antisymmetric=False
     )  # without the scale of a whole figure, which would be measured, too
     ink = np.argwhere((drawn < 250).any(axis=2))
     height, width = np.ptp(ink, axis=0)
@@ -273,12 +273,15 @@ def test_wrong_fields_are_refused(result, tmp_path, field, message):
         ({"view": (0, 0, 0)}, r"^view is \(0, 0, 0\); give a direction"),
         ({"view": "above"}, "^view must be an array of numbers .*'above'"),
         ({"scale": "large"}, "^scale is the text 'large'"),
-        ({"odd": ["width"]}, r"^odd names 'width'; the fields are \['height'\]"),
-        ({"limits": {"width": (0, 1)}}, r"^limits names 'width'; the fields are \['height'\]"),
-        ({"limits": {"height": (1, 1)}}, r"^limits of 'height' is \(1, 1\); give \(low, high\), the lower one first"),
-        ({"limits": {"height": (2, -1)}}, r"^limits of 'height' is \(2, -1\); give \(low, high\)"),
-        ({"limits": {"height": 5}}, r"^limits of 'height' is 5; give \(low, high\)"),
-        ({"limits": {"height": (0, np.inf)}}, r"^limits of 'height' has a value that is not finite \(inf\)"),
+        ({"antisymmetric": ["width"]}, r"^antisymmetric names 'width'; the fields are \['height'\]"),
+        ({"ranges": {"width": (0, 1)}}, r"^ranges names 'width'; the fields are \['height'\]"),
+        (
+            {"ranges": {"height": (1, 1)}},
+            r"^The range of 'height' is \(1, 1\); give \(low, high\), the lower one first",
+        ),
+        ({"ranges": {"height": (2, -1)}}, r"^The range of 'height' is \(2, -1\); give \(low, high\)"),
+        ({"ranges": {"height": 5}}, r"^The range of 'height' is 5; give \(low, high\)"),
+        ({"ranges": {"height": (0, np.inf)}}, r"^range of 'height' has a value that is not finite \(inf\)"),
     ],
 )
 def test_wrong_options_are_refused(result, tmp_path, options, message):
@@ -287,8 +290,8 @@ def test_wrong_options_are_refused(result, tmp_path, options, message):
 
 
 def test_limits_of_states_are_refused(result, tmp_path):
-    with pytest.raises(ValueError, match=r"^limits are given for 'state', which shows states; leave"):
-        plot.contours(result, {"state": states(result)}, tmp_path / "never.png", limits={"state": (0, 1)})
+    with pytest.raises(ValueError, match=r"^ranges are given for 'state', which shows states; leave"):
+        plot.contours(result, {"state": states(result)}, tmp_path / "never.png", ranges={"state": (0, 1)})
 
 
 @pytest.mark.parametrize(

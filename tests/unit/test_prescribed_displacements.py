@@ -14,7 +14,7 @@ from models import CENTRE, EDGE, LIFT, LIMIT, POINTS, SNOW, WIND, arch, close, s
 
 
 def test_prescribed_displacement_is_reached_and_its_reaction_is_the_force_needed(analysis):
-    lifted = analysis.run([Stage("lift", [SNOW], [LIFT], steps=2)])["lift"]
+    lifted = analysis.run([Stage("lift", [SNOW], [LIFT], increments=2)])["lift"]
     assert lifted.displacement[CENTRE] == pytest.approx(LIFT.displacement, rel=1e-14)
     force = PointLoad(CENTRE, lifted.reactions[CENTRE])
     assert np.abs(lifted.reactions[CENTRE]).max() > 100
@@ -57,7 +57,7 @@ def test_later_prescribed_displacement_replaces_the_one_before(analysis):
     results = analysis.run(
         [
             Stage("up", displacements=[LIFT]),
-            Stage("down", displacements=[back], after="up", steps=3),
+            Stage("down", displacements=[back], after="up", increments=3),
             Stage("alone", displacements=[back]),
         ]
     )
@@ -68,7 +68,7 @@ def test_later_prescribed_displacement_replaces_the_one_before(analysis):
 def test_node_taken_hold_of_where_it_is_needs_no_force(analysis):
     snow = Stage("snow", [SNOW])
     where = analysis.run([snow])["snow"].displacement[CENTRE]
-    hold = Stage("hold", displacements=[PrescribedDisplacement(CENTRE, where)], after="snow", steps=3)
+    hold = Stage("hold", displacements=[PrescribedDisplacement(CENTRE, where)], after="snow", increments=3)
     results = analysis.run([snow, hold])
     small = 1e-9 * np.abs(results["snow"].reactions).max()
     assert all(entry.residual <= small for _, entry in results["hold"].history)
@@ -77,7 +77,7 @@ def test_node_taken_hold_of_where_it_is_needs_no_force(analysis):
 
 def test_node_taken_hold_of_moves_in_equal_steps_from_where_it_is():
     push = Stage("push", [PointLoad(1, (0, 0, -0.5 * LIMIT))])
-    back = Stage("back", displacements=[PrescribedDisplacement(1, (0, 0, 0), "z")], after="push", steps=4)
+    back = Stage("back", displacements=[PrescribedDisplacement(1, (0, 0, 0), "z")], after="push", increments=4)
     results = Analysis(arch()).run([push, back])
     assert results["push"].displacement[1, 2] < -0.01
     # At the start of a step: the remaining displacement, times a stiffness that is the same in all steps.

@@ -5,7 +5,7 @@ import pytest
 
 from fx_membrane import (
     Analysis,
-    DeadLoad,
+    DistributedLoad,
     PlanLoad,
     Pressure,
     Stage,
@@ -28,7 +28,7 @@ def test_pressure_is_positive_along_the_normals_of_the_structure():
     for cells, sign in [(triangles, 1.0), (triangles[:, ::-1], -1.0)]:
         structure = sheet(points=points, triangles=cells)
         assert structure.normals("fabric") == pytest.approx(np.tile([0, 0, sign], (COUNT, 1)))
-        inflated = Analysis(structure).run([Stage("air", [Pressure(300.0, "fabric")], steps=2)])["air"]
+        inflated = Analysis(structure).run([Stage("air", [Pressure(300.0, "fabric")], increments=2)])["air"]
         assert sign * inflated.displacement[12, 2] > 0.05
         # The vector area of a surface depends on its rim alone, and the rim does not move.
         assert inflated.loads.sum(axis=0) == pytest.approx([0, 0, sign * 300.0 * 4.0], abs=1e-9 * 1200)
@@ -112,7 +112,7 @@ def test_pressure_on_a_one_sided_membrane_is_refused():
     strip = np.concatenate([np.stack([low, next_low, next_high], 1), np.stack([low, next_high, high], 1)])
     structure = sheet(Support(range(2 * n)), points=points, triangles=strip)
     analysis = Analysis(structure)
-    analysis.run([Stage("weight", [DeadLoad((0, 0, -1.0), "fabric")])])
+    analysis.run([Stage("weight", [DistributedLoad((0, 0, -1.0), "fabric")])])
     analysis._solve = None  # refused before anything is solved
     with pytest.raises(ValueError, match=r"^Part 'fabric' has only one side, like a Moebius strip"):
         analysis.run([Stage("rest"), Stage("air", [Pressure(1.0, "fabric")])])

@@ -31,12 +31,12 @@ def loaded(structure, forces):
 
 def residual(problem, displacement):
     b = problem.discretization.create_vector()
-    problem.residual(problem.discretization.distribute(displacement), b)
-    return problem.discretization.gather(b)
+    problem.residual(problem.discretization.to_petsc(displacement), b)
+    return problem.discretization.to_numpy(b)
 
 
 def energy(problem, displacement):
-    return problem.energy(problem.discretization.distribute(displacement))
+    return problem.energy(problem.discretization.to_petsc(displacement))
 
 
 def test_reference_shape_has_no_energy(problem):
@@ -59,14 +59,14 @@ def test_residual_is_the_gradient_of_the_energy(structure, problem):
 def test_tangent_is_the_derivative_of_the_residual_and_symmetric(problem):
     discretization = problem.discretization
     at, h = state(1, 0.05), 1e-5
-    A, x = discretization.create_matrix(), discretization.distribute(at)
+    A, x = discretization.create_matrix(), discretization.to_petsc(at)
     problem.tangent(x, A)
     for seed in range(3):
         direction = state(10 + seed, 1.0)
         b = discretization.create_vector()
-        A.mult(discretization.distribute(direction), b)
+        A.mult(discretization.to_petsc(direction), b)
         central = (residual(problem, at + h * direction) - residual(problem, at - h * direction)) / (2 * h)
-        exact = discretization.gather(b)
+        exact = discretization.to_numpy(b)
         assert exact == pytest.approx(central, abs=1e-7 * np.abs(exact).max())
     difference = A.copy()
     difference.axpy(-1.0, A.copy().transpose())
@@ -76,9 +76,9 @@ def test_tangent_is_the_derivative_of_the_residual_and_symmetric(problem):
 def test_tangent_is_made_anew_each_time(problem):
     discretization = problem.discretization
     A, B = discretization.create_matrix(), discretization.create_matrix()
-    problem.tangent(discretization.distribute(state(1, 0.2)), A)
+    problem.tangent(discretization.to_petsc(state(1, 0.2)), A)
     for matrix in (A, B):
-        problem.tangent(discretization.distribute(state(2, 0.05)), matrix)
+        problem.tangent(discretization.to_petsc(state(2, 0.05)), matrix)
     B.axpy(-1.0, A)
     assert B.norm() <= 1e-14 * A.norm()
 
@@ -133,19 +133,19 @@ def test_held_components_close_their_gap_in_one_step(structure, problem):
     discretization = problem.discretization
     prescribed, at = state(5, 0.1), state(1, 0.05)
     problem.apply(Actions(np.zeros(POINTS.shape), structure.supported, prescribed))
-    A, b, x = discretization.create_matrix(), discretization.create_vector(), discretization.distribute(at)
+    A, b, x = discretization.create_matrix(), discretization.create_vector(), discretization.to_petsc(at)
     problem.residual(x, b)
-    problem.hold(x, b)
+    problem.constrain_residual(x, b)
     held, gap = structure.supported, at - prescribed
-    assert discretization.gather(b)[held] == pytest.approx(problem.stiffness * gap[held], rel=1e-13)
+    assert discretization.to_numpy(b)[held] == pytest.approx(problem.stiffness * gap[held], rel=1e-13)
 
     free_forces = residual(problem, at)
     K_gap = discretization.create_vector()
     problem.tangent(x, A)
-    A.mult(discretization.distribute(np.where(held, gap, 0)), K_gap)
-    problem.hold_tangent(x, A, b)
-    expected = np.where(held, problem.stiffness * gap, free_forces - discretization.gather(K_gap))
-    assert discretization.gather(b) == pytest.approx(expected, abs=1e-13 * np.abs(expected).max())
+    A.mult(discretization.to_petsc(np.where(held, gap, 0)), K_gap)
+    problem.constrain_tangent(x, A, b)
+    expected = np.where(held, problem.stiffness * gap, free_forces - discretization.to_numpy(K_gap))
+    assert discretization.to_numpy(b) == pytest.approx(expected, abs=1e-13 * np.abs(expected).max())
     dx = np.where(held, gap, 0)  # a vector that moves held components only is not coupled to the others
-    A.mult(discretization.distribute(dx), b)
-    assert discretization.gather(b) == pytest.approx(problem.stiffness * dx, abs=1e-13 * np.abs(expected).max())
+    A.mult(discretization.to_petsc(dx), b)
+    assert discretization.to_numpy(b) == pytest.approx(problem.stiffness * dx, abs=1e-13 * np.abs(expected).max())

@@ -7,7 +7,7 @@ from fx_membrane import (
     Analysis,
     Cable,
     ConvergenceError,
-    DeadLoad,
+    DistributedLoad,
     Fabric,
     Mast,
     Membrane,
@@ -16,7 +16,7 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
-    boundary,
+    boundary_edges,
     polyline,
     rectangle,
     updated_reference,
@@ -49,7 +49,7 @@ def test_mast_whose_guys_are_slack_bears_no_load(unit):
 def test_pole_that_falls_beside_a_roof_is_named_first():
     points, triangles = rectangle(8, 6, 8, 8)
     points = np.column_stack([points[:, :2], points[:, 0] * points[:, 1] / 12])
-    n, edge = len(points), np.unique(boundary(triangles))
+    n, edge = len(points), np.unique(boundary_edges(triangles))
     parts = {
         "roof": Membrane(triangles, Fabric(5e5, 0.3), 2e3),
         "valley": Cable(polyline(36 + np.arange(9)), 1e7, prestress=2e4),
@@ -58,13 +58,13 @@ def test_pole_that_falls_beside_a_roof_is_named_first():
     }
     points = np.vstack([points, [[15, 0, 0], [15, 0, 4.0], [18, 0, 0], [13.5, 2.598, 0]]])
     structure = Structure(points, parts, [Support([*edge, n, n + 2, n + 3])])
-    loads = [DeadLoad((0, 0, -600), "roof"), PointLoad(n + 1, (6, 10.0, -10))]
+    loads = [DistributedLoad((0, 0, -600), "roof"), PointLoad(n + 1, (6, 10.0, -10))]
     words = reason(structure, [Stage("snow", loads)])
     assert words.startswith(f"mast 'pole' (cell 0, at node {n + 1}) has turned by")
     assert "check that it has all its stays" in words
     assert "'guys' is slack in 2 of 2 cells" in words
     assert "largest load" not in words
-    assert "steps=" not in words
+    assert "increments=" not in words
 
 
 def test_mast_without_one_of_its_stays_is_named_first():
@@ -77,7 +77,7 @@ def test_mast_without_one_of_its_stays_is_named_first():
     W, E, S, N = map(int, (points[:, 0].argmin(), points[:, 0].argmax(), points[:, 1].argmin(), points[:, 1].argmax()))
     sail = {
         "fabric": Membrane(triangles, Fabric(800.0, 0.2), prestress=2.5),
-        "edges": Cable(boundary(triangles), 2e4, prestress=25.0),
+        "edges": Cable(boundary_edges(triangles), 2e4, prestress=25.0),
     }
     shape = updated_reference(Structure(points, sail, [Support([W, E, S, N])])).structure
     feet = [[-d + 0.8, 0, 0], [d - 0.8, 0, 0], [-d - 3, -2.5, 0], [d + 3, 2.5, 0], [d + 3, -2.5, 0]]

@@ -8,7 +8,7 @@ import pytest
 from fx_membrane import (
     Analysis,
     Cable,
-    DeadLoad,
+    DistributedLoad,
     Fabric,
     LargeStrainWarning,
     LostPrestressWarning,
@@ -21,12 +21,12 @@ from fx_membrane import (
     Structure,
     Support,
     UnstableStateWarning,
-    boundary,
+    boundary_edges,
+    equilibrium_path,
     polyline,
     rectangle,
     report,
     stability,
-    trace,
 )
 from fx_membrane.results.slack_forces import pushes
 
@@ -164,8 +164,8 @@ def test_slack_diagonal_of_a_roof_is_ordinary():
         "sagging": Cable(polyline(np.arange(9) * 10), 1e7, 5e3),
         "arching": Cable(polyline(8 + np.arange(9) * 8), 1e7, 5e3),
     }
-    structure = Structure(points, parts, [Support(np.unique(boundary(triangles)))])
-    snow = Stage("snow", [DeadLoad((0, 0, -600.0), "fabric")], after="rest")
+    structure = Structure(points, parts, [Support(np.unique(boundary_edges(triangles)))])
+    snow = Stage("snow", [DistributedLoad((0, 0, -600.0), "fabric")], after="rest")
     remarks = Analysis(structure).run([Stage("rest"), snow])["snow"].remarks
     assert len(remarks) == 1
     assert "'arching'" in remarks[0]
@@ -237,7 +237,7 @@ def upright(prestress, height):
 
 @pytest.mark.parametrize(("prestress", "weight"), [(-2e4, 1.0), (-2e4, 5.0), (-8e3, 5.0), (0.0, 5.0)])
 def test_curtain_with_too_much_cloth_hangs(prestress, weight):
-    stage = Stage("hang", [DeadLoad((0, 0, -weight), "cloth")])
+    stage = Stage("hang", [DistributedLoad((0, 0, -weight), "cloth")])
     result = Analysis(upright(prestress, 3.0)).run([stage])["hang"]
     assert prestress == 0 or (result.membrane("cloth").principal[:, 1] < -0.5).any()
     assert result.remarks == ()
@@ -245,7 +245,7 @@ def test_curtain_with_too_much_cloth_hangs(prestress, weight):
 
 
 def test_cloth_that_stands_on_its_lower_side_is_carried_by_compression():
-    stage = Stage("stand", [DeadLoad((0, 0, -0.01), "cloth")])
+    stage = Stage("stand", [DistributedLoad((0, 0, -0.01), "cloth")])
     structure = upright(0.0, -3.0)
     plane = Structure(structure.points, structure.parts, [*structure.supports, Support(range(81), "y")])
     result = Analysis(plane).run([stage])["stand"]
@@ -255,10 +255,10 @@ def test_cloth_that_stands_on_its_lower_side_is_carried_by_compression():
 def test_sheet_that_is_let_in_has_lost_its_prestress():
     points, triangles = rectangle(2.0, 2.0, 4, 4)
     structure = Structure(points, {"fabric": Membrane(triangles, Fabric(1e5, 0.3), 100.0)}, [Support(0)])
-    rim = np.unique(boundary(triangles))[1:]
+    rim = np.unique(boundary_edges(triangles))[1:]
     let_in = PrescribedDisplacement(rim, -0.05 * (points[rim] - points[0]))
     with pytest.warns(LostPrestressWarning, match="no cell of 'fabric' has more than 1 % of it left, and node"):
-        Analysis(structure).run([Stage("let in", [DeadLoad((0, 0, -0.01), "fabric")], [let_in])])
+        Analysis(structure).run([Stage("let in", [DistributedLoad((0, 0, -0.01), "fabric")], [let_in])])
 
 
 @pytest.mark.mpi
@@ -269,6 +269,6 @@ def test_remarks_are_the_same_from_a_checkpoint_and_on_a_path(tmp_path):
     with pytest.warns(UnstableStateWarning, match=HELD_BY_SLACK):
         again = Analysis(guyed()).run(stages, tmp_path / "push")["push"]
     assert again.remarks == whole.remarks != ()
-    path = trace(guyed(), Stage("push", [PointLoad(1, (-100.0, 0, 0))], steps=10))
+    path = equilibrium_path(guyed(), Stage("push", [PointLoad(1, (-100.0, 0, 0))], increments=10))
     with pytest.warns(UnstableStateWarning, match=CARRY):
         assert CARRY in path.state(-1).remarks[0]

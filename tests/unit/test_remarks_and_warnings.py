@@ -11,7 +11,7 @@ from fx_membrane import (
     Analysis,
     Cable,
     ConvergenceError,
-    DeadLoad,
+    DistributedLoad,
     Fabric,
     LargeStrainWarning,
     LostPrestressWarning,
@@ -25,16 +25,16 @@ from fx_membrane import (
     UnbalancedStateWarning,
     UnstableStateWarning,
     WorkLimit,
-    boundary,
+    boundary_edges,
+    equilibrium_path,
     polyline,
     rectangle,
     report,
-    trace,
 )
 
 POINTS, TRIANGLES = rectangle(8, 6, 8, 8)
 POINTS[:, 2] = POINTS[:, 0] * POINTS[:, 1] / 12
-RIM = np.unique(boundary(TRIANGLES))
+RIM = np.unique(boundary_edges(TRIANGLES))
 ON_STATES = (LargeStrainWarning, UnbalancedStateWarning, UnstableStateWarning, LostPrestressWarning)
 
 
@@ -48,7 +48,7 @@ def ridged(stiffness):
 
 
 def snow(weight):
-    return Stage("snow", [DeadLoad((0, 0, -weight), "fabric")])
+    return Stage("snow", [DistributedLoad((0, 0, -weight), "fabric")])
 
 
 def guys():
@@ -85,7 +85,7 @@ def test_warnings_are_the_remarks_that_the_report_begins_with(name):
 
 
 def test_a_point_of_a_path_has_them_too():
-    path = trace(hypar(), snow(8000.0), comm=MPI.COMM_SELF)
+    path = equilibrium_path(hypar(), snow(8000.0), comm=MPI.COMM_SELF)
     with pytest.warns(LargeStrainWarning, match="^Stage 'snow': cell") as caught:
         state = path.state(-1, MPI.COMM_SELF)
     assert {entry.filename for entry in caught} == {__file__}
@@ -94,7 +94,7 @@ def test_a_point_of_a_path_has_them_too():
 
 
 def test_last_state_of_a_failed_stage_has_them_too():
-    more = Stage("more", [PointLoad(40, (0, 0, -1e5))], after="snow", steps=100)
+    more = Stage("more", [PointLoad(40, (0, 0, -1e5))], after="snow", increments=100)
     with (
         pytest.warns(LargeStrainWarning, match="^Stage 'snow': cell"),
         pytest.raises(ConvergenceError) as caught,

@@ -8,7 +8,7 @@ import pytest
 from fx_membrane import (
     Analysis,
     Cable,
-    DeadLoad,
+    DistributedLoad,
     Fabric,
     Mast,
     Membrane,
@@ -17,7 +17,7 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
-    boundary,
+    boundary_edges,
     polyline,
     rectangle,
     report,
@@ -29,7 +29,7 @@ def result():
     """Sheet that is stretched one way and shortened the other, a slack cable on it, a mast under it."""
     points, triangles = rectangle(2.0, 2.0, 4, 4)
     points = np.vstack([points, [[0, 0, -1]]])
-    rim = np.unique(boundary(triangles))
+    rim = np.unique(boundary_edges(triangles))
     parts = {
         "fabric": Membrane(triangles, Fabric(Et=1e5, nu=0.3), prestress=50.0),
         "ridge": Cable(polyline(range(10, 15)), 1e6),
@@ -37,7 +37,9 @@ def result():
     }
     structure = Structure(points, parts, [Support(25), Support(rim, "z")])
     moves = PrescribedDisplacement(rim, points[rim] * [-0.01, 0.02, 0], "xy")
-    return Analysis(structure).run([Stage("fold", [DeadLoad((0, 0, -100), "fabric")], [moves], steps=2)])["fold"]
+    return Analysis(structure).run([Stage("fold", [DistributedLoad((0, 0, -100), "fabric")], [moves], increments=2)])[
+        "fold"
+    ]
 
 
 def numbers(line):
@@ -110,7 +112,7 @@ def test_strain_of_the_prestress_and_stress_along_the_threads():
     }
     result = Analysis(Structure(points, parts, [Support(range(25))])).run([Stage("rest")])["rest"]
     lines = [line[9:].strip() for line in report(result).splitlines()]
-    found = result.membrane("woven").thread_forces
+    found = result.membrane("woven").warp_weft_stress
     assert found == pytest.approx(np.tile([3e3, 1e3], (32, 1)), rel=1e-12)
     for line, thread, force in zip(lines[3:5], ("warp", "weft"), (3e3, 1e3), strict=True):
         assert f" N/m, along {thread}, largest in cell" in line
@@ -126,7 +128,7 @@ def test_cable_that_ends_in_the_air():
     points = [[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [1, 0, -1]]
     parts = {"line": Cable([[0, 1], [1, 2]], 1e6, 1e3), "rope": Cable([[1, 3]], 1e6)}
     structure = Structure(points, parts, [Support([0, 2])])
-    weight = DeadLoad((0, 0, -10.0), "rope")
+    weight = DistributedLoad((0, 0, -10.0), "rope")
     lines = report(Analysis(structure).run([Stage("hang", [weight])])["hang"], first=1).splitlines()
     assert lines[5].strip() == "ends in the air: 1, first cell 0 at node 4"
     moves = PrescribedDisplacement(3, (0, 0, 0), "x")

@@ -6,7 +6,7 @@ import pytest
 from fx_membrane import (
     Analysis,
     Cable,
-    DeadLoad,
+    DistributedLoad,
     Fabric,
     Mast,
     Membrane,
@@ -16,7 +16,7 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
-    boundary,
+    boundary_edges,
     rectangle,
 )
 from fx_membrane.geometry.measures import normals
@@ -37,14 +37,18 @@ def result():
         points,
         {
             "fabric": Membrane(triangles, FABRIC, prestress=(900.0, 1100.0), warp=(1, 1, 0)),
-            "edge": Cable(boundary(triangles), EA, N0),
+            "edge": Cable(boundary_edges(triangles), EA, N0),
             "mast": Mast([[10, 5]], 1e7),
         },
         [Support([1, 3, 7, 9]), Support(10, "x")],
     )
-    loads = [DeadLoad((10, 20, -200), "fabric"), DeadLoad((0, 5, 0), "edge", [1, 2]), PointLoad([2, 7], (0, 30, 40))]
+    loads = [
+        DistributedLoad((10, 20, -200), "fabric"),
+        DistributedLoad((0, 5, 0), "edge", [1, 2]),
+        PointLoad([2, 7], (0, 30, 40)),
+    ]
     lift = PrescribedDisplacement(10, (0, 0.02, 0.05), "yz")
-    return Analysis(structure).run([Stage("all", loads, [lift], steps=2)])["all"]
+    return Analysis(structure).run([Stage("all", loads, [lift], increments=2)])["all"]
 
 
 def test_values_belong_to_the_users_nodes_and_cells():
@@ -218,7 +222,7 @@ def patch(x, y, material=FABRIC, **data):
     """Square whose rim is strained by these values along its sides."""
     points, triangles = rectangle(1.0, 1.0, 2, 2)
     fabric = Membrane(triangles, material, warp=(1, 0, 0), **data)
-    rim = np.unique(boundary(triangles))
+    rim = np.unique(boundary_edges(triangles))
     move = PrescribedDisplacement(rim, points[rim] * [x, y, 0], "xy")
     structure = Structure(points, {"fabric": fabric}, [Support(range(9), "z")])
     return Analysis(structure).run([Stage("move", displacements=[move])])["move"].membrane("fabric")
@@ -249,7 +253,7 @@ def test_wrinkled_patch_has_tension_along_the_stretched_side():
     S = (1 - eta) * FABRIC.Et * E + eta * full
     assert fabric.second_piola_kirchhoff[:, 0, 0] == pytest.approx(S, rel=1e-9)
     assert fabric.cauchy[:, 0, 0] == pytest.approx(S * stretch / 0.98, rel=1e-9)
-    assert fabric.thread_forces == pytest.approx(fabric.cauchy[:, [0, 1], [0, 1]], rel=1e-9)
+    assert fabric.warp_weft_stress == pytest.approx(fabric.cauchy[:, [0, 1], [0, 1]], rel=1e-9)
 
 
 def test_patch_with_all_its_stiffness_carries_compression():
@@ -272,7 +276,7 @@ def test_thread_forces_are_those_along_warp_and_weft(result):
         current = np.einsum("cs,csk->ck", weights, moved)
         current /= np.linalg.norm(current, axis=1, keepdims=True)
         force = np.einsum("ci,cij,cj->c", current, fabric.cauchy, current)
-        assert fabric.thread_forces[:, number] == pytest.approx(force, rel=1e-9, abs=1e-9)
+        assert fabric.warp_weft_stress[:, number] == pytest.approx(force, rel=1e-9, abs=1e-9)
 
 
 @pytest.mark.parametrize(("move", "slack"), [(0.02, False), (-0.02, True)])

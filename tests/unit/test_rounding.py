@@ -11,7 +11,7 @@ from fx_membrane import (
     Cable,
     ConjugateGradient,
     ConvergenceError,
-    DeadLoad,
+    DistributedLoad,
     Fabric,
     Mast,
     Membrane,
@@ -25,15 +25,15 @@ from fx_membrane import (
     Support,
     UnbalancedStateWarning,
     UnstableStateWarning,
-    boundary,
+    boundary_edges,
+    equilibrium_path,
     rectangle,
-    trace,
     updated_reference,
 )
 
 POINTS, TRIANGLES = rectangle(8, 6, 8, 8)
 POINTS[:, 2] = POINTS[:, 0] * POINTS[:, 1] / 12
-EDGE = np.unique(boundary(TRIANGLES))
+EDGE = np.unique(boundary_edges(TRIANGLES))
 COUNT = len(POINTS)
 MIDDLE = COUNT // 2
 
@@ -54,7 +54,7 @@ def beside(part, unit=1.0, prestress=2e3):
 
 
 def snow(unit=1.0):
-    return Stage("snow", [DeadLoad((0, 0, -600.0 * unit), "fabric")])
+    return Stage("snow", [DistributedLoad((0, 0, -600.0 * unit), "fabric")])
 
 
 def final(structure, stage, solver=Newton()):
@@ -93,7 +93,7 @@ def test_stiff_mast_beside_changes_nothing_under_any_load(name):
 def test_stiff_fabric_beside_changes_nothing(stiffness):
     points, triangles = rectangle(2, 2, 2, 2)
     parts = {"fabric": fabric(), "other": Membrane(triangles + COUNT, Fabric(stiffness, 0.3))}
-    edge = np.unique(boundary(triangles)) + COUNT
+    edge = np.unique(boundary_edges(triangles)) + COUNT
     state = final(
         Structure(np.vstack([POINTS, points + np.array([20, 0, 0])]), parts, [Support([*EDGE, *edge])]), snow()
     )
@@ -178,7 +178,7 @@ def test_first_order_methods_mind_their_nodes_too(solver):
 
 
 def test_path_minds_its_nodes_too():
-    points = trace(beside(Mast([[COUNT, COUNT + 1]], 1e20)), snow()).points
+    points = equilibrium_path(beside(Mast([[COUNT, COUNT + 1]], 1e20)), snow()).points
     assert points[-1].displacement[:COUNT] == pytest.approx(final(roof(), snow()).displacement, abs=1e-9)
 
 
@@ -205,4 +205,4 @@ def test_unused_node_hides_no_warning():
     banner = {"fabric": Membrane(triangles, Fabric(5e5, 0.3))}
     structure = Structure(np.vstack([points, [[100.0, 0, 0]]]), banner, [Support(range(9))])
     with pytest.warns(UnstableStateWarning, match=r"moved by 2\.83, more than half the size"):
-        final(structure, Stage("weight", [DeadLoad((0, 0, -10.0), "fabric")]))
+        final(structure, Stage("weight", [DistributedLoad((0, 0, -10.0), "fabric")]))

@@ -23,7 +23,7 @@ def drawn():
 
     def draw(field, view):
         colours = scene.Colours("gray", -1.0, 1.0, 16)
-        return scene.picture(rest, field, colours, scale=1.0, view=view, mirror=None, odd=False)
+        return scene.picture(rest, field, colours, scale=1.0, view=view, mirror=None, antisymmetric=False)
 
     return draw
 

@@ -17,7 +17,7 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
-    boundary,
+    boundary_edges,
     rectangle,
 )
 from fx_membrane.geometry.measures import aspects
@@ -28,7 +28,7 @@ def strip(aspect, move=0.0):
     """Sheet of 4 x 4 pairs of cells of an aspect, in any plane, held along its edge."""
     points, triangles = rectangle(2.0, 2.0 / aspect, 4, 4)
     fabric = Membrane(triangles, Fabric(Et=1e5, nu=0.3), prestress=1e3)
-    return Structure(points @ rotation(1).T + move, {"strip": fabric}, [Support(np.unique(boundary(triangles)))])
+    return Structure(points @ rotation(1).T + move, {"strip": fabric}, [Support(np.unique(boundary_edges(triangles)))])
 
 
 def deflection(structure):

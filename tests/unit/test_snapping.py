@@ -8,7 +8,7 @@ import pytest
 from fx_membrane import (
     Analysis,
     Cable,
-    DeadLoad,
+    DistributedLoad,
     Fabric,
     Mast,
     Membrane,
@@ -19,7 +19,7 @@ from fx_membrane import (
     Structure,
     Support,
     UnstableStateWarning,
-    trace,
+    equilibrium_path,
 )
 from fx_membrane.analysis.checkpoint import Checkpoint
 from models import LIMIT, arch, same_state, sheet
@@ -61,7 +61,7 @@ def snapped(result):
 
 @pytest.mark.parametrize("steps", [1, 3])
 def test_arch_snaps_at_its_largest_load(steps):
-    stage = Stage("push", [PointLoad(1, (0, 0, -5 * LIMIT))], steps=steps)
+    stage = Stage("push", [PointLoad(1, (0, 0, -5 * LIMIT))], increments=steps)
     with pytest.warns(UnstableStateWarning, match="Stage 'push': between load factors 0.19.* snapped or buckled"):
         result = Analysis(arch()).run([stage])["push"]
     low, high = snapped(result)
@@ -90,16 +90,16 @@ def test_arch_driven_past_its_largest_load_does_not():
 @pytest.mark.parametrize("steps", [1, 4])
 @pytest.mark.parametrize(
     ("structure", "load"),
-    [(pyramid(), DeadLoad((0, 0, -1500.0), "fabric")), (cap(), Pressure(-2e3, "shell"))],
+    [(pyramid(), DistributedLoad((0, 0, -1500.0), "fabric")), (cap(), Pressure(-2e3, "shell"))],
     ids=["pyramid", "cap under pressure"],
 )
 def test_snaps_where_the_path_turns(structure, load, steps):
     """Also if Newton's steps pass over all unstable shapes."""
-    stages = [Stage("rest"), Stage("load", [load], after="rest", steps=steps)]
+    stages = [Stage("rest"), Stage("load", [load], after="rest", increments=steps)]
     with pytest.warns(UnstableStateWarning, match="Stage 'load': between"):
         results = Analysis(structure).run(stages)
     assert results["load"].position[4, 2] < -0.6
-    path = trace(results["rest"], Stage("load", [load], after="rest", steps=200), None, (4, "z", -0.8))
+    path = equilibrium_path(results["rest"], Stage("load", [load], after="rest", increments=200), None, (4, "z", -0.8))
     limit = path.load_factors[path.limit_points[0]]
     low, high = snapped(results["load"])
     assert low < limit < high
@@ -121,10 +121,10 @@ def test_column_buckles_under_the_load_of_its_spring():
 
 
 STILL = {
-    "sail": (sheet(), [DeadLoad((0, 0, -1e4), "fabric")]),
+    "sail": (sheet(), [DistributedLoad((0, 0, -1e4), "fabric")]),
     "cushion": (sheet(), [Pressure(1e4, "fabric")]),
-    "tent under snow": (tent(), [DeadLoad((0, 0, -300.0), "fabric")]),
-    "tent in the wind": (tent(), [DeadLoad((200.0, 0, 0), "fabric"), Pressure(300.0, "fabric")]),
+    "tent under snow": (tent(), [DistributedLoad((0, 0, -300.0), "fabric")]),
+    "tent in the wind": (tent(), [DistributedLoad((200.0, 0, 0), "fabric"), Pressure(300.0, "fabric")]),
 }
 
 
@@ -160,7 +160,7 @@ def test_a_state_that_smaller_increments_do_not_reach_is_kept(monkeypatch):
 @pytest.mark.parametrize("saves", [1, 3, 5])
 def test_run_that_is_killed_goes_on_to_the_same_snap(saves, tmp_path, monkeypatch):
     """Before the snap-through, during its bracketing, and after it."""
-    stages = [Stage("push", [PointLoad(1, (0, 0, -1.4 * LIMIT))], steps=3)]
+    stages = [Stage("push", [PointLoad(1, (0, 0, -1.4 * LIMIT))], increments=3)]
     whole = Analysis(arch()).run(stages)["push"]
     save, done = Checkpoint.save, []
 

@@ -14,13 +14,13 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
-    boundary,
+    boundary_edges,
     rectangle,
 )
 
 POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
-SUPPORTS = [Support(np.unique(boundary(TRIANGLES)))]
-STAGES = [Stage("load", [PointLoad(12, (0, 0, -3.0))], steps=2)]
+SUPPORTS = [Support(np.unique(boundary_edges(TRIANGLES)))]
+STAGES = [Stage("load", [PointLoad(12, (0, 0, -3.0))], increments=2)]
 
 
 def structure(prestress):

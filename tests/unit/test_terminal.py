@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fx_membrane import Analysis, ConjugateGradient, Iteration, Newton, Stage, trace, updated_reference
+from fx_membrane import Analysis, ConjugateGradient, Iteration, Newton, Stage, equilibrium_path, updated_reference
 from fx_membrane.solvers import progress
 from fx_membrane.solvers.progress import Report
 from models import (
@@ -25,7 +25,7 @@ from models import (
 
 
 def test_lines_are_written_where_there_is_no_terminal(capfd):
-    Analysis(sheet()).run([Stage("snow", [SNOW], steps=3)])
+    Analysis(sheet()).run([Stage("snow", [SNOW], increments=3)])
     out, err = capfd.readouterr()
     pattern = r"snow: load factor {} after {} iterations, residual \d\.\de[+-]\d\d, \d+\.\d s\n"
     lines = "".join(pattern.format(factor, r"\d+") for factor in (r"0\.333333", r"0\.666667", "1"))
@@ -35,7 +35,7 @@ def test_lines_are_written_where_there_is_no_terminal(capfd):
 
 @pytest.mark.parametrize("solver", [Newton(), ConjugateGradient()])
 def test_nothing_is_written_where_it_is_not_wanted(capfd, solver):
-    Analysis(sheet(), solver, progress=False).run([Stage("snow", [SNOW], steps=3)])
+    Analysis(sheet(), solver, progress=False).run([Stage("snow", [SNOW], increments=3)])
     assert capfd.readouterr() == ("", "")
 
 
@@ -77,8 +77,8 @@ from fx_membrane import *
 points, triangles = rectangle(1.0, 1.0, 2, 2)
 fabric = Membrane(triangles, Fabric(Et=1e5, nu=0.3), prestress=1e3)
 analysis = Analysis(Structure(points, {"fabric": fabric}, [Support([0, 1, 2, 3, 5, 6, 7, 8])]))
-snow = DeadLoad((0, 0, -100.0), "fabric")
-analysis.run([Stage("prestress"), Stage("snow on the roof", [snow], steps=4, after="prestress")])
+snow = DistributedLoad((0, 0, -100.0), "fabric")
+analysis.run([Stage("prestress"), Stage("snow on the roof", [snow], increments=4, after="prestress")])
 """
 
 
@@ -122,7 +122,7 @@ def test_closed_pipe_is_an_exception_and_no_crash():
 def test_form_finding_and_paths_are_not_silent_for_long(capfd, monkeypatch):
     monkeypatch.setattr(progress, "monotonic", itertools.count(0.0, 6.0).__next__)
     updated_reference(sheet())
-    trace(sheet(), Stage("snow", [SNOW], steps=3))
+    equilibrium_path(sheet(), Stage("snow", [SNOW], increments=3))
     lines = capfd.readouterr().err.splitlines()
     assert re.match(r"form finding: step \d+, iteration \d+, residual \d\.\de[+-]\d\d, \d+\.\d s$", lines[0])
     step = r"trace: load factor \S+, iteration \d+, residual \d\.\de[+-]\d\d, \d+\.\d s$"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import fx_membrane
-from fx_membrane import Cable, DeadLoad, Mast
+from fx_membrane import Cable, DistributedLoad, Mast
 from fx_membrane.checks import validation
 
 
@@ -90,11 +90,11 @@ def test_direction_refuses_zero():
         (dict, "the class dict"),
         (list(range(100)), "a list of 100 entries"),
         (np.zeros((100, 2)), "an array of float64, shape (100, 2)"),
-        (DeadLoad((0, 0, -1), "fabric", range(9)), "a DeadLoad"),
+        (DistributedLoad((0, 0, -1), "fabric", range(9)), "a DistributedLoad"),
     ],
 )
 def test_short_values_are_shown_and_long_ones_described(value, text):
-    assert validation.shown(value) == text
+    assert validation.short_repr(value) == text
 
 
 @pytest.mark.parametrize(
@@ -102,7 +102,7 @@ def test_short_values_are_shown_and_long_ones_described(value, text):
     [(4, [4]), ([4, 5], [4, 5]), (range(2), [0, 1]), (np.array([7], dtype=np.uint8), [7])],
 )
 def test_rows(value, expected):
-    result = validation.rows("nodes", value)
+    result = validation.indices("nodes", value)
     assert result.dtype == np.int64
     assert result.tolist() == expected
 
@@ -121,13 +121,13 @@ def test_rows(value, expected):
 )
 def test_rows_refuse(value, message):
     with pytest.raises(ValueError, match=message):
-        validation.rows("nodes", value)
+        validation.indices("nodes", value)
 
 
 def test_distinct_refuses_a_number_twice():
-    assert validation.distinct("cells", [5, 3], "cell").tolist() == [5, 3]
+    assert validation.unique_indices("cells", [5, 3], "cell").tolist() == [5, 3]
     with pytest.raises(ValueError, match=r"^cells names cell 3 twice; name each once, and add a second load"):
-        validation.distinct("cells", [5, 3, 7, 3], "cell")
+        validation.unique_indices("cells", [5, 3, 7, 3], "cell")
 
 
 @pytest.mark.parametrize(
@@ -187,11 +187,11 @@ def test_unique_refuses_a_name_given_twice():
 @pytest.mark.parametrize("value", [0, -1, 2.0, np.nan, "2", None, True])
 def test_whole_refuses(value):
     with pytest.raises(ValueError, match=f"^steps is {value!r}; give a whole number above zero"):
-        validation.whole("steps", value)
+        validation.positive_integer("steps", value)
 
 
 def test_whole_accepts_a_number_of_numpy():
-    assert validation.whole("steps", np.int32(4)) == 4
+    assert validation.positive_integer("steps", np.int32(4)) == 4
 
 
 # Names

@@ -10,7 +10,7 @@ from fx_membrane import (
     Cable,
     ConjugateGradient,
     ConvergenceError,
-    DeadLoad,
+    DistributedLoad,
     Fabric,
     Mast,
     Membrane,
@@ -27,7 +27,7 @@ from fx_membrane.analysis import work
 from fx_membrane.solvers import newton
 from models import SNOW, sheet
 
-EASY = [Stage("snow", [SNOW], steps=4)]
+EASY = [Stage("snow", [SNOW], increments=4)]
 
 
 def flag(n=8):
@@ -37,8 +37,8 @@ def flag(n=8):
 
 
 def weight_and_wind(pressure):
-    weight = Stage("weight", [DeadLoad((0, 0, -10.0), "fabric")])
-    return [weight, Stage("wind", [Pressure(pressure, "fabric")], after="weight", steps=4)]
+    weight = Stage("weight", [DistributedLoad((0, 0, -10.0), "fabric")])
+    return [weight, Stage("wind", [Pressure(pressure, "fabric")], after="weight", increments=4)]
 
 
 @pytest.mark.mpi
@@ -122,22 +122,22 @@ def test_flag_that_flies_off_is_said_to(recwarn):
     assert f"from load factor {last:.6g} on no equilibrium was found" in message
     assert "likely there is none" in message
     assert "More steps will not help" in message
-    assert "steps=" not in message  # nor are they advised
+    assert "increments=" not in message  # nor are they advised
 
 
 def test_light_banner_is_found_without_beginning_anew(recwarn):
     points, triangles = rectangle(3, 4, 24, 24)
     banner = Membrane(triangles, Fabric(1e6, 0.3))
     structure = Structure(points[:, [0, 2, 1]], {"fabric": banner}, [Support(np.arange(600, 625))])
-    weight = Stage("weight", [DeadLoad((0, 0, -1.0), "fabric")])
+    weight = Stage("weight", [DistributedLoad((0, 0, -1.0), "fabric")])
     wind = Analysis(structure, limit=WorkLimit(iterations=450)).run(
         [weight, Stage("wind", [Pressure(0.5, "fabric")], after="weight")]
     )["wind"]
-    assert not wind.increments[0].drawn_smooth
+    assert not wind.increments[0].stabilized
     assert wind.equilibrium.residual < 1e-8
 
 
-LEANING = [Stage("rest"), Stage("wind", [PointLoad(1, (6, 10.0, 0))], after="rest", steps=2)]
+LEANING = [Stage("rest"), Stage("wind", [PointLoad(1, (6, 10.0, 0))], after="rest", increments=2)]
 
 
 def mast_with_two_guys():

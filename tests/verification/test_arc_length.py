@@ -24,7 +24,7 @@ h; and 1e-10 of the load is missing there, times a constant: 1e-9.
 import numpy as np
 import pytest
 
-from fx_membrane import Mast, PointLoad, PrescribedDisplacement, Stage, Structure, Support, trace
+from fx_membrane import Mast, PointLoad, PrescribedDisplacement, Stage, Structure, Support, equilibrium_path
 
 A, H, EA = 1.0, 0.4, 1e5
 L = np.hypot(A, H)
@@ -72,7 +72,7 @@ def counted_right(path, negative):
 
 @pytest.mark.parametrize("steps", [3, 10, 50])
 def test_snap_through(steps):
-    path = trace(truss(), Stage("push", [PointLoad(APEX, (0, 0, -1.5 * LIMIT))], steps=steps))
+    path = equilibrium_path(truss(), Stage("push", [PointLoad(APEX, (0, 0, -1.5 * LIMIT))], increments=steps))
     z = H + path.displacements[:, APEX, 2]
     force, stiffness = struts(z)
     assert path.complete
@@ -86,7 +86,9 @@ def test_snap_through(steps):
 
 
 def test_ends_at_a_displacement():
-    path = trace(truss(), Stage("push", [PointLoad(APEX, (0, 0, -LIMIT))], steps=4), None, (APEX, "z", -H))
+    path = equilibrium_path(
+        truss(), Stage("push", [PointLoad(APEX, (0, 0, -LIMIT))], increments=4), None, (APEX, "z", -H)
+    )
     assert path.complete
     assert path.displacements[-1, APEX, 2] == pytest.approx(-H, rel=1e-14)
     assert path.load_factors[-1] == pytest.approx(0, abs=1e-9)
@@ -98,7 +100,7 @@ def with_post(path):
 
 
 def test_snap_back_under_a_load():
-    path = trace(truss_with_post(), Stage("push", [PointLoad(TOP, (0, 0, -1.5 * LIMIT))], steps=20))
+    path = equilibrium_path(truss_with_post(), Stage("push", [PointLoad(TOP, (0, 0, -1.5 * LIMIT))], increments=20))
     z, top, (P, Kz), (Q, Kd) = with_post(path)
     load = 1.5 * LIMIT * path.load_factors
     np.testing.assert_allclose(P, load, rtol=0, atol=WITHIN)
@@ -113,8 +115,8 @@ def test_snap_back_under_a_load():
 
 def test_snap_back_of_a_driven_displacement():
     down = -2.5
-    drive = Stage("drive", displacements=[PrescribedDisplacement(TOP, (0, 0, down))], steps=20)
-    path = trace(truss_with_post(), drive)
+    drive = Stage("drive", displacements=[PrescribedDisplacement(TOP, (0, 0, down))], increments=20)
+    path = equilibrium_path(truss_with_post(), drive)
     _, top, (P, Kz), (Q, Kd) = with_post(path)
     np.testing.assert_allclose(top, H + LENGTH + down * path.load_factors, rtol=1e-14)
     np.testing.assert_allclose(P, Q, rtol=0, atol=WITHIN)
@@ -128,7 +130,7 @@ def test_snap_back_of_a_driven_displacement():
 
 @pytest.mark.parametrize("number", [-1, 4])
 def test_state_of_a_point(number):
-    path = trace(truss(), Stage("push", [PointLoad(APEX, (0, 0, -1.5 * LIMIT))], steps=10))
+    path = equilibrium_path(truss(), Stage("push", [PointLoad(APEX, (0, 0, -1.5 * LIMIT))], increments=10))
     state, point = path.state(number), path.points[number]
     z = H + point.displacement[APEX, 2]
     strain = (z**2 - H**2) / (2 * L**2)
@@ -156,8 +158,8 @@ def star_dome():
 def test_loops_of_a_star_dome():
     """The dome upside down is the same, with opposite loads: its path loops from the one to the other."""
     dome = star_dome()
-    stage = Stage("push", [PointLoad(0, (0, 0, -60.0))], steps=15)
-    path = trace(dome, stage, None, (0, "z", -2 * dome.points[0, 2]), max_points=1000)
+    stage = Stage("push", [PointLoad(0, (0, 0, -60.0))], increments=15)
+    path = equilibrium_path(dome, stage, None, (0, "z", -2 * dome.points[0, 2]), max_points=1000)
     assert path.complete
     upside_down = dome.points * [1, 1, -1]
     np.testing.assert_allclose(path.state(-1).position, upside_down, rtol=0, atol=1e-8)

@@ -56,7 +56,7 @@ def quarter(n, stretch):
     more = Pressure((hoop(stretch) - hoop(1.0)) / R, "tube")
     stages = [
         Stage("fill", [Pressure(hoop(1.0) / R, "tube")]),
-        Stage("inflate", [more], steps=2, after="fill"),
+        Stage("inflate", [more], increments=2, after="fill"),
     ]
     return Analysis(structure, Newton(rtol=1e-12)).run(stages)["inflate"]
 

@@ -46,7 +46,7 @@ def inflate(n, stretch, rows=2):
     structure = Structure(points, {"tube": Membrane(cells, Fabric(EH, NU), N0)}, supports)
     first = Pressure(hoop(1.0) / R, "tube")
     more = Pressure((hoop(stretch) - hoop(1.0)) / R, "tube")
-    stages = [Stage("fill", loads=[first]), Stage("inflate", loads=[more], steps=2, after="fill")]
+    stages = [Stage("fill", loads=[first]), Stage("inflate", loads=[more], increments=2, after="fill")]
     return Analysis(structure, Newton(rtol=1e-12)).run(stages)["inflate"]
 
 

@@ -26,7 +26,7 @@ from scipy.optimize import brentq
 
 from fx_membrane import (
     Analysis,
-    DeadLoad,
+    DistributedLoad,
     Fabric,
     Membrane,
     Newton,
@@ -35,7 +35,7 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
-    boundary,
+    boundary_edges,
 )
 from surfaces import half_disc
 
@@ -97,9 +97,9 @@ def solve(p, follower, n, Eh=EH, nu=NU):
     membrane = Membrane(triangles, Fabric(Eh * s0**2, nu), prestress)
     symmetry = np.setdiff1d(np.flatnonzero(points[:, 1] == 0), rim)
     structure = Structure(points, {"disc": membrane}, [Support(symmetry, "y")])
-    load = Pressure(p, "disc") if follower else DeadLoad((0.0, 0.0, p / s0**2), "disc")
+    load = Pressure(p, "disc") if follower else DistributedLoad((0.0, 0.0, p / s0**2), "disc")
     stages = [
-        Stage("load", loads=[load], displacements=[PrescribedDisplacement(rim, np.zeros(3))], steps=2),
+        Stage("load", loads=[load], displacements=[PrescribedDisplacement(rim, np.zeros(3))], increments=2),
         Stage("let in", displacements=[PrescribedDisplacement(rim, (1 / s0 - 1) * points[rim])], after="load"),
     ]
     state = Analysis(structure, Newton(rtol=1e-11)).run(stages)["let in"]
@@ -134,7 +134,7 @@ def test_second_order(p, follower, rise, force):
 
 def test_load_is_pressure_times_area_within_the_edge():
     state = solve(100e3, True, 8)
-    edges = boundary(state.structure.parts["disc"].cells)
+    edges = boundary_edges(state.structure.parts["disc"].cells)
     area = np.sum(np.cross(*state.position[edges].swapaxes(0, 1))[:, 2]) / 2
     assert state.equilibrium.loads[2] == pytest.approx(100e3 * area, rel=1e-12)
     assert state.equilibrium.reactions[2] == pytest.approx(-100e3 * area, rel=1e-9)

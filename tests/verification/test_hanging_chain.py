@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy.special import jn_zeros
 
-from fx_membrane import Analysis, Cable, DeadLoad, Stage, Structure, Support, natural_frequencies
+from fx_membrane import Analysis, Cable, DistributedLoad, Stage, Structure, Support, natural_frequencies
 
 L, MASS, G = 3.0, 0.7, 9.81
 EXACT = jn_zeros(0, 3) / 2 * np.sqrt(G / L) / (2 * np.pi)
@@ -25,7 +25,7 @@ def chain(n):
     tension = MASS * G * L * (1 - (np.arange(n) + 0.5) / n)
     parts = {"chain": Cable(cells, axial_stiffness=2e3, prestress=tension, mass=MASS)}
     structure = Structure(points, parts, [Support(0), Support(np.arange(n + 1), "y")])
-    return Analysis(structure).run([Stage("weight", [DeadLoad((0, 0, -G * MASS), "chain")])])["weight"]
+    return Analysis(structure).run([Stage("weight", [DistributedLoad((0, 0, -G * MASS), "chain")])])["weight"]
 
 
 def test_second_order_from_above():

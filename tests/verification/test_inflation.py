@@ -24,7 +24,7 @@ most. The film's stiffness adds its share 1e-7 times the strain (below 50): 1e-5
 import numpy as np
 import pytest
 
-from fx_membrane import Analysis, Fabric, Membrane, Pressure, Stage, Structure, Support, trace
+from fx_membrane import Analysis, Fabric, Membrane, Pressure, Stage, Structure, Support, equilibrium_path
 from fx_membrane.assembly.problem import Problem
 from fx_membrane.solvers.bordered_newton import BorderedNewton, Plane, Point
 from surfaces import half_disc, octant
@@ -61,8 +61,8 @@ def film(n):
 
 def blow(n, rise, **options):
     """Path from the flat film up to a rise of its centre, the first node."""
-    stage = Stage("blow", [Pressure(LARGEST, "film")], steps=5)
-    return trace(film(n), stage, None, (0, "z", rise), **options)
+    stage = Stage("blow", [Pressure(LARGEST, "film")], increments=5)
+    return equilibrium_path(film(n), stage, None, (0, "z", rise), **options)
 
 
 @pytest.fixture(scope="module", params=[0.5, 1.0, 2.0, 3.0])
@@ -122,12 +122,12 @@ def test_newton_with_the_plane_is_quadratic(rise):
     """Disturbed by h, in displacement and load factor, a step leaves h^2, even close to the limit point."""
     path = blow(8, rise * A, rtol=1e-13)
     problem = Problem(path.structure)
-    distribute = problem.discretization.distribute
+    distribute = problem.discretization.to_petsc
     x, factor = distribute(path.points[-1].displacement), path.points[-1].load_factor
     rng = np.random.default_rng(7)
     direction = distribute(np.where(path.start.held, 0, rng.normal(size=path.structure.points.shape)))
     plane = Plane(direction, 0.3, 0.0)
-    plane = plane._replace(distance=plane.beyond(Point(x, factor)))
+    plane = plane._replace(distance=plane.signed_distance(Point(x, factor)))
     newton = BorderedNewton(problem, path.start, path.end, x, 1e-13)
     left = []
     for h in 1e-4 / 2.0 ** np.arange(4):
@@ -159,8 +159,8 @@ def let_out(n, stretch):
     full = Pressure(pressure(1.0), "balloon")
     start = Analysis(structure).run([Stage("fill", [full])])["fill"]
     pole = int(np.argmax(structure.points[:, 2]))
-    stage = Stage("let out", [Pressure(-full.pressure, "balloon")], steps=20, after="fill")
-    return trace(start, stage, None, (pole, "z", (stretch - 1) * R))
+    stage = Stage("let out", [Pressure(-full.pressure, "balloon")], increments=20, after="fill")
+    return equilibrium_path(start, stage, None, (pole, "z", (stretch - 1) * R))
 
 
 @pytest.mark.parametrize("stretch", [0.8, 0.6, 0.5, 0.4])

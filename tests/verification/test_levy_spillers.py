@@ -13,7 +13,18 @@ program, the hand-derived formulation of the paper's equations (58)-(67) in NumP
 import numpy as np
 import pytest
 
-from fx_membrane import Analysis, Fabric, Membrane, Newton, PointLoad, Stage, Structure, Support, boundary, rectangle
+from fx_membrane import (
+    Analysis,
+    Fabric,
+    Membrane,
+    Newton,
+    PointLoad,
+    Stage,
+    Structure,
+    Support,
+    boundary_edges,
+    rectangle,
+)
 
 THICKNESS = 0.004167
 CENTRE, NODE_1, NODE_2 = (0.0, 0.0), (-60.0, 60.0), (0.0, 60.0)
@@ -23,7 +34,7 @@ CENTRE, NODE_1, NODE_2 = (0.0, 0.0), (-60.0, 60.0), (0.0, 60.0)
 def state():
     points, triangles = rectangle(240.0, 240.0, 4, 4, "to centre")
     fabric = Membrane(triangles, Fabric.from_modulus(30_000.0, 0.3, THICKNESS), prestress=80.0 * THICKNESS)
-    structure = Structure(points, {"membrane": fabric}, [Support(np.unique(boundary(triangles)))])
+    structure = Structure(points, {"membrane": fabric}, [Support(np.unique(boundary_edges(triangles)))])
     force = PointLoad(nearest(points, CENTRE), (0.0, 0.0, -10.0))
     return Analysis(structure, Newton(line_search=False)).run([Stage("force", loads=[force])])["force"]
 

@@ -33,7 +33,7 @@ from scipy.optimize import brentq
 from fx_membrane import (
     Analysis,
     Cable,
-    DeadLoad,
+    DistributedLoad,
     Fabric,
     Membrane,
     Newton,
@@ -105,7 +105,7 @@ def chain(n, length):
 def solve_cable(n):
     points, cells = chain(n, L)
     structure = Structure(points, {"cable": Cable(cells, EA, N0)}, [Support([0, n])])
-    state = Analysis(structure).run([Stage("load", loads=[DeadLoad((0.0, 0.0, -Q), "cable")])])["load"]
+    state = Analysis(structure).run([Stage("load", loads=[DistributedLoad((0.0, 0.0, -Q), "cable")])])["load"]
     return np.array([-state.displacement[n // 2, 2], state.reactions[n, 0], state.energy])
 
 
@@ -116,7 +116,7 @@ def solve_strip(n):
     end = np.abs(points[:, 0]) == L / 2
     supports = [Support(np.flatnonzero(end)), Support(np.arange(len(points)), "y")]
     structure = Structure(points, {"strip": Membrane(triangles, Fabric(Et, NU), N0)}, supports)
-    state = Analysis(structure).run([Stage("load", loads=[DeadLoad((0.0, 0.0, -Q), "strip")])])["load"]
+    state = Analysis(structure).run([Stage("load", loads=[DistributedLoad((0.0, 0.0, -Q), "strip")])])["load"]
     middle = state.displacement[points[:, 0] == 0, 2]
     assert np.ptp(middle) < 1e-9 * np.abs(middle).max()  # a cylinder
     return np.array([-middle[0], state.reactions[points[:, 0] == L / 2, 0].sum() / width, state.energy / width])
@@ -149,8 +149,8 @@ def hang_cable(n, s0=1.002):
     hold = PrescribedDisplacement(n, (0.0, 0.0, 0.0))
     let_in = PrescribedDisplacement(n, ((1 - s0) * LENGTH, 0.0, 0.0))
     stages = [
-        Stage("weight", loads=[DeadLoad((0.0, 0.0, -WEIGHT / s0), "cable")], displacements=[hold]),
-        Stage("span", displacements=[let_in], steps=4, after="weight"),
+        Stage("weight", loads=[DistributedLoad((0.0, 0.0, -WEIGHT / s0), "cable")], displacements=[hold]),
+        Stage("span", displacements=[let_in], increments=4, after="weight"),
     ]
     state = Analysis(structure, Newton(rtol=1e-11)).run(stages)["span"]
     return np.array([-state.displacement[n // 2, 2], state.reactions[n, 0]])

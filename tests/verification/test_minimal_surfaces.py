@@ -21,7 +21,7 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
-    boundary,
+    boundary_edges,
     force_density,
     rectangle,
     updated_reference,
@@ -33,7 +33,7 @@ STRESS = 2.0
 def grid(n, shape):
     """Square grid on which a map (s, t) in [-1, 1]^2 -> space gives the boundary; inside, an even net."""
     flat, triangles = rectangle(2.0, 2.0, n, n, "right")
-    edge = np.unique(boundary(triangles))
+    edge = np.unique(boundary_edges(triangles))
     points = shape(flat[:, 0], flat[:, 1])
     branches = np.unique(
         np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])), axis=0
@@ -81,7 +81,9 @@ EXACT = {
 def found(surface, n, tolerance=1e-3):
     points, triangles, edge = surface(n)
     film = Membrane(triangles, Fabric(1e3, 0.3), prestress=STRESS)
-    form = updated_reference(Structure(points, {"film": film}, [Support(edge)]), tolerance=tolerance, max_steps=400)
+    form = updated_reference(
+        Structure(points, {"film": film}, [Support(edge)]), tolerance=tolerance, max_iterations=400
+    )
     assert form.converged
     return form
 

@@ -21,7 +21,7 @@ from fx_membrane import (
     PrescribedDisplacement,
     Stage,
     Structure,
-    boundary,
+    boundary_edges,
     rectangle,
 )
 
@@ -34,7 +34,7 @@ TURNS = [Rotation.identity(), *Rotation.random(3, random_state=1)]
 
 def irregular_mesh():
     points, triangles = rectangle(3.0, 2.0, 5, 4, "right")
-    edge = np.unique(boundary(triangles))
+    edge = np.unique(boundary_edges(triangles))
     inside = np.setdiff1d(np.arange(len(points)), edge)
     points[inside, :2] += np.random.default_rng(0).uniform(-0.15, 0.15, (len(inside), 2))
     return points, triangles, edge, inside

@@ -27,7 +27,7 @@ from fx_membrane import (
     PrescribedDisplacement,
     Stage,
     Structure,
-    boundary,
+    boundary_edges,
     rectangle,
 )
 
@@ -133,7 +133,7 @@ def test_edge_moved_at_once(axis):
     sigma0 = PRESTRESS * np.array([[1.2, 0.3], [0.3, 0.7]])
     parts = {"woven": Membrane(triangles, woven, sigma0, warp=(0.8, 0.6, 0.0)), "across": Cable(across, 2e4, 40.0)}
     turn = Rotation.from_rotvec(np.radians(170) * np.array(axis) / np.linalg.norm(axis))
-    stage = motion_stage("turned", points, moved(points, turn), np.unique(boundary(triangles)))
+    stage = motion_stage("turned", points, moved(points, turn), np.unique(boundary_edges(triangles)))
     state = Analysis(Structure(points, parts)).run([stage])["turned"]
 
     np.testing.assert_allclose(state.position, moved(points, turn), rtol=0, atol=1e-10)

@@ -41,7 +41,7 @@ def inflate(structure, stretch):
     """Apply the pressure and its prestress together: the prestress alone would collapse the sphere."""
     stages = [Stage("fill", loads=[Pressure(pressure(1.0), "balloon")])]
     more = Pressure(pressure(stretch) - pressure(1.0), "balloon")
-    stages.append(Stage("inflate", loads=[more], steps=3, after="fill"))
+    stages.append(Stage("inflate", loads=[more], increments=3, after="fill"))
     return Analysis(structure, Newton(rtol=1e-12)).run(stages)["inflate"]
 
 

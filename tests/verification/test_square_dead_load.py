@@ -23,7 +23,17 @@ rest is of the order (h/a)^4 log(a/h), 3e-7 at h/a = 1/64, times a constant: 1e-
 import numpy as np
 import pytest
 
-from fx_membrane import Analysis, DeadLoad, Fabric, Membrane, Stage, Structure, Support, boundary, rectangle
+from fx_membrane import (
+    Analysis,
+    DistributedLoad,
+    Fabric,
+    Membrane,
+    Stage,
+    Structure,
+    Support,
+    boundary_edges,
+    rectangle,
+)
 
 N0, ET, A = 1.0, 50.0, 1.0
 MESHES = np.array([8, 16, 32, 64])
@@ -35,8 +45,8 @@ def solve(q, n, diagonals):
     """Centre deflection and energy."""
     points, triangles = rectangle(A, A, n, n, diagonals)
     membrane = Membrane(triangles, Fabric(ET, 0.3), N0)
-    structure = Structure(points, {"membrane": membrane}, [Support(np.unique(boundary(triangles)))])
-    state = Analysis(structure).run([Stage("load", loads=[DeadLoad((0.0, 0.0, -q), "membrane")])])["load"]
+    structure = Structure(points, {"membrane": membrane}, [Support(np.unique(boundary_edges(triangles)))])
+    state = Analysis(structure).run([Stage("load", loads=[DistributedLoad((0.0, 0.0, -q), "membrane")])])["load"]
     return -state.displacement[(n + 1) * (n // 2) + n // 2, 2], state.energy
 
 

@@ -27,7 +27,7 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
-    boundary,
+    boundary_edges,
     rectangle,
 )
 
@@ -36,7 +36,7 @@ ET, WIDTH, HEIGHT = 2e5, 2.0, 1.0
 
 def shear(fabric, gamma, share=1e-4):
     points, triangles = rectangle(WIDTH, HEIGHT, 6, 4, "to centre")
-    edge = np.unique(boundary(triangles))
+    edge = np.unique(boundary_edges(triangles))
     membrane = Membrane(triangles, fabric, warp=(1.0, 0.0, 0.0), compression_stiffness=share)
     structure = Structure(points, {"sheet": membrane}, [Support(np.arange(len(points)), "z")])
     moved = np.zeros((len(edge), 3))

@@ -96,7 +96,7 @@ def test_small_motions(z):
 def test_under_a_load(share):
     """Fractions of the load at the limit point; the height is the largest root of the cubic 2 EA E z / L + load."""
     load = share * EA * LIMIT * (H**2 - LIMIT**2) / L**3
-    state = Analysis(truss()).run([Stage("load", [PointLoad(APEX, (0, 0, -load))], steps=4)])["load"]
+    state = Analysis(truss()).run([Stage("load", [PointLoad(APEX, (0, 0, -load))], increments=4)])["load"]
     z = np.roots([1, 0, -(H**2), load * L**3 / EA]).real.max()
     assert state.position[APEX, 2] == pytest.approx(z, rel=1e-8)
     result = stability(state)

@@ -12,7 +12,7 @@ from ..assembly.problem import Actions, Problem
 from ..checks import validation, values
 from ..model.fingerprints import of_settings
 from ..model.structure import Structure
-from ..results.evaluation import Recorder
+from ..results.evaluation import StateEvaluator
 from ..results.remarks import remarked, warn_of_remarks
 from ..results.states import Increment, StageResult
 from ..runtime.processes import refuse_differences, together
@@ -56,7 +56,7 @@ class EquilibriumPath:
         points: The states; the first is the start.
         complete: True if the path reached its end.
         reason: Sentence on why it ends there: it is complete, it has the maximum number of points, or the message of
-            its `ContinuationError`.
+            its `PathError`.
     """
 
     name: str
@@ -119,17 +119,19 @@ class EquilibriumPath:
         validation.communicator("state comm", comm)
         with together(comm):
             if not values.is_whole(type(point)) or not -count <= point < count:
-                raise ValueError(f"Point {validation.shown(point)} of the path is not there; it has {count} points.")
+                raise ValueError(
+                    f"Point {validation.short_repr(point)} of the path is not there; it has {count} points."
+                )
         chosen = self.points[point]
         refuse_differences(comm, lambda: of_settings({"point": chosen[:2], "end": (self.start, self.end)}))
         problem = Problem(self.structure, comm)
         actions = load_cases.between(self.start, self.end, chosen.load_factor)
         problem.apply(actions)
-        x = problem.discretization.distribute(chosen.displacement)
+        x = problem.discretization.to_petsc(chosen.displacement)
         increment = Increment(chosen.load_factor, chosen.iterations)
-        with problem.without_kept_stiffness(chosen.kept):
+        with problem.no_compression_stiffness(chosen.kept):
             loaded = abs(chosen.load_factor) > NO_LOAD * np.abs(self.load_factors).max()
-            result = remarked(Recorder(problem)(self.name, x, actions, (increment,)), None, bool(loaded))
+            result = remarked(StateEvaluator(problem)(self.name, x, actions, (increment,)), None, bool(loaded))
         with together(comm):
             warn_of_remarks(result, comm, stacklevel=3)
         return result

@@ -18,7 +18,7 @@ SECANTS = 8  # number of secants between two states
 STEPS = 4  # number of inverse iterations
 
 
-class Softest(NamedTuple):
+class Mode(NamedTuple):
     """Lowest mode, to the accuracy of the inverse iteration.
 
     Attributes:
@@ -34,8 +34,8 @@ class Softest(NamedTuple):
     stiffness: float
 
 
-def softest(problem: Problem, x: PETSc.Vec, tension: float, moving: NDArray[np.bool_] | None = None) -> Softest:
-    """Softest motion in a state.
+def lowest_mode(problem: Problem, x: PETSc.Vec, tension: float, moving: NDArray[np.bool_] | None = None) -> Mode:
+    """Mode motion in a state.
 
     Args:
         problem: The problem.
@@ -52,7 +52,7 @@ def softest(problem: Problem, x: PETSc.Vec, tension: float, moving: NDArray[np.b
         at_rest = structure.used & ~(moving & problem.stiff_nodes(A))
     still = problem.discretization.dofs(np.repeat(at_rest[:, None], 3, axis=1))
     with problem.discretization.work(1) as (b,):
-        problem.hold_tangent(x, A, b)
+        problem.constrain_tangent(x, A, b)
         K = factorization.symmetric_part(A)
         problem.stiffen(x, A, b, tension)
     if moving is not None:
@@ -62,42 +62,42 @@ def softest(problem: Problem, x: PETSc.Vec, tension: float, moving: NDArray[np.b
     solver = PETSc.KSP().create(problem.discretization.comm)
     factorization.choose(solver, stiffened, symmetric=True)
     # Random numbers, equal for any number of processes: symmetry hides no mode.
-    problem.discretization.distribute(np.random.default_rng(0).normal(size=structure.points.shape), v)
+    problem.discretization.to_petsc(np.random.default_rng(0).normal(size=structure.points.shape), v)
     v.array[still - v.getOwnershipRange()[0]] = 0.0
     with problem.discretization.work(1) as (w,):
         for _ in range(STEPS):
-            problem.release(v)
+            problem.zero_constrained(v)
             solver.solve(v, w)
             w.scale(1 / (w.norm() or 1.0))
             w.copy(v)
         K.mult(v, w)
         work = float(v.dot(w))
     artificial = problem.tension_work(v)
-    found = Softest(factorization.pivots(solver).negative, v, work / artificial if artificial else np.inf)
+    found = Mode(factorization.pivots(solver).negative, v, work / artificial if artificial else np.inf)
     for matrix in (A, K, stiffened):
         matrix.destroy()
     solver.destroy()
     return found
 
 
-def downhill(problem: Problem, x: PETSc.Vec) -> Softest:
+def negative_curvature_direction(problem: Problem, x: PETSc.Vec) -> Mode:
     """Direction of the most negative curvature; its `negative` is 0 if there is none.
 
     The small compression stiffness of wrinkled and slack cells lets them buckle from node to node. That is no
     instability of the structure, so it is left out.
     """
-    with problem.without_kept_stiffness():
-        found = softest(problem, x, tension := WEAK)
+    with problem.no_compression_stiffness():
+        found = lowest_mode(problem, x, tension := WEAK)
         negative = found.negative
         # Inverse iteration finds the mode nearest to -tension: the lowest, once the shift is below all.
         while found.negative and tension < LARGEST:
             tension *= 4
             found.motion.destroy()
-            found = softest(problem, x, tension)
+            found = lowest_mode(problem, x, tension)
     return found._replace(negative=negative)
 
 
-def explained(problem: Problem) -> float:
+def wrinkling_threshold(problem: Problem) -> float:
     """Upper bound of the negative curvature of wrinkled and slack cells in any shape, as a strain."""
     return CRUSHED * _kept(problem)
 
@@ -114,13 +114,13 @@ def negative_between(problem: Problem, start: PETSc.Vec, end: PETSc.Vec) -> bool
     forces = []
     with problem.discretization.work(3) as (at, way, b):
         start.copy(at)
-        problem.bring(at)
+        problem.impose(at)
         way.waxpy(-1.0, at, end)
         for _ in range(SECANTS + 1):
             problem.residual(at, b)
             forces.append(float(b.dot(way)))
             at.axpy(1 / SECANTS, way)
-        least = max(LEAST, explained(problem)) * problem.tension_work(way)
+        least = max(LEAST, wrinkling_threshold(problem)) * problem.tension_work(way)
     return bool((SECANTS * np.diff(forces) < -least).any())
 
 

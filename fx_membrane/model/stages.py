@@ -1,0 +1,114 @@
+"""Prescribed displacements and stages, as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..checks import validation
+from .loads import Load, check_load
+from .structure import Structure
+
+INCREMENTS = 1_000_000  # maximum number of increments of a stage: all their iterates are kept
+
+
+@dataclass(frozen=True, eq=False)
+class PrescribedDisplacement:
+    """Nodes moved by a given displacement and held there.
+
+    Args:
+        nodes: A node number or several, shape (k,).
+        displacement: Displacement from the reference position, one for all nodes, shape (3,), or one for each, (k, 3)
+            [m].
+        components: The prescribed components, some of "xyz"; the others stay free.
+
+    Raises:
+        ValueError: Nodes are not whole numbers; the displacement has a wrong shape or values that are not finite;
+            components are not letters of "xyz".
+    """
+
+    nodes: ArrayLike
+    displacement: ArrayLike
+    components: str = "xyz"
+
+    def __post_init__(self) -> None:
+        validation.store(self, validation.indices, "nodes")
+        validation.store(self, validation.finite, "displacement")
+        validation.store(self, validation.letters, "components")
+        nodes, displacement = np.asarray(self.nodes), np.asarray(self.displacement)
+        if displacement.shape not in ((3,), (len(nodes), 3)):
+            raise ValueError(
+                f"PrescribedDisplacement displacement is {validation.short_repr(displacement)}; give three components "
+                f"(x, y, z), or three for each of the {len(nodes)} nodes."
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """Load case: the loads to apply, the number of increments, and the stage that it follows.
+
+    Args:
+        name: Name of the stage; its results are found under it.
+        loads: Loads that this stage adds.
+        displacements: Displacements that this stage prescribes.
+        increments: Number of equal load increments to begin with, at most a million; a failed one is halved, see
+            `Analysis`.
+        after: Name of the stage whose final state is the start of this one, and whose loads and prescribed
+            displacements it keeps; without it the stage starts from the reference shape.
+
+    Raises:
+        ValueError: increments is not a positive whole number, or more than a million; an entry is not a load or a
+            prescribed displacement, or is of a class derived from one.
+    """
+
+    name: str
+    loads: Sequence[Load] = ()
+    displacements: Sequence[PrescribedDisplacement] = ()
+    increments: int = 1
+    after: str | None = None
+
+    def __post_init__(self) -> None:
+        validation.keep(self, name=validation.name("stage", self.name))
+        what = f"Stage {self.name!r}:"
+        moves = validation.instances(f"{what} displacements", self.displacements, PrescribedDisplacement)
+        validation.keep(self, loads=validation.instances(f"{what} loads", self.loads, Load), displacements=moves)
+        validation.keep(
+            self, increments=validation.positive_integer(f"{what} increments", self.increments, most=INCREMENTS)
+        )
+        if self.after is not None:
+            validation.keep(self, after=validation.text(f"{what} after", self.after))
+
+
+def check_stages(structure: Structure, stages: Sequence[Stage]) -> None:
+    """Refuse stages that do not fit together or do not fit the structure.
+
+    Raises:
+        ValueError: Two stages have one name; a stage follows one that does not come before it; a load or a
+            prescribed displacement names a node, part or cell that does not exist, or a node that no part uses; a
+            pressure is on a membrane without two sides, see `Structure.normals`.
+    """
+    validation.instances("stages", stages, Stage)
+    validation.unique("Stage", (stage.name for stage in stages))
+    for position, stage in enumerate(stages):
+        _check_order(stage, stages[:position], stages[position + 1 :])
+        for load in stage.loads:
+            check_load(structure, f"Stage {stage.name!r}", load)
+        for entry in stage.displacements:
+            structure.check_nodes(f"Stage {stage.name!r}: a prescribed displacement", np.asarray(entry.nodes))
+
+
+def _check_order(stage: Stage, earlier: Sequence[Stage], later: Sequence[Stage]) -> None:
+    """Refuse a stage that follows one which is not among those before it."""
+    names = [other.name for other in earlier]
+    if stage.after is None or stage.after in names:
+        return
+    exist = f"the stages before it are {names}" if names else "no stage is before it"
+    remedy = "correct the name, or leave `after` out to start from the reference shape"
+    if stage.after in (other.name for other in later):
+        remedy = f"put {stage.after!r}, which comes later in the list, before it"
+    elif stage.after == stage.name:
+        remedy = "name another, or leave `after` out to start from the reference shape"
+    raise ValueError(f"Stage {stage.name!r} is to follow {stage.after!r}, but {exist}; {remedy}.")
