@@ -91,8 +91,8 @@ CASES = {
         {"nodes": "rows", "displacement": "array", "components": "object"},
     ),
     Stage: (
-        {"name": "snow", "loads": (), "displacements": (), "steps": 2, "after": "wind"},
-        {"name": "text", "loads": "list", "displacements": "list", "steps": "whole", "after": "text?"},
+        {"name": "snow", "loads": (), "displacements": (), "increments": 2, "after": "wind"},
+        {"name": "text", "loads": "list", "displacements": "list", "increments": "whole", "after": "text?"},
     ),
     Structure: (
         {"points": POINTS.tolist(), "parts": ARCH.parts, "supports": ARCH.supports, "separate": ()},
