@@ -37,7 +37,7 @@ def node(row, column):
 
 
 net = [(polyline(node(r, columns)), 10.0 if r in (1, 10, 19) else 1.0) for r in rows]
-net += [(polyline(node(rows, c)), {1: 0.5, 13: 10.0}.get(c, 1.0)) for c in columns]
+net += [(polyline(node(rows, c)), {1: 0.5, 13: 10.0}.get(int(c), 1.0)) for c in columns]
 branches = np.concatenate([segments for segments, _ in net])
 q = np.concatenate([np.full(len(segments), density) for segments, density in net])
 
@@ -113,9 +113,9 @@ if shown and "--no-pictures" not in sys.argv:
         fields = {f"$u_{x}$ [cm]": 100 * result.displacement[:, i] for i, x in enumerate("xyz")}
         picture = folder / f"fig15-17{letter}_displacements.png"
         plot.contours(result, fields, picture, view=iso, mirror="x", antisymmetric=["$u_x$ [cm]"])
-        fields = {rf"$\sigma_{{{k}}}$ [kN/m]": {"fabric": fabric.principal[:, i]} for i, k in enumerate(["I", "II"])}
-        fields["state"] = {"fabric": fabric.state}
-        plot.contours(result, fields, folder / f"fig18-19{letter}_stresses.png", view=iso, mirror="x")
+        stresses = {rf"$\sigma_{{{k}}}$ [kN/m]": {"fabric": fabric.principal[:, i]} for i, k in enumerate(["I", "II"])}
+        picture = folder / f"fig18-19{letter}_stresses.png"
+        plot.contours(result, stresses | {"state": {"fabric": fabric.state}}, picture, view=iso, mirror="x")
     say(f"Pictures are in {folder}/\n")
 
 # %% [markdown]
@@ -134,7 +134,8 @@ mean /= mean.sum(axis=1, keepdims=True)
 numbers, mirrored = {}, np.concatenate([node(20 - r, columns) for r in rows])
 for name, result in results.items():
     fabric, balance, u = result.membrane("fabric"), result.equilibrium, result.displacement
-    forces = np.concatenate([result.parts[part].force for part in list(structure.parts)[1:]])
+    bars = [*map(result.cable, ["edge cables", "valley cable", "stays"]), result.mast("masts")]
+    forces = np.concatenate([part.force for part in bars])
     numbers[f"displacements after {name} [m]"] = u[node(10, columns)].ravel().tolist()
     numbers[f"forces after {name} [kN]"] = forces.tolist()
     assert max(balance.residual, *np.abs(balance.loads + balance.reactions)) < 1e-9 * forces.max()

@@ -271,7 +271,8 @@ def count_assemblies() -> None:
 
         return call
 
-    Problem.residual, Problem.tangent = counted(Problem.residual), counted(Problem.tangent)
+    for name in ("residual", "tangent"):
+        setattr(Problem, name, counted(getattr(Problem, name)))
 
 
 def measure(make: Callable[[], Case], solver: Newton) -> str:

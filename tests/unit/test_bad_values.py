@@ -207,7 +207,7 @@ def faults(function, given, tries):
     """List the faults of some calls, in words."""
     found = []
     for argument, value, allowed in tries:
-        shown = f"{argument}={validation.shown(value)}"
+        shown = f"{argument}={validation.short_repr(value)}"
         try:
             result, refusal = attempt(function, given, argument, value)
         except Exception as error:

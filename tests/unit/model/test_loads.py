@@ -81,7 +81,7 @@ def test_steps_must_be_a_whole_number_above_zero(steps):
 
 
 def test_steps_may_be_a_number_of_numpy():
-    assert Stage("snow", increments=np.int32(4)).steps == 4
+    assert Stage("snow", increments=np.int32(4)).increments == 4
 
 
 @pytest.mark.parametrize(

@@ -156,7 +156,9 @@ def test_mechanism_names_the_node_that_moves_and_where():
     points = [[0.0, 0, 0], [0, 1, 0], [1, 1, 0], [1, 0, 0]]
     frame = Structure(points, {"frame": Mast([[0, 1], [1, 2], [2, 3]], 1e6)}, [Support([0, 3]), Support([1, 2], "z")])
     problem = Problem(frame)
-    motion, words = mechanism(problem, problem.discretization.create_vector())
+    found = mechanism(problem, problem.discretization.create_vector())
+    assert found is not None
+    motion, words = found
     assert "node 1 moves freely" in words or "node 2 moves freely" in words
     assert "and 1 more nodes with it" in words
     np.testing.assert_allclose(np.abs(motion), [[0, 0, 0], [1, 0, 0], [1, 0, 0], [0, 0, 0]], rtol=0, atol=1e-9)
