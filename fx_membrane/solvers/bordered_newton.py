@@ -79,7 +79,7 @@ class BorderedNewton:
         self.problem, self.start, self.end, self.rtol = problem, start, end, rtol
         self.rate = load_cases.change(start, end)
         self.monitor: Monitor = no_monitor
-        self.pulse = Pulse("trace", problem.discretization.comm.rank == 0)
+        self.pulse = Pulse("equilibrium path", problem.discretization.comm.rank == 0)
         self.A = problem.discretization.create_matrix()
         create = problem.discretization.create_vector
         self.b, self.du_residual, self.du_load, self.work, self.zero = create(), create(), create(), create(), create()

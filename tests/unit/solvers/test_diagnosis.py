@@ -116,7 +116,7 @@ def test_stalled(displacement, words):
     x = problem.discretization.to_petsc(np.full(POINTS.shape, displacement))
     message = stagnation_message(problem, x, iterations=30, residual=2.5, at_rounding=False)
     assert words in message
-    assert "increments=..." in message
+    assert "more increments" in message
 
 
 def test_more_steps_are_not_advised_where_nothing_is_applied():
@@ -124,13 +124,13 @@ def test_more_steps_are_not_advised_where_nothing_is_applied():
     problem.apply(lifted(0.0))
     x, A = problem.discretization.create_vector(), problem.discretization.create_matrix()
     message = stagnation_message(problem, x, iterations=30, residual=2.5, at_rounding=False)
-    assert "increments=" not in message
+    assert "the loads in more increments" not in message
     assert "nothing is applied" in message
     assert "force_density" in message
     problem.tangent(x, A)
-    assert "increments=" not in linear_failure(problem, A)
+    assert "increment" not in linear_failure(problem, A)
     problem.apply(lifted(1e-3))
-    assert "increments=" in linear_failure(problem, A)
+    assert "increment" in linear_failure(problem, A)
 
 
 def test_stalled_at_rounding_advises_another_tolerance():
@@ -139,7 +139,7 @@ def test_stalled_at_rounding_advises_another_tolerance():
         problem, problem.discretization.create_vector(), iterations=30, residual=1e-9, at_rounding=True
     )
     assert "Newton(rtol=...)" in message
-    assert "steps" not in message
+    assert "increment" not in message
 
 
 @pytest.mark.parametrize("process", range(3))
