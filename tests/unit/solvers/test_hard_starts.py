@@ -200,7 +200,7 @@ def test_tension_in_the_structure_is_gone_after_the_solve():
     solution = short(loaded, problem.create_vector())
     assert solution.converged
     assert solution.stabilized  # impossible in one step
-    assert short.problem is loaded
+    assert short.problem is loaded  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize("name", ["cable net, prestress 0, load 100", "cone, prestress 0, lift 0.5"])
