@@ -8,6 +8,9 @@ from .analysis.path import EquilibriumPath, PathPoint
 from .analysis.stages import Analysis, ConvergenceError
 from .analysis.wave_speed import MassUnitWarning
 from .analysis.work import WorkLimit
+from .assembly.actions import Actions
+from .assembly.loaded_problem import LoadedProblem
+from .assembly.problem import Problem
 from .files.gmsh import structure_from_gmsh
 from .form_finding.force_density import force_density
 from .form_finding.form import Form, FormStep
@@ -40,6 +43,7 @@ from .solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
 from .solvers.newton import Newton
 
 __all__ = [
+    "Actions",
     "Analysis",
     "BarResult",
     "Cable",
@@ -56,6 +60,7 @@ __all__ = [
     "Increment",
     "Iteration",
     "LargeStrainWarning",
+    "LoadedProblem",
     "LostPrestressWarning",
     "MassUnitWarning",
     "Mast",
@@ -70,6 +75,7 @@ __all__ = [
     "PointLoad",
     "PrescribedDisplacement",
     "Pressure",
+    "Problem",
     "SliverWarning",
     "Stability",
     "Stage",
