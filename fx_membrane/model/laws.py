@@ -114,10 +114,10 @@ def carries_compression(law: Law, dimension: int) -> bool:
 
 
 def energies(law: Law, dimension: int) -> list[str]:
-    """Values of the energy at some strains, as texts: another energy has others."""
+    """Values of the energy at some strains, as texts, none beyond its range: another energy has others."""
     sigma0 = float(law.stiffness) * np.diag([0.02, 0.01])[:dimension, :dimension]
     shapes = [np.eye(1)] if dimension == 1 else [np.diag([1.0, 0.0]), np.array([[0.3, 0.4], [0.4, 1.0]])]
-    return [f"{_value(law, size * shape, sigma0):.9e}" for shape in shapes for size in SAMPLES]
+    return [_text(law, size * shape, sigma0) for shape in shapes for size in SAMPLES]
 
 
 def check(what: str, law: Any, dimension: int, own: bool) -> None:
@@ -196,6 +196,13 @@ def _fault(law: Law, dimension: int) -> str:
         if not above + below - 2 * rest > 0:
             return "whose stiffness at E = 0 is not positive; give an energy that grows in all directions from there"
     return ""
+
+
+def _text(law: Law, E: Array, sigma0: Array) -> str:
+    try:
+        return f"{_value(law, E, sigma0):.9e}"
+    except (ArithmeticError, ValueError):  # as the logarithm of a negative number
+        return "none"
 
 
 class _UnfitError(Exception):

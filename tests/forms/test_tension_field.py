@@ -12,7 +12,7 @@ import pytest
 from mpi4py import MPI
 from scipy.optimize import minimize
 
-from fx_membrane import Cable, Fabric, Membrane, MooneyRivlin, NeoHooke, OrthotropicFabric, Structure
+from fx_membrane import Cable, Fabric, Law, Membrane, MooneyRivlin, NeoHooke, OrthotropicFabric, Structure
 from fx_membrane.assembly.problem import Problem
 from taylor import remainders
 from wrinkled import COLUMN, FABRICS, ROW, STATES, compliance, run, shapes, strains, tensor
@@ -48,7 +48,7 @@ def test_same_as_the_formula(name):
     assert other.energy == pytest.approx(one.energy, rel=1e-10)
 
 
-FOILS = {
+FOILS: dict[str, Law] = {
     "neo-Hooke": NeoHooke(500.0),
     "Mooney-Rivlin": MooneyRivlin(200.0, 50.0),
 }
@@ -86,7 +86,7 @@ def foil_strains(seed, count):
 @pytest.mark.filterwarnings("ignore:Stage .* prestress is lost")
 @pytest.mark.parametrize("name", FOILS)
 def test_least_energy_of_prestressed_foils(name):
-    law = FOILS[name]
+    law: Law = FOILS[name]
     E, sigma0 = foil_strains(31, 40)
     points, _, warp, u = shapes(E, 32)
     eta = 1e-9
@@ -118,7 +118,9 @@ def test_tangent_is_consistent_in_each_state(name):
     E, sigma0 = foil_strains(41, 60)
     for points, cells, warp, u, prestress in split(FOILS[name], E, sigma0, 42):
         assert len(cells) >= 5
-        problem = Problem(Structure(points, {"part": Membrane(cells, FOILS[name], prestress, warp)}), MPI.COMM_SELF)
+        problem = Problem(
+            Structure(points, {"part": Membrane(cells, FOILS[name], prestress, warp)}), MPI.COMM_SELF
+        ).under()
         d = problem.discretization.to_petsc(np.random.default_rng(43).normal(size=u.shape))
         norms = remainders(problem, problem.discretization.to_petsc(u), d, 8e-6 / 2.0 ** np.arange(4))
         np.testing.assert_allclose(np.log2(norms[:-1] / norms[1:]), 2, rtol=0, atol=0.02)
@@ -128,7 +130,7 @@ def test_tangent_is_consistent_in_each_state(name):
 def test_residual_is_continuous_across_switches(name):
     E, sigma0 = foil_strains(51, 300)
     points, cells, warp, u = shapes(E, 52)
-    problem = Problem(Structure(points, {"part": Membrane(cells, FOILS[name], sigma0, warp)}), MPI.COMM_SELF)
+    problem = Problem(Structure(points, {"part": Membrane(cells, FOILS[name], sigma0, warp)}), MPI.COMM_SELF).under()
     d = problem.discretization.to_petsc(np.random.default_rng(53).normal(size=u.shape))
     norms = remainders(problem, problem.discretization.to_petsc(u), d, 1e-2 / 4.0 ** np.arange(5))
     assert (norms[:-1] / norms[1:] > 4**0.99).all()
@@ -139,7 +141,7 @@ def test_energy_and_residual_belong_together():
     E, sigma0 = foil_strains(61, 200)
     points, cells, warp, u = shapes(E, 62)
     law = FOILS["Mooney-Rivlin"]
-    problem = Problem(Structure(points, {"part": Membrane(cells, law, sigma0, warp)}), MPI.COMM_SELF)
+    problem = Problem(Structure(points, {"part": Membrane(cells, law, sigma0, warp)}), MPI.COMM_SELF).under()
     x = problem.discretization.to_petsc(u)
     d = problem.discretization.to_petsc(np.random.default_rng(63).normal(size=u.shape))
     b = x.duplicate()
@@ -165,7 +167,7 @@ def test_equal_stretches(stretch):
     np.testing.assert_allclose(result.principal, [[expected, expected]], rtol=1e-8, atol=1e-7 * law.Gt)
     if abs(stretch - 1) > 1e-8:
         assert result.state[0] == ("slack" if stretch < 1 else "taut")
-    problem = Problem(Structure(points, {"part": Membrane(cells, law)}), MPI.COMM_SELF)
+    problem = Problem(Structure(points, {"part": Membrane(cells, law)}), MPI.COMM_SELF).under()
     A = problem.discretization.create_matrix()
     problem.tangent(problem.discretization.to_petsc(u), A)
     assert np.isfinite(A.getValuesCSR()[2]).all()
@@ -219,7 +221,7 @@ def test_cable_tangent_is_consistent(slack):
     rng = np.random.default_rng(4)
     points = rng.normal(size=(40, 3))
     part = Cable(np.arange(40).reshape(-1, 2), prestress=100.0, material=Stiffening(7000.0, 1e5))
-    problem = Problem(Structure(points, {"part": part}), MPI.COMM_SELF)
+    problem = Problem(Structure(points, {"part": part}), MPI.COMM_SELF).under()
     x = problem.discretization.to_petsc((-0.1 if slack else 0.1) * points)
     d = problem.discretization.to_petsc(rng.normal(size=points.shape))
     norms = remainders(problem, x, d, 1e-4 / 2.0 ** np.arange(4))
