@@ -19,8 +19,9 @@ from .geometry.edges import edges_where
 from .geometry.grids import polyline, rectangle
 from .geometry.topology import boundary_edges
 from .model.coincidence import CoincidentNodesWarning
+from .model.laws import Law
 from .model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
-from .model.materials import Fabric, OrthotropicFabric
+from .model.materials import Axial, Fabric, MooneyRivlin, NeoHooke, OrthotropicFabric
 from .model.parts import Cable, Mast, Membrane
 from .model.stages import PrescribedDisplacement, Stage
 from .model.structure import SliverWarning, Structure
@@ -45,6 +46,7 @@ from .solvers.newton import Newton
 __all__ = [
     "Actions",
     "Analysis",
+    "Axial",
     "BarResult",
     "Cable",
     "CheckpointWarning",
@@ -60,6 +62,7 @@ __all__ = [
     "Increment",
     "Iteration",
     "LargeStrainWarning",
+    "Law",
     "LoadedProblem",
     "LostPrestressWarning",
     "MassUnitWarning",
@@ -67,6 +70,8 @@ __all__ = [
     "Membrane",
     "MembraneResult",
     "Modes",
+    "MooneyRivlin",
+    "NeoHooke",
     "Newton",
     "OrthotropicFabric",
     "PathError",

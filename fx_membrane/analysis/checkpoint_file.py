@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from ..results.states import Increment
 from ..solvers.base import Iteration
 
-FORMAT = 1
+FORMAT = 2
 MAGIC = b"SQLite format 3\0"
 TABLE = "CREATE TABLE entry (key TEXT PRIMARY KEY, document BLOB, displacement BLOB, digest TEXT)"
 HEADER = "header"
