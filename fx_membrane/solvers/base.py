@@ -25,14 +25,14 @@ class Iteration(NamedTuple):
         residual: Largest unbalanced nodal force [N], infinity norm; at constrained components short of their prescribed
             displacement, the error times a typical stiffness.
         step: Length of the step that led here, in (0, 1]; 0 at the start.
-        tension: Shift of the tangent for that step: an artificial tension, as a strain, times the stiffness of each
-            part; 0 without a shift.
+        shift: Shift of the tangent for that step, lambda in K + lambda T with the stabilization matrix T: the stiffness
+            of a tension of strain one in all parts [-]; 0 without a shift.
     """
 
     energy: float
     residual: float
     step: float
-    tension: float = 0.0
+    shift: float = 0.0
 
 
 @dataclass(frozen=True)

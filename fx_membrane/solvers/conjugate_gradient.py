@@ -22,8 +22,8 @@ from .preconditioners import Kind, preconditioner
 FLATNESS = 0.1  # accepted slope at the end of a step: conjugate directions need line searches close to the minimum
 STUCK = 0.5  # stagnation: residual above this fraction of its earlier minimum
 INDEFINITE = (
-    "the tangent at the start cannot be made positive definite, not even by artificial tension, and is no "
-    "preconditioner; do without (preconditioner=None)."
+    "the tangent at the start cannot be made positive definite, not even by a shift, and is no preconditioner; "
+    "do without (preconditioner=None)."
 )
 DIFFERENCE = 1e-7  # displacement, in sizes of the structure, for the difference quotient of the curvature
 
@@ -41,7 +41,7 @@ class SteepestDescent:
     Args:
         preconditioner: Divisor of the unbalanced forces: None, no preconditioner; "jacobi", the diagonal of the tangent
             at the start of each load increment; "tangent", that tangent, factored once. A tangent that is not positive
-            definite is shifted by an artificial tension; with pressure, its symmetric part is used. The diagonal helps
+            definite is shifted by a stabilization matrix; with pressure, its symmetric part is used. The diagonal helps
             where stiffness differs from node to node, as in graded meshes or with stiff cables in soft fabric. The
             tangent helps where it changes little. Neither always helps: on an inflated flat disc the diagonal took two
             to four times as many iterations as none.

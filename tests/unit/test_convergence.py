@@ -7,7 +7,7 @@ import pytest
 
 from fx_membrane import Iteration
 from fx_membrane.analysis.increments import LONG, Ceiling
-from fx_membrane.solvers.convergence import REST, at_rest, nearer
+from fx_membrane.solvers.convergence import TREND, at_rest, nearer
 
 
 def history(residuals):
@@ -26,11 +26,11 @@ def test_few_residuals_tell_nothing(unknown):
     assert nearer(history(np.ones(49)), 200, unknown) == unknown
 
 
-@pytest.mark.parametrize("length", [REST + 1, 160])
+@pytest.mark.parametrize("length", [TREND.rest + 1, 160])
 def test_residuals_that_stand_still_are_at_rest(length):
     noise = np.random.default_rng(0).uniform(0.8, 1.2, length)
     assert at_rest(history(1e-8 * noise))
-    assert not at_rest(history(1e-8 * noise)[:REST])
+    assert not at_rest(history(1e-8 * noise)[: TREND.rest])
     assert not at_rest(history(0.9 ** np.arange(length)))
 
 

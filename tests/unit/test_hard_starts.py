@@ -10,9 +10,10 @@ from petsc4py import PETSc
 
 from fx_membrane import Analysis, ConvergenceError, Newton, Pressure, Stage, report
 from fx_membrane.assembly.problem import Problem
-from fx_membrane.solvers import newton
-from fx_membrane.solvers.artificial_tension import DECAY, FIRST
-from fx_membrane.solvers.newton import HOMOTOPY
+from fx_membrane.solvers import newton, newton_loop
+from fx_membrane.solvers.convergence import Patience
+from fx_membrane.solvers.homotopy import HomotopyControl
+from fx_membrane.solvers.inertia_correction import ShiftControl
 from models import SNOW, end, sheet
 
 PLAIN = Newton(line_search=False)
@@ -102,13 +103,13 @@ def test_slack_roof_hangs_by_its_own_weight(move):
     assert weight.energy == pytest.approx(plain.energy, rel=1e-10)
 
 
-def test_sail_that_crumples_is_given_more_iterations_once_it_was_drawn_smooth():
+def test_sail_that_crumples_is_given_more_iterations_once_it_was_drawn_smooth(monkeypatch):
+    monkeypatch.setattr(newton._Globalized, "patience", Patience(share=0.0, least=30))
     structure, stages = HARD["hypar"](2e3, 1e4, 2.0, [Stage("prestress")], 24)
-    few = Newton(max_iterations=30)
-    prestress = Analysis(structure, few).run(stages)["prestress"]
+    prestress = Analysis(structure).run(stages)["prestress"]
     (increment,) = prestress.increments
     assert increment.stabilized
-    assert len(increment.iterations) > 1 + few.max_iterations
+    assert len(increment.iterations) > 1 + 30
     assert prestress.equilibrium.residual <= 1e-8 * np.abs(prestress.reactions).max()
     assert (prestress.membrane("fabric").state == "slack").any()
 
@@ -117,8 +118,8 @@ def test_sail_that_crumples_is_given_more_iterations_once_it_was_drawn_smooth():
 def iterates(monkeypatch):
     """List with one entry for each iterate, rejected ones included."""
     found = []
-    residual = newton._NewtonRaphson.residual
-    monkeypatch.setattr(newton._NewtonRaphson, "residual", lambda *args: found.append(1) or residual(*args))
+    residual = newton_loop.NewtonLoop.residual
+    monkeypatch.setattr(newton_loop.NewtonLoop, "residual", lambda *args: found.append(1) or residual(*args))
     return found
 
 
@@ -127,7 +128,7 @@ def test_increment_tells_that_the_structure_was_drawn_smooth(iterates):
     (twisted,) = solved(structure, stages)
     (increment,) = twisted.increments
     assert increment.stabilized
-    assert increment.extra_iterations > Newton().max_iterations  # of the first attempt
+    assert increment.extra_iterations > Patience().usual(Newton().max_iterations)  # of the first attempt
     assert increment.extra_iterations + len(increment.iterations) == len(iterates)
     assert f"drawn smooth first ({increment.extra_iterations} iterates more)" in report(twisted)
     iterates.clear()
@@ -139,13 +140,13 @@ def test_increment_tells_that_the_structure_was_drawn_smooth(iterates):
 
 
 def test_failure_counts_the_iterates_that_drew_the_structure_smooth(iterates, monkeypatch):
-    monkeypatch.setattr(newton, "PATIENCE", 1)
+    monkeypatch.setattr(newton._Globalized, "patience", Patience(share=0.0, least=1))
     structure, stages = HARD["hypar"](2e3, 20e3, 1.5, [Stage("prestress")])
     with pytest.raises(ConvergenceError) as error:
-        Analysis(structure, Newton(rtol=1e-14, max_iterations=1)).run(stages)
+        Analysis(structure, Newton(rtol=1e-14, max_iterations=16)).run(stages)
     failed = error.value.failed
     assert len(failed.iterations) == 2
-    assert failed.extra_iterations > len(HOMOTOPY)
+    assert failed.extra_iterations > len(HomotopyControl().levels)
     assert failed.extra_iterations + len(failed.iterations) == len(iterates)
 
 
@@ -182,22 +183,22 @@ def test_energy_falls_in_every_step(name):
 def test_tension_in_the_tangent_goes_with_the_residual():
     (snow,) = solved(*HARD["sheet"](0.0, 1e3))
     entries = [entry for _, entry in snow.history]
-    assert entries[0].tension == 0
-    assert entries[1].tension >= FIRST
+    assert entries[0].shift == 0
+    assert entries[1].shift >= ShiftControl().first
     after_full_steps = [i for i in range(1, len(entries) - 1) if entries[i].step == 1]
     assert len(after_full_steps) > 2
     for i in after_full_steps:
         shrinkage = entries[i].residual / entries[i - 1].residual
-        assert entries[i + 1].tension <= min(DECAY, shrinkage) * entries[i].tension
+        assert entries[i + 1].shift <= min(ShiftControl().decay, shrinkage) * entries[i].shift
     assert entries[-1].residual < entries[-2].residual ** 1.5  # faster than in proportion, and both are below 1 N
 
 
-def test_tension_in_the_structure_is_gone_after_the_solve():
+def test_tension_in_the_structure_is_gone_after_the_solve(monkeypatch):
+    monkeypatch.setattr(newton._Globalized, "patience", Patience(share=0.0, least=1))
     structure = sheet(prestress=0.0)
     problem = Problem(structure)
     problem.apply(end(problem, SNOW))
-    short = Newton(max_iterations=1).prepare(problem)
-    solution = short(problem.discretization.create_vector())
+    solution = Newton().prepare(problem)(problem.discretization.create_vector())
     assert solution.converged
     assert solution.stabilized  # impossible in one step
     assert problem.tension == 0.0

@@ -24,7 +24,7 @@ from fx_membrane import (
     rectangle,
 )
 from fx_membrane.analysis import work
-from fx_membrane.solvers import newton
+from fx_membrane.solvers import newton_loop
 from models import SNOW, sheet
 
 EASY = [Stage("snow", [SNOW], increments=4)]
@@ -63,8 +63,8 @@ def test_limit_is_that_of_each_stage():
 def test_every_fallback_counts(most, monkeypatch):
     """Attempts, the homotopy, attempts after it, and halved increments: the flag flies off."""
     residuals = []
-    residual = newton._NewtonRaphson.residual
-    monkeypatch.setattr(newton._NewtonRaphson, "residual", lambda *args: residuals.append(1) or residual(*args))
+    residual = newton_loop.NewtonLoop.residual
+    monkeypatch.setattr(newton_loop.NewtonLoop, "residual", lambda *args: residuals.append(1) or residual(*args))
     analysis = Analysis(flag(), limit=WorkLimit(iterations=most))
     (weight, wind) = weight_and_wind(20.0)
     analysis.run([weight])
@@ -121,7 +121,7 @@ def test_flag_that_flies_off_is_said_to(recwarn):
     assert 0.48 < last < 0.52
     assert f"from load factor {last:.6g} on no equilibrium was found" in message
     assert "likely there is none" in message
-    assert "More steps will not help" in message
+    assert "More increments will not help" in message
     assert "increments=" not in message  # nor are they advised
 
 
