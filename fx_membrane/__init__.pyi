@@ -37,6 +37,7 @@ from .results.strain_limits import LargeStrainWarning
 from .solvers.base import Iteration
 from .solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
 from .solvers.newton import Newton
+from .solvers.outcome import Outcome
 
 __all__ = [
     "Analysis",
@@ -63,6 +64,7 @@ __all__ = [
     "Net",
     "Newton",
     "OrthotropicFabric",
+    "Outcome",
     "PathError",
     "PathPoint",
     "PlanLoad",

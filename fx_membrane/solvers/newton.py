@@ -23,6 +23,7 @@ from .diagnosis import collapsed, mechanism, slack_mechanism, unlikely_units
 from .homotopy import HomotopyControl, stabilized_start
 from .inertia_correction import ShiftControl
 from .newton_loop import NewtonLoop, Proceed, always
+from .outcome import Outcome
 from .saddle import SaddleControl, leave_saddle
 
 
@@ -107,15 +108,13 @@ class _Globalized:
             stabilized_start(self.problem, x, self.loop.attempt, self.homotopy)
             second = self.attempt(x, lambda history: not self.due(history) or self.falling(history, True))
             if second.converged and not collapsed(self.problem, x):
-                return replace(self.escape_saddle(x, second), stabilized=True)
+                return self.escape_saddle(x, replace(second, outcome=Outcome.STABILIZED))
+        units = unlikely_units(self.problem, start)
         motion = free() or slack_mechanism(self.problem, start)
-        reason = motion.words if motion else solution.reason
-        return replace(
-            solution,
-            reason=reason + unlikely_units(self.problem, start),
-            retry=solution.retry and not free(),
-            motion=motion.motion if motion else None,
-        )
+        if not motion:
+            return replace(solution, reason=solution.reason + units)
+        outcome = Outcome.MECHANISM if free() else Outcome.SLACK_MECHANISM
+        return replace(solution, outcome=outcome, reason=motion.words + units, motion=motion.motion)
 
     def attempt(self, x: PETSc.Vec, proceed: Proceed = always) -> Solution:
         """Run the iteration, at most up to the end of the total."""
@@ -152,5 +151,5 @@ class _Globalized:
             if not onward.converged:
                 self.before.copy(x)
                 break
-            solution = replace(onward, iterations=solution.iterations + onward.iterations)
-        return replace(solution, unstable=True)
+            solution = replace(onward, outcome=solution.outcome, iterations=solution.iterations + onward.iterations)
+        return replace(solution, outcome=Outcome.UNSTABLE)

@@ -20,6 +20,7 @@ from .curvature import wrinkling_threshold
 from .diagnosis import linear_failure, stagnation_message
 from .inertia_correction import ShiftControl
 from .line_search import step_back
+from .outcome import Outcome
 
 REST = 1e-8  # fraction of all forces below which a stagnant residual is at rounding
 
@@ -33,6 +34,10 @@ def always(history: list[Iteration]) -> bool:
 
 class _Stop(Exception):  # noqa: N818  (not an error but a message from callback to caller)
     """Exception that ends the iteration from inside a callback, with the reason as a sentence."""
+
+    def __init__(self, outcome: Outcome, reason: str):
+        super().__init__(reason)
+        self.outcome = outcome
 
 
 class NewtonLoop:
@@ -90,11 +95,11 @@ class NewtonLoop:
             with _dolfinx.quiet_log():
                 converged = self.iterate(x)
         except _Stop as stop:
-            # A tangent that is singular at the start of an increment stays so for any smaller one.
-            retry = self.line_search or len(self.history) > 1
-            return Solution(False, str(stop), tuple(self.history), retry)
-        reason = "converged" if converged else self.stagnation_message(x)
-        return Solution(converged, reason, tuple(self.history), retry=True)
+            return Solution(stop.outcome, str(stop), tuple(self.history))
+        if converged:
+            return Solution(Outcome.CONVERGED, Outcome.CONVERGED.value, tuple(self.history))
+        end = self.without_end(x)
+        return Solution(end.outcome, str(end), tuple(self.history))
 
     def conservative(self, x: PETSc.Vec) -> bool:
         """Return True if pressures have a potential here, as within held edges: the tangent is symmetric."""
@@ -102,12 +107,13 @@ class NewtonLoop:
         self.problem.constrain_tangent(x, self.A, self.b)
         return factorization.is_symmetric(self.A)
 
-    def stagnation_message(self, x: PETSc.Vec) -> str:
-        """Sentence on why the last iterate is no solution."""
+    def without_end(self, x: PETSc.Vec) -> _Stop:
+        """Outcome and reason of an iteration whose last iterate is no solution."""
         last = self.history[-1].residual
         # Small, and no longer falling.
         at_rounding = len(self.history) > 2 and self.history[-2].residual < 10 * last < 1e4 * self.tolerance
-        return stagnation_message(self.problem, x, len(self.history) - 1, last, at_rounding)
+        outcome = Outcome.STAGNATED if at_rounding else Outcome.MAX_ITERATIONS
+        return _Stop(outcome, stagnation_message(self.problem, x, len(self.history) - 1, last, at_rounding))
 
     def residual(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
         """Residual with constraints; record the iterate and the tolerance for its 2-norm."""
@@ -121,12 +127,12 @@ class NewtonLoop:
         self.iterates += 1
         self.monitor(len(self.history) - 1, self.history[-1])
         if diverged(self.problem, x, unbalanced):
-            raise _Stop(self.stagnation_message(x))
+            raise _Stop(Outcome.DIVERGED, str(self.without_end(x)))
 
     def tangent(self, x: PETSc.Vec, A: PETSc.Mat) -> None:
         """Tangent and right-hand side with constraints; end an attempt that is not to proceed."""
         if not self.proceed(self.history):
-            raise _Stop(self.stagnation_message(x))
+            raise self.without_end(x)
         A.setOption(PETSc.Mat.Option.SYMMETRIC, self.symmetric)
         self.problem.tangent(x, A)
         self.problem.constrain_tangent(x, A, self.b)
@@ -140,7 +146,9 @@ class NewtonLoop:
         self.left -= 1
         if not self.line_search:
             if not factorization.solves(self.A, dx, self.b, self.work):
-                raise _Stop(linear_failure(self.problem, self.A))
+                # A tangent that is singular at the start of an increment stays so for any smaller one.
+                outcome = Outcome.SINGULAR if len(self.history) > 1 else Outcome.SINGULAR_START
+                raise _Stop(outcome, linear_failure(self.problem, self.A))
             return
         start = x.copy(self.here)
         moved = self.problem.impose(start)
@@ -176,7 +184,7 @@ class NewtonLoop:
     def correct_inertia(self, x: PETSc.Vec, dx: PETSc.Vec) -> None:
         """Correct the inertia: increase the shift of the tangent and solve again."""
         if self.shift > self.control.largest:
-            raise _Stop(linear_failure(self.problem, self.A))
+            raise _Stop(Outcome.SINGULAR, linear_failure(self.problem, self.A))
         self.set_shift(x, self.control.more(self.shift))
         self.ksp.solve(self.b, dx)
 

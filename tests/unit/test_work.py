@@ -15,6 +15,7 @@ from fx_membrane import (
     Mast,
     Membrane,
     Newton,
+    Outcome,
     PointLoad,
     Pressure,
     Stage,
@@ -133,7 +134,7 @@ def test_light_banner_is_found_without_beginning_anew(recwarn):
     wind = Analysis(structure, limit=WorkLimit(iterations=450)).run(
         [weight, Stage("wind", [Pressure(0.5, "fabric")], after="weight")]
     )["wind"]
-    assert not wind.increments[0].stabilized
+    assert wind.increments[0].outcome is Outcome.CONVERGED
     assert wind.equilibrium.residual < 1e-8
 
 
@@ -161,7 +162,7 @@ def test_limit_that_ends_the_search_for_a_snap_tells_and_saves_none(tmp_path):
             ) as e:
                 Analysis(mast_with_two_guys(), limit=WorkLimit(iterations=most)).run(LEANING, file)
             searches += "It ended the search for a load between the load factors 0 and 0.5" in str(e.value)
-            assert not any(increment.snapped for increment in (*e.value.last.increments, e.value.failed))
+            assert not any(increment.outcome.lost_stability for increment in (*e.value.last.increments, e.value.failed))
             if most % 8 == 0:
                 assert Analysis(mast_with_two_guys()).run(LEANING, file)["wind"].remarks == expected
     assert searches > 1
