@@ -17,7 +17,7 @@ from fx_membrane.solvers.inertia_correction import ShiftControl
 from models import SNOW, end, sheet
 
 PLAIN = Newton(line_search=False)
-HARD = runpy.run_path(str(Path(__file__).parents[1] / "benchmarks" / "hard_cases.py"))
+HARD = runpy.run_path(str(Path(__file__).parents[2] / "benchmarks" / "hard_cases.py"))
 
 
 def solved(structure, stages):
