@@ -4,7 +4,7 @@ from fractions import Fraction
 
 from petsc4py import PETSc
 
-from ..assembly.problem import Problem
+from ..assembly.loaded_problem import LoadedProblem
 from ..solvers.base import Solution
 from ..solvers.diagnosis import swung_masts, unlikely_units
 from .increments import Ceiling, IncrementControl
@@ -15,7 +15,7 @@ OVER = 0.5  # angle of a mast in equilibrium that counts as fallen over [rad]
 
 
 def reason(
-    problem: Problem,
+    problem: LoadedProblem,
     x: PETSc.Vec,
     solution: Solution,
     control: IncrementControl,

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from .. import _dolfinx
-from ..assembly import load_cases
-from ..assembly.problem import Actions, Problem
+from ..assembly.actions import Actions, between, unloaded, with_constraints_of
+from ..assembly.load_cases import prescribed
+from ..assembly.loaded_problem import LoadedProblem
+from ..assembly.problem import Problem
 from ..checks import paths, validation
 from ..model.fingerprints import fingerprint, of_stages
 from ..model.restraint import check_supports
@@ -83,7 +85,7 @@ class _Course(NamedTuple):
 
     def actions(self, factor: Fraction | float) -> Actions:
         """Actions at a load factor."""
-        return load_cases.between(self.start, self.end, float(factor))
+        return between(self.start, self.end, float(factor))
 
 
 class Analysis:
@@ -108,6 +110,10 @@ class Analysis:
 
     Raises:
         ValueError: An argument is of another kind, or differs between processes.
+
+    Attributes:
+        structure: The structure.
+        problem: Meshes and forms of the structure, on which its states, paths and modes continue.
     """
 
     def __init__(
@@ -128,9 +134,9 @@ class Analysis:
         self._limit, self._progress = limit, progress
         self.structure = structure
         self._comm = comm
-        self._problem = Problem(structure, comm)
-        self._solve = solver.prepare(self._problem)
-        self._record = StateEvaluator(self._problem)
+        self.problem = Problem(structure, comm)
+        self._solve = solver.prepare(self.problem)
+        self._record = StateEvaluator(self.problem)
 
     def run(self, stages: Sequence[Stage], checkpoint_file: str | Path | None = None) -> StageResults:
         """Run the stages and return their final states, by name; an unknown name raises a KeyError with the names.
@@ -173,11 +179,11 @@ class Analysis:
                 warn_of_large_prestress(self.structure, stacklevel=3)
         with checkpoint.opened(file, self.structure, stages, self._comm) as saved:
             results = StageResults()
-            ends: dict[str | None, Actions] = {None: load_cases.unloaded(self.structure)}
+            ends: dict[str | None, Actions] = {None: unloaded(self.structure)}
             for stage in stages:
-                ends[stage.name] = end = load_cases.at_end(self._problem, stage, ends[stage.after])
+                ends[stage.name] = end = self.problem.actions(stage, ends[stage.after])
                 shape = results[stage.after].displacement if stage.after else np.zeros(self.structure.points.shape)
-                start = load_cases.with_constraints_of(ends[stage.after], end, shape)
+                start = with_constraints_of(ends[stage.after], end, shape)
                 course = _Course(stage, start, end, shape)
                 state = saved.progress.get(stage.name) or Progress(
                     shape, Fraction(0), Fraction(1, stage.increments), ()
@@ -191,38 +197,39 @@ class Analysis:
         check_stages(self.structure, stages)
         held: dict[str | None, NDArray[np.bool_]] = {None: self.structure.supported}
         for stage in stages:
-            held[stage.name] = held[stage.after] | load_cases.prescribed(stage, self.structure)[0]
+            held[stage.name] = held[stage.after] | prescribed(stage, self.structure)[0]
             check_supports(self.structure, held[stage.name])
 
     def _run(
         self, course: _Course, state: Progress, results: StageResults, save: Callable[[str, Progress], None]
     ) -> StageResult:
         """Run the load increments of a stage from a converged state."""
-        stage, problem = course.stage, self._problem
-        control = IncrementControl(stage, state, stage.after is not None or not problem.prestress_forces)
-        x = problem.discretization.create_vector()
+        stage = course.stage
+        balanced = stage.after is not None or not self.problem.magnitudes.prestress_forces
+        control = IncrementControl(stage, state, balanced)
+        x = self.problem.create_vector()
         with Report(stage.name, float(state.factor), shown=self._progress and self._comm.rank == 0) as report:
             work = Work(self._limit, self._comm, report.iteration)
             while control.state.factor < 1:
                 _dolfinx.free_dropped(self._comm)
-                problem.discretization.to_petsc(control.state.displacement, x)
-                problem.apply(course.actions(control.next()))
-                solution = self._solved(x, work, control.thorough)
-                shape = problem.discretization.to_numpy(x) if solution.converged else None
+                self.problem.discretization.to_petsc(control.state.displacement, x)
+                loaded = self.problem.under(course.actions(control.next()))
+                solution = self._solved(loaded, x, work, control.thorough)
+                shape = self.problem.to_numpy(x) if solution.converged else None
                 verdict = control.judge(solution, shape, len(work.iterates))
                 if verdict is Verdict.HALVE:
                     continue
                 if verdict is Verdict.STOP or work.over or not self._located(course, control, work):
-                    raise self._failure(course, control, x, solution, work, results)
+                    raise self._failure(course, control, loaded, x, solution, work, results)
                 save(stage.name, control.accept())
                 report.increment(float(control.state.factor), control.state.increments[-1].iterations[-1].residual)
         return self._result(course, control.state)
 
-    def _solved(self, x: PETSc.Vec, work: Work, thorough: bool) -> Solution:
+    def _solved(self, loaded: LoadedProblem, x: PETSc.Vec, work: Work, thorough: bool) -> Solution:
         """Solve an increment; once the limit of work is used up, allow no retry."""
         work.iterates.clear()
         try:
-            return self._solve(x, work, thorough)
+            return self._solve(loaded, x, work, thorough)
         except WorkDone as done:
             return Solution(Outcome.WORK_LIMIT, f"{done}; {MORE}", tuple(work.iterates))
 
@@ -232,46 +239,45 @@ class Analysis:
         At the start of a stage forces may not show that yet: a small fraction of the increment makes them visible.
         """
         reached = control.lost
-        if not reached or not wrinkling_threshold(self._problem):  # without it, no part can be slack
+        if not reached or not wrinkling_threshold(self.structure):  # without it, no part can be slack
             return True
         factor = float(control.state.factor) or PROBE * float(reached.factor)
-        actions = course.actions(factor)
-        self._problem.apply(actions)
-        x = self._problem.discretization.to_petsc(control.state.displacement)
-        if control.state.factor == 0 and not self._solved(x, work, thorough=False).converged:
+        loaded = self.problem.under(course.actions(factor))
+        x = self.problem.to_petsc(control.state.displacement)
+        if control.state.factor == 0 and not self._solved(loaded, x, work, thorough=False).converged:
             return not work.over
-        control.note_fallen(held_by_slack_parts(self._record(course.stage.name, x, actions, ())))
+        control.note_fallen(held_by_slack_parts(self._record(course.stage.name, loaded, x, ())))
         return True
 
     def _failure(
         self,
         course: _Course,
         control: IncrementControl,
+        loaded: LoadedProblem,
         x: PETSc.Vec,
         solution: Solution,
         work: Work,
         results: StageResults,
     ) -> ConvergenceError:
         """Warn of the last state, and return the exception that ends the stage after it."""
-        slack = self._slack(course, x, control.factor)
+        slack = self._slack(course, loaded, x)
         last = remarked(self._result(course, control.state), course.shape)
         warn_of_remarks(last, self._comm, stacklevel=5)
-        words = reason(self._problem, x, solution, control, work) + slack
+        words = reason(loaded, x, solution, control, work) + slack
         message = (
             f"Stage {course.stage.name!r} found no equilibrium at load factor {float(control.factor):.6g} "
             f"(the last found is at {float(control.state.factor):.6g}): {words}"
         )
         return ConvergenceError(message, results, last, control.failed(solution), solution.motion)
 
-    def _slack(self, course: _Course, x: PETSc.Vec, factor: Fraction) -> str:
+    def _slack(self, course: _Course, loaded: LoadedProblem, x: PETSc.Vec) -> str:
         """Sentence on slack parts and free cable ends in a state that is no equilibrium."""
         if not np.isfinite(x.norm()):
             return ""
-        state = self._record(course.stage.name, x, course.actions(factor), ())
+        state = self._record(course.stage.name, loaded, x, ())
         return slack_parts(state) + hanging_ends(state)
 
     def _result(self, course: _Course, state: Progress) -> StageResult:
-        actions = course.actions(state.factor)
-        self._problem.apply(actions)
-        x = self._problem.discretization.to_petsc(state.displacement)
-        return self._record(course.stage.name, x, actions, state.increments)
+        loaded = self.problem.under(course.actions(state.factor))
+        x = self.problem.to_petsc(state.displacement)
+        return self._record(course.stage.name, loaded, x, state.increments)

@@ -7,15 +7,12 @@ Source: E. L. Allgower, K. Georg, Introduction to numerical continuation methods
 homotopy with a sequence of fixed parameters.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from petsc4py import PETSc
 
-from ..assembly.problem import Problem
 from .base import FAR, max_norm
-
-Attempt = Callable[[PETSc.Vec, float, int], object]  # brings a vector to equilibrium: tolerance, maximum of iterations
+from .newton_loop import NewtonLoop
 
 
 @dataclass(frozen=True)
@@ -33,17 +30,17 @@ class HomotopyControl:
     iterations: int = 40
 
 
-def stabilized_start(problem: Problem, x: PETSc.Vec, attempt: Attempt, control: HomotopyControl) -> None:
+def stabilized_start(loop: NewtonLoop, x: PETSc.Vec, control: HomotopyControl) -> None:
     """Replace x by the end of a homotopy; by the last state at hand if that diverges."""
-    size = problem.discretization.structure.size
-    with problem.discretization.work(1) as (before,):
+    given = loop.problem
+    with given.discretization.work(1) as (before,):
         try:
             for level in control.levels:
-                problem.tension = level
+                loop.problem = given.with_stabilization(level)
                 x.copy(before)
-                attempt(x, control.rtol, control.iterations)
-                if not max_norm(x) <= FAR * size:
+                loop.attempt(x, control.rtol, control.iterations)
+                if not max_norm(x) <= FAR * given.structure.size:
                     before.copy(x)
                     return
         finally:
-            problem.tension = 0.0
+            loop.problem = given

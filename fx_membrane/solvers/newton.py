@@ -14,6 +14,7 @@ from functools import cache
 
 from petsc4py import PETSc
 
+from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from ..checks import validation
 from .base import FALLEN, Iteration, Monitor, Solution, Solve, max_norm, no_monitor
@@ -64,6 +65,7 @@ class _Globalized:
     """The strategies, one after the other.
 
     Attributes:
+        problem: The problem of the present solve.
         loop: The iteration.
         patience: Length of an attempt.
         homotopy: Schedule of the homotopy.
@@ -73,14 +75,17 @@ class _Globalized:
     patience, homotopy, saddle = Patience(), HomotopyControl(), SaddleControl()
 
     def __init__(self, settings: Newton, problem: Problem):
-        self.settings, self.problem = settings, problem
+        self.settings, self.problem = settings, problem.under()
         self.loop = NewtonLoop(problem, settings.line_search, ShiftControl())
         create = problem.discretization.create_vector
         self.start, self.before = create(), create()
 
-    def __call__(self, x: PETSc.Vec, monitor: Monitor = no_monitor, thorough: bool = True) -> Solution:
+    def __call__(
+        self, problem: LoadedProblem, x: PETSc.Vec, monitor: Monitor = no_monitor, thorough: bool = True
+    ) -> Solution:
         loop, start = self.loop, x.copy(self.start)
-        loop.begin(monitor, self.settings.max_iterations)
+        self.problem = problem
+        loop.begin(problem, monitor, self.settings.max_iterations)
         solution = self.solve(x, start, thorough)
         lost = loop.lost_stability
         if solution.converged and loop.from_stable and not lost:
@@ -95,7 +100,7 @@ class _Globalized:
             return not self.due(history) or (thorough and self.falling(history, False) and not has_fallen())
 
         def has_fallen() -> bool:
-            return bool(free()) and self.distance(start, x) > FALLEN * self.problem.discretization.structure.size
+            return bool(free()) and self.distance(start, x) > FALLEN * self.problem.structure.size
 
         solution = self.attempt(x, proceed)
         if not self.settings.line_search:
@@ -105,7 +110,7 @@ class _Globalized:
         # A mechanism stays one in a smaller increment.
         if thorough and self.loop.left and not has_fallen():
             start.copy(x)
-            stabilized_start(self.problem, x, self.loop.attempt, self.homotopy)
+            stabilized_start(self.loop, x, self.homotopy)
             second = self.attempt(x, lambda history: not self.due(history) or self.falling(history, True))
             if second.converged and not collapsed(self.problem, x):
                 return self.escape_saddle(x, replace(second, outcome=Outcome.STABILIZED))

@@ -11,6 +11,7 @@ from typing import cast
 from petsc4py import PETSc
 
 from .. import _dolfinx
+from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from . import factorization
 from .backends import by_dolfinx, by_snes
@@ -44,6 +45,7 @@ class NewtonLoop:
     """The iteration: callbacks for residual, tangent and step, and their backend.
 
     Attributes:
+        problem: The problem of the present attempt.
         length: Length of the last step.
         shift: Shift of the tangent for that step, as a strain.
         left: Number of iterations that remain of the total for the solve.
@@ -54,24 +56,24 @@ class NewtonLoop:
     """
 
     def __init__(self, problem: Problem, line_search: bool, control: ShiftControl):
-        self.problem, self.line_search, self.control = problem, line_search, control
+        self.line_search, self.control = line_search, control
         self.A = problem.discretization.create_matrix()
         self.b = problem.discretization.create_vector()
         create = problem.discretization.create_vector
         self.work, self.here = create(), create()
         self.rtol = self.tolerance = self.length = self.shift = 0.0
         self.balanced = False
-        self.begin(no_monitor, 0)
-        self.newton = _dolfinx.newton_solver(problem.discretization.comm)
+        self.begin(problem.under(), no_monitor, 0)
+        self.newton = _dolfinx.newton_solver(problem.comm)
         # The backends hold their callbacks in C and C++, invisible to Python's garbage collector: a weak reference lets
         # the problem be freed before the program ends.
         owner = cast(NewtonLoop, weakref.proxy(self))
         self.iterate, self.ksp = by_snes(owner) if self.newton is None else by_dolfinx(owner)
-        factorization.keep_until_all_are_done(self, problem.discretization.comm, self.ksp)
+        factorization.keep_until_all_are_done(self, problem.comm, self.ksp)
 
-    def begin(self, monitor: Monitor, most: int) -> None:
+    def begin(self, problem: LoadedProblem, monitor: Monitor, most: int) -> None:
         """Begin a solve of at most so many iterations."""
-        self.monitor, self.left = monitor, most
+        self.problem, self.monitor, self.left = problem, monitor, most
         self.history: list[Iteration] = []
         self.iterates, self.first = 0, True
         self.symmetric, self.from_stable, self.lost_stability = True, False, False
@@ -104,7 +106,7 @@ class NewtonLoop:
     def conservative(self, x: PETSc.Vec) -> bool:
         """Return True if pressures have a potential here, as within held edges: the tangent is symmetric."""
         self.problem.tangent(x, self.A)
-        self.problem.constrain_tangent(x, self.A, self.b)
+        self.problem.constraints.constrain_tangent(x, self.A, self.b)
         return factorization.is_symmetric(self.A)
 
     def without_end(self, x: PETSc.Vec) -> _Stop:
@@ -119,7 +121,7 @@ class NewtonLoop:
         """Residual with constraints; record the iterate and the tolerance for its 2-norm."""
         self.problem.residual(x, b)
         self.tolerance = tolerance(self.problem, x, b, self.rtol if self.history else ROUNDING)
-        self.problem.constrain_residual(x, b)
+        self.problem.constraints.constrain_residual(x, b)
         beyond, unbalanced = self.problem.beyond_rounding(x, b), max_norm(b)
         self.history.append(Iteration(self.problem.energy(x), unbalanced, self.length, self.shift))
         small = beyond < REST * self.tolerance / self.rtol
@@ -135,7 +137,7 @@ class NewtonLoop:
             raise self.without_end(x)
         A.setOption(PETSc.Mat.Option.SYMMETRIC, self.symmetric)
         self.problem.tangent(x, A)
-        self.problem.constrain_tangent(x, A, self.b)
+        self.problem.constraints.constrain_tangent(x, A, self.b)
         shift, self.shift = self.control.next(self.length, self.shift, self.history), 0.0
         if shift:
             self.set_shift(x, shift)
@@ -151,18 +153,19 @@ class NewtonLoop:
                 raise _Stop(outcome, linear_failure(self.problem, self.A))
             return
         start = x.copy(self.here)
-        moved = self.problem.impose(start)
+        moved = self.problem.constraints.impose(start)
         length = None
         while length is None:
             while not self.is_descent(dx):
                 self.correct_inertia(x, dx)
-            self.problem.zero_constrained(dx)
+            self.problem.constraints.zero_constrained(dx)
             length = step_back(self.problem, self.b, self.history[-1].energy, start, dx, moved)
             if length is None:
                 self.correct_inertia(x, dx)
         if self.iterates == 1:
             # The least shift makes up for slack cells; without slack cells it would hide an unstable start.
-            self.from_stable = self.shift <= (self.control.first if wrinkling_threshold(self.problem) else 0.0)
+            slack = wrinkling_threshold(self.problem.structure) > 0
+            self.from_stable = self.shift <= (self.control.first if slack else 0.0)
         self.length = length
         dx.scale(length)
         dx.axpy(1.0, x)
@@ -178,7 +181,7 @@ class NewtonLoop:
             negative, zero = int(float(self.b.dot(dx)) <= 0), 0
         # Later attempts begin out of balance.
         if negative and self.from_stable and self.first:
-            self.lost_stability |= self.shift > wrinkling_threshold(self.problem)
+            self.lost_stability |= self.shift > wrinkling_threshold(self.problem.structure)
         return (negative, zero) == (0, 0)
 
     def correct_inertia(self, x: PETSc.Vec, dx: PETSc.Vec) -> None:

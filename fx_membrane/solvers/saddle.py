@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from petsc4py import PETSc
 
-from ..assembly.problem import Problem
+from ..assembly.loaded_problem import LoadedProblem
 from .curvature import negative_curvature_direction
 
 
@@ -28,13 +28,13 @@ class SaddleControl:
     attempts: int = 3
 
 
-def leave_saddle(problem: Problem, x: PETSc.Vec, control: SaddleControl) -> bool:
+def leave_saddle(problem: LoadedProblem, x: PETSc.Vec, control: SaddleControl) -> bool:
     """Move an unstable equilibrium downhill, along its lowest mode; return False if it is stable."""
     found = negative_curvature_direction(problem, x)
     if not found.negative:
         return False
     step = found.motion
-    step.scale(control.step * problem.discretization.structure.size / step.norm(PETSc.NormType.NORM_INFINITY))
+    step.scale(control.step * problem.structure.size / step.norm(PETSc.NormType.NORM_INFINITY))
     energy = problem.energy_along(x, step)
     x.axpy(1.0 if energy(1.0) < energy(-1.0) else -1.0, step)
     return True

@@ -7,19 +7,19 @@ import numpy as np
 import pytest
 
 from fx_membrane import Analysis, Cable, ConvergenceError, Newton, PointLoad, Stage, Structure, Support
-from fx_membrane.assembly import load_cases
+from fx_membrane.assembly.actions import unloaded
 from fx_membrane.assembly.problem import Problem
 from fx_membrane.solvers.newton_loop import NewtonLoop
 
-HARD = runpy.run_path(str(Path(__file__).parents[1] / "benchmarks" / "hard_cases.py"))
+HARD = runpy.run_path(str(Path(__file__).parents[2] / "benchmarks" / "hard_cases.py"))
 
 
 def iterations(structure, stages, solver):
     """Count the iterations and the iterates of a solve from rest; return them with its solution."""
     problem = Problem(structure)
-    problem.apply(load_cases.at_end(problem, stages[0], load_cases.unloaded(structure)))
+    loaded = problem.under(problem.actions(stages[0], unloaded(structure)))
     numbers = []
-    solution = solver.prepare(problem)(problem.discretization.create_vector(), lambda number, _: numbers.append(number))
+    solution = solver.prepare(problem)(loaded, problem.create_vector(), lambda number, _: numbers.append(number))
     return sum(number > 0 for number in numbers), len(numbers), solution
 
 
