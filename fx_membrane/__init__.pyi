@@ -9,8 +9,9 @@ from .analysis.stages import Analysis, ConvergenceError
 from .analysis.wave_speed import MassUnitWarning
 from .analysis.work import WorkLimit
 from .files.gmsh import structure_from_gmsh
-from .form_finding.force_density import Net, force_density
-from .form_finding.updated_reference import Form, UnsettledFormWarning, updated_reference
+from .form_finding.force_density import force_density
+from .form_finding.form import Form, FormStep
+from .form_finding.updated_reference import UnsettledFormWarning, updated_reference
 from .geometry.edges import edges_where
 from .geometry.grids import polyline, rectangle
 from .geometry.topology import boundary_edges
@@ -52,6 +53,7 @@ __all__ = [
     "EquilibriumPath",
     "Fabric",
     "Form",
+    "FormStep",
     "Increment",
     "Iteration",
     "LargeStrainWarning",
@@ -61,7 +63,6 @@ __all__ = [
     "Membrane",
     "MembraneResult",
     "Modes",
-    "Net",
     "Newton",
     "OrthotropicFabric",
     "Outcome",

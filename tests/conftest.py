@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from mpi4py import MPI
 
-pytest.register_assert_rewrite("interrupted", "models", "wrinkled")
+pytest.register_assert_rewrite("interrupted", "models", "pictures", "wrinkled")
 
 TESTS = Path(__file__).parent
 

@@ -101,8 +101,8 @@ class Formula:
         if isinstance(fabric, Fabric):
             relaxed = wrinkling.isotropic(E, sigma0, ufl.as_ufl(fabric.Et), ufl.as_ufl(fabric.nu))
         else:
-            moduli = [ufl.as_ufl(v) for v in (fabric.Et_warp, fabric.Et_weft, fabric.nu, fabric.Gt)]
-            relaxed = wrinkling.orthotropic(E, sigma0, *moduli, self.angle[0])
+            warp, weft, nu, Gt = map(ufl.as_ufl, (fabric.Et_warp, fabric.Et_weft, fabric.nu, fabric.Gt))
+            relaxed = wrinkling.orthotropic(E, sigma0, warp, weft, nu, Gt, self.angle[0])
         S = ufl.variable(ufl.diff(relaxed.energy, E))
         C = ufl.diff(S, E)
         pairs = list(itertools.product(range(2), repeat=2))

@@ -83,7 +83,7 @@ class BorderedNewton:
         self.rate = problem.under(change(start, end))
         self.compression = 1.0
         self.monitor: Monitor = no_monitor
-        self.pulse = Pulse("trace", problem.comm.rank == 0)
+        self.pulse = Pulse("equilibrium path", problem.comm.rank == 0)
         self.A = problem.discretization.create_matrix()
         create = problem.discretization.create_vector
         self.b, self.du_residual, self.du_load, self.work, self.zero = create(), create(), create(), create(), create()

@@ -173,7 +173,7 @@ CASES = {
 }  # fmt: skip
 NO_INPUT = {  # made by the package
     "BarResult", "Equilibrium", "EquilibriumPath",
-    "Form", "Increment", "Iteration", "MembraneResult", "Modes", "Net", "PathPoint",
+    "Form", "Increment", "Iteration", "MembraneResult", "Modes", "FormStep", "PathPoint",
     "Stability", "StageResult", "StageResults", "plot",
 }  # fmt: skip
 NOT_RIGHT = structure_from_gmsh, type(STATE).cable, type(STATE).membrane  # their arguments are refused, too

@@ -237,8 +237,8 @@ def test_one_step_squares_the_error(name, load, share):
     assert np.array_equal(sail.state == "wrinkled", shortened & (share < 1))
 
     pressures = {}
-    if isinstance(LOADS[load], Pressure):
-        pressures["sail"] = LOADS[load].pressure * np.ones(len(parts["sail"].cells))
+    if isinstance(pressure := LOADS[load], Pressure):
+        pressures["sail"] = pressure.pressure * np.ones(len(parts["sail"].cells))
     zero = np.zeros(structure.points.shape)
     forces = zero if pressures else state.loads
     owner = Problem(structure)

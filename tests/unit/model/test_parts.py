@@ -194,7 +194,7 @@ def test_compression_stiffness_in_range(value):
 
 def test_masts_have_no_compression_stiffness():
     with pytest.raises(TypeError):
-        Mast([[0, 1]], 1e6, compression_stiffness=0.5)
+        Mast([[0, 1]], 1e6, compression_stiffness=0.5)  # type: ignore[call-arg]
 
 
 @pytest.mark.parametrize(
