@@ -15,7 +15,7 @@ from petsc4py import PETSc
 from slepc4py import SLEPc
 
 from . import factorization
-from .base import ROUNDING
+from .base import LIMITS
 
 PREFIX = "fx_membrane_eigenvalues_"
 FIRST_SHIFT, LAST_SHIFT = 1e-12, 1e8  # below zero, as fractions of a typical eigenvalue
@@ -188,7 +188,7 @@ def _pair(eps: SLEPc.EPS, i: int) -> Eigenpair:
     for part in (real, imaginary):
         part.scale(square**-0.5)
     # Rounding of K phi where there is no stiffness; its sign is meaningless.
-    if abs(value) <= ROUNDING * K.norm(PETSc.NormType.INFINITY) * (real.norm() ** 2 + imaginary.norm() ** 2):
+    if abs(value) <= LIMITS.rounding * K.norm(PETSc.NormType.INFINITY) * (real.norm() ** 2 + imaginary.norm() ** 2):
         value = 0j
     return Eigenpair(value, real, imaginary)
 

@@ -17,7 +17,7 @@ from petsc4py import PETSc
 from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from ..checks import validation
-from .base import FALLEN, Iteration, Monitor, Solution, Solve, max_norm, no_monitor
+from .base import LIMITS, Iteration, Monitor, Solution, Solve, max_norm, no_monitor
 from .convergence import Patience, nearer
 from .curvature import WEAK, negative_between
 from .diagnosis import collapsed, mechanism, slack_mechanism, unlikely_units
@@ -100,7 +100,7 @@ class _Globalized:
             return not self.due(history) or (thorough and self.falling(history, False) and not has_fallen())
 
         def has_fallen() -> bool:
-            return bool(free()) and self.distance(start, x) > FALLEN * self.problem.structure.size
+            return bool(free()) and self.distance(start, x) > LIMITS.fallen * self.problem.structure.size
 
         solution = self.attempt(x, proceed)
         if not self.settings.line_search:
