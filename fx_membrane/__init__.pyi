@@ -42,6 +42,7 @@ from .results.strain_limits import LargeStrainWarning
 from .solvers.base import Iteration
 from .solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
 from .solvers.newton import Newton
+from .solvers.outcome import Outcome
 
 __all__ = [
     "Actions",
@@ -74,6 +75,7 @@ __all__ = [
     "NeoHooke",
     "Newton",
     "OrthotropicFabric",
+    "Outcome",
     "PathError",
     "PathPoint",
     "PlanLoad",

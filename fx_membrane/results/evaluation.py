@@ -14,7 +14,7 @@ from ..assembly.part_forms import PartForms
 from ..assembly.problem import Problem
 from ..forms import kinematics, stress
 from ..model.parts import Membrane
-from ..solvers.base import ROUNDING
+from ..solvers.base import LIMITS
 from .states import BarResult, Equilibrium, Increment, MembraneResult, StageResult
 
 STATES = np.array(["taut", "wrinkled", "slack"])  # in the order of `forms.wrinkling`
@@ -91,7 +91,7 @@ class StateEvaluator:
             return MembraneResult(**fields, state=state)
         slack = state == "slack"
         if not part.carries_compression:  # cables without force, or with rounding
-            slack |= fields["force"] <= ROUNDING * (part.material.stiffness + np.abs(part.prestress))
+            slack |= fields["force"] <= LIMITS.rounding * (part.material.stiffness + np.abs(part.prestress))
         return BarResult(**fields, slack=slack)
 
 

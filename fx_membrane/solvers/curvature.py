@@ -9,10 +9,11 @@ from petsc4py import PETSc
 from ..assembly.loaded_problem import LoadedProblem
 from ..model.parts import Mast
 from ..model.structure import Structure
-from . import factorization
+from . import eigenvalues, factorization
 
 WEAK = 1e-9  # stiffness of a mode, as a strain, below which it is a free motion
-LARGEST = 1e4  # upper bound of the negative curvature, as a strain
+BELOW = 1e-3  # distance of the shift from the lowest eigenvalue, as a fraction
+FIRST = 100 * WEAK  # first bound of the negative curvature to try, as a strain
 CRUSHED = 0.5  # Green's strain of a cell that has shrunk to nothing
 LEAST = 1e-4  # negative curvature, as a strain, that is ignored between two states
 SECANTS = 8  # number of secants between two states
@@ -26,8 +27,7 @@ class Mode(NamedTuple):
         negative: Number of negative eigenvalues of the shifted tangent; of its symmetric part if a pressure makes it
             unsymmetric.
         motion: The displacement, of 2-norm 1; zero at constrained components.
-        stiffness: Rayleigh quotient: work against the tangent over work against an artificial tension of strain one
-            [-].
+        stiffness: Rayleigh quotient v . K v / v . T v with the stabilization matrix T, a strain [-].
     """
 
     negative: int
@@ -35,13 +35,13 @@ class Mode(NamedTuple):
     stiffness: float
 
 
-def lowest_mode(problem: LoadedProblem, x: PETSc.Vec, tension: float, moving: NDArray[np.bool_] | None = None) -> Mode:
-    """Mode motion in a state.
+def lowest_mode(problem: LoadedProblem, x: PETSc.Vec, shift: float, moving: NDArray[np.bool_] | None = None) -> Mode:
+    """Lowest mode of a state, by inverse iteration on K + shift T.
 
     Args:
         problem: The problem.
         x: The state.
-        tension: Artificial tension that is added to the tangent, as a strain: what is softer counts as free.
+        shift: Shift of the tangent, as a strain: what is softer counts as free.
         moving: Nodes that move, shape (n,); those of them without any stiffness, as where all cells are slack and keep
             none, stand still too. None: all nodes move.
     """
@@ -55,7 +55,7 @@ def lowest_mode(problem: LoadedProblem, x: PETSc.Vec, tension: float, moving: ND
     with problem.discretization.work(1) as (b,):
         problem.constraints.constrain_tangent(x, A, b)
         K = factorization.symmetric_part(A)
-        problem.stiffen(x, A, b, tension)
+        problem.stiffen(x, A, b, shift)
     if moving is not None:
         A.zeroRowsColumns(still, diag=problem.magnitudes.stiffness)
     stiffened = factorization.symmetric_part(A)
@@ -73,8 +73,8 @@ def lowest_mode(problem: LoadedProblem, x: PETSc.Vec, tension: float, moving: ND
             w.copy(v)
         K.mult(v, w)
         work = float(v.dot(w))
-    artificial = problem.stabilizer.work(v)
-    found = Mode(factorization.pivots(solver).negative, v, work / artificial if artificial else np.inf)
+    scale = problem.stabilizer.work(v)
+    found = Mode(factorization.pivots(solver).negative, v, work / scale if scale else np.inf)
     for matrix in (A, K, stiffened):
         matrix.destroy()
     solver.destroy()
@@ -85,17 +85,31 @@ def negative_curvature_direction(problem: LoadedProblem, x: PETSc.Vec) -> Mode:
     """Direction of the most negative curvature; its `negative` is 0 if there is none.
 
     The small compression stiffness of wrinkled and slack cells lets them buckle from node to node. That is no
-    instability of the structure, so it is left out.
+    instability of the structure, so it is left out. One factorization tells stable states. The direction of others
+    is that of the lowest eigenvalue of K v = lambda T v.
     """
     problem = problem.without_compression_stiffness()
-    found = lowest_mode(problem, x, tension := WEAK)
-    negative = found.negative
-    # Inverse iteration finds the mode nearest to -tension: the lowest, once the shift is below all.
-    while found.negative and tension < LARGEST:
-        tension *= 4
-        found.motion.destroy()
-        found = lowest_mode(problem, x, tension)
-    return found._replace(negative=negative)
+    found = lowest_mode(problem, x, WEAK)
+    if not found.negative:
+        return found
+    found.motion.destroy()
+    # The vector of a multiple eigenvalue is that of inverse iteration: equal for any number of processes.
+    direction = lowest_mode(problem, x, -(1 + BELOW) * _lowest(problem, x))
+    return direction._replace(negative=found.negative)
+
+
+def _lowest(problem: LoadedProblem, x: PETSc.Vec) -> float:
+    """Lowest eigenvalue of K v = lambda T v, known to be below -WEAK, with its Sturm sequence check."""
+    K, T = problem.tangent(x), problem.stabilizer.matrix.copy()
+    with problem.discretization.work(1) as (b,):
+        problem.constraints.constrain_tangent(x, K, b)
+    for matrix in (K, T):  # T, too, for an equal pattern
+        factorization.symmetrize(matrix)
+    T.zeroRowsColumns(problem.constraints.constrained, diag=0.0)
+    (pair, *_), _ = eigenvalues.lowest(K, T, 1, FIRST)
+    for matrix in (K, T):
+        matrix.destroy()
+    return pair.value.real
 
 
 def wrinkling_threshold(structure: Structure) -> float:
@@ -106,8 +120,12 @@ def wrinkling_threshold(structure: Structure) -> float:
 def negative_between(problem: LoadedProblem, start: PETSc.Vec, end: PETSc.Vec) -> bool:
     """Return True if the energy is concave somewhere on the straight line between two states.
 
-    Hill's second-order work on the chord, by differences of the residual. Negative curvature of wrinkled and slack
-    cells is ignored; without masts and pressures there is none. Constrained components keep their end values.
+    It is if Hill's second-order work on the chord is negative, by differences of the residual. Both ends of a snap are
+    stable, so that their inertia does not show it. Negative curvature of wrinkled and slack cells is ignored; without
+    masts and pressures there is none. Constrained components keep their end values.
+
+    Source: R. Hill, A general theory of uniqueness and stability in elastic-plastic solids, J. Mech. Phys. Solids 6
+    (1958) 236-249.
     """
     parts = problem.structure.parts.values()
     if problem.symmetric and not any(part.carries_compression for part in parts):
