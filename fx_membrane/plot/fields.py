@@ -66,7 +66,7 @@ def checked_scale(result: StageResult, scale: float) -> float:
         ValueError: It is not a number, or too large.
     """
     scale = validation.number("scale", scale)
-    times = abs(scale) * np.abs(result.displacement).max() / np.ptp(result.structure.points, axis=0).max()
+    times = abs(scale) * np.abs(result.displacement).max() / result.structure.size
     if times > FAR:
         raise ValueError(
             f"scale is {scale:g}, with which displacements are {times:.0e} times as large as the structure; give at "

@@ -44,14 +44,14 @@ class StateEvaluator:
     ) -> StageResult:
         """Compute the result of a state x of the problem under actions."""
         actions, discretization = problem.actions, problem.discretization
-        _dolfinx.free_dropped(discretization.comm)
+        _dolfinx.free_dropped(problem.comm)
         with discretization.work(1) as (b,):
             problem.residual(x, b)
             residual, displacement = discretization.to_numpy(b), discretization.to_numpy(x)
         loads = actions.loads + problem.pressure_loads(x)
         reactions = np.where(actions.held, residual, 0.0)
         unbalanced = np.abs(residual - reactions).max(axis=1)
-        position = discretization.structure.points + displacement
+        position = problem.structure.points + displacement
         return StageResult(
             name=name,
             structure=problem.structure,
@@ -75,7 +75,7 @@ class StateEvaluator:
 
     def _part_result(self, name: str) -> MembraneResult | BarResult:
         discretization = self.problem.discretization
-        part = discretization.structure.parts[name]
+        part = self.problem.structure.parts[name]
         membrane = isinstance(part, Membrane)
         shapes = MEMBRANE if membrane else BAR
         sizes = [int(np.prod(shape)) for shape in shapes.values()]
