@@ -173,7 +173,8 @@ class LoadedProblem:
             x: Displacement [m].
             part: Name of the part.
             parameter: "prestress"; "pressure", of a membrane; or a number of the material: "axial_stiffness" of cables
-                and masts, "Et" and "nu" of a `Fabric`, "Et_warp", "Et_weft", "nu" and "Gt" of an `OrthotropicFabric`.
+                and masts, "Et" and "nu" of a `Fabric`, "Et_warp", "Et_weft", "nu" and "Gt" of an `OrthotropicFabric`,
+                or another field of a law.
             direction: Change of the parameter: a prestress in one of the forms that the part takes, a pressure for all
                 cells or for each, shape (cells,), or a number. The result is linear in it.
             b: Vector for the result; a new one if None.

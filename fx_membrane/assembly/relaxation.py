@@ -102,4 +102,5 @@ def _tension_field(mesh: PartMesh, E: Any, sigma0: Any, prestress: fem.Function,
         state.x.array[:] = found.state
 
     energy = forms.relaxed_energy(lambda e: law.energy(e, sigma0, parameters), E, b, K)
-    return Relaxation(Relaxed(energy, state[0]), follow)
+    # With all stiffness kept, the relaxed energy does not count: no wrinkles, and none looked for.
+    return Relaxation(Relaxed(energy, state[0]), nothing if mesh.part.carries_compression else follow)

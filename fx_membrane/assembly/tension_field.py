@@ -110,6 +110,7 @@ def _across_tension(
     b[~(_norm(r) <= ACCEPTED * _rounding(g, D))] = np.nan
     a, a1, _ = _dyads(angle)
     B, R = np.stack([a, beta[:, None] * a1], axis=2), np.stack([a, a1], axis=1)
+    J[~np.isfinite(b).all(axis=1)] = 0.0  # none found: the energy is no number, and the step is refused
     return b, B @ np.linalg.pinv(J) @ R
 
 

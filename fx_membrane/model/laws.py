@@ -39,6 +39,7 @@ Array = NDArray[np.float64]
 
 STEP = 1e-4  # strain of difference quotients
 SAMPLES = (-0.2, -0.01, 0.003, 0.05, 0.4, 3.0)  # strains at which energies are compared
+STRETCHES = np.geomspace(1e-3, 1e4, 36)  # strains at which a compressive prestress may be taken up
 KINDS = {1: "bars", 2: "membranes"}
 
 
@@ -118,6 +119,30 @@ def energies(law: Law, dimension: int) -> list[str]:
     sigma0 = float(law.stiffness) * np.diag([0.02, 0.01])[:dimension, :dimension]
     shapes = [np.eye(1)] if dimension == 1 else [np.diag([1.0, 0.0]), np.array([[0.3, 0.4], [0.4, 1.0]])]
     return [_text(law, size * shape, sigma0) for shape in shapes for size in SAMPLES]
+
+
+def check_prestress(what: str, law: Law, tensors: Array) -> None:
+    """Refuse a compressive prestress that no stretch takes up, where the strain without stress must be found.
+
+    Args:
+        what: Name of the argument.
+        law: A law that `check` has passed.
+        tensors: Prestress of the cells, shape (n, d, d).
+    """
+    values, directions = np.linalg.eigh(tensors)
+    cell = int(values[:, 0].argmin())
+    if values[cell, 0] >= 0 or member(law, "relaxed_energy") is not None:
+        return
+    along = np.outer(directions[cell, :, 0], directions[cell, :, 0])
+    try:
+        falls = np.diff([_value(law, strain * along, tensors[cell]) for strain in (0.0, *STRETCHES)]) < 0
+    except (ArithmeticError, ValueError):  # beyond a limited range
+        return
+    if falls.all():
+        raise ValueError(
+            f"{what} is {values[cell, 0]:g} in cell {cell}, an excess that no stretch of "
+            f"{validation.short_repr(law)} takes up; give a smaller one."
+        )
 
 
 def check(what: str, law: Any, dimension: int, own: bool) -> None:

@@ -60,6 +60,8 @@ class Membrane:
         validation.store(self, validation.fraction, "compression_stiffness")
         validation.store(self, validation.not_negative, "mass")
         tensors = self.prestress_tensors()
+        if not self.carries_compression:
+            laws.check_prestress("Membrane prestress", self.material, tensors)
         directed = not np.array_equal(tensors, tensors[:, :1, :1] * np.eye(2))
         if self.warp is not None:
             warp = validation.finite("Membrane warp", self.warp)
@@ -181,6 +183,8 @@ class Cable(Bar):
     def __post_init__(self) -> None:
         super().__post_init__()
         validation.store(self, validation.fraction, "compression_stiffness")
+        if not self.carries_compression:
+            laws.check_prestress("Cable prestress", self.material, self.prestress_tensors())
 
     @cached_property
     def carries_compression(self) -> bool:

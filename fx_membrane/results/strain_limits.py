@@ -105,9 +105,7 @@ def _prestrain(part: Part) -> NDArray[np.float64]:
 
 
 def _meant(part: Part, limit: float) -> str:
-    kinds = {"Fabric": "Saint Venant-Kirchhoff", "OrthotropicFabric": "Saint Venant-Kirchhoff", "Axial": "linear"}
-    kind = type(part.material).__name__
-    return f"the {kinds.get(kind, kind)} law is meant for less than {100 * limit:g} %"
+    return f"its law ({type(part.material).__name__}) is meant for less than {100 * limit:g} %"
 
 
 def _compression(stress: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -188,6 +188,19 @@ def test_energy_with_a_direction_needs_a_warp():
     assert membrane(material, warp=(1, 0, 0)).material is material
 
 
+@pytest.mark.parametrize("prestress", [-2.5, [[1.0, 3.5], [3.5, 1.0]]])
+def test_excess_that_no_stretch_takes_up(prestress):
+    """The force of a neo-Hookean foil along one direction is below Gt E for 2nd Piola-Kirchhoff stresses: below 2."""
+    with pytest.raises(
+        ValueError, match=r"^Membrane prestress is -2\.5 in cell 0, an excess that no stretch of NeoHooke"
+    ):
+        membrane(NeoHooke(2.0), prestress=prestress, warp=(1, 0, 0))
+    assert membrane(NeoHooke(2.0), prestress=-1.9).carries_compression is False
+    assert membrane(Fabric(2.0, 0.3), prestress=-2.5).carries_compression is False
+    assert membrane(NeoHooke(2.0), prestress=-2.5, compression_stiffness=1).carries_compression
+    assert Cable(LINE, prestress=-1e3, material=Stiffening(1.0, 1.0)).axial_stiffness == 1.0
+
+
 # Derived classes
 
 
