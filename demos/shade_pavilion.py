@@ -6,6 +6,7 @@
 
 # %%
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -73,14 +74,14 @@ feet, anchors = [247, 248], [249, 250, 251, 252]
 ground = [(5, 3.5, 0), (5, -3.5, 0), (7.042, 10.41, 0), (11.91, 5.542, 0), (11.91, -5.542, 0), (7.042, -10.41, 0)]
 points = np.vstack([found.points, ground])
 perimeter = polyline(np.r_[node(1, columns), node(rows[1:], 13), node(19, columns[-2::-1])])
-cable = {"axial_stiffness": 1.2e4, "prestress": 0.1}
+cable = partial(Cable, axial_stiffness=1.2e4, prestress=0.1)
 structure = Structure(
     points,
     parts={
         "fabric": Membrane(triangles, Fabric(Et=500.0, nu=0.3), prestress=0.01),
-        "edge cables": Cable(perimeter, **cable),
-        "valley cable": Cable(polyline(node(10, columns)), **cable),
-        "stays": Cable(np.column_stack([[north, north, south, south], anchors]), **cable),
+        "edge cables": cable(perimeter),
+        "valley cable": cable(polyline(node(10, columns))),
+        "stays": cable(np.column_stack([[north, north, south, south], anchors])),
         "masts": Mast(np.column_stack([feet, [north, south]]), axial_stiffness=2.0e5),
     },
     supports=[Support(feet), Support(symmetry, "x")],

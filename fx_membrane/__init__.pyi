@@ -8,6 +8,9 @@ from .analysis.path import EquilibriumPath, PathPoint
 from .analysis.stages import Analysis, ConvergenceError
 from .analysis.wave_speed import MassUnitWarning
 from .analysis.work import WorkLimit
+from .assembly.actions import Actions
+from .assembly.loaded_problem import LoadedProblem
+from .assembly.problem import Problem
 from .files.gmsh import structure_from_gmsh
 from .form_finding.force_density import force_density
 from .form_finding.form import Form, FormStep
@@ -16,8 +19,9 @@ from .geometry.edges import edges_where
 from .geometry.grids import polyline, rectangle
 from .geometry.topology import boundary_edges
 from .model.coincidence import CoincidentNodesWarning
+from .model.laws import Law
 from .model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
-from .model.materials import Fabric, OrthotropicFabric
+from .model.materials import Axial, Fabric, MooneyRivlin, NeoHooke, OrthotropicFabric
 from .model.parts import Cable, Mast, Membrane
 from .model.stages import PrescribedDisplacement, Stage
 from .model.structure import SliverWarning, Structure
@@ -41,7 +45,9 @@ from .solvers.newton import Newton
 from .solvers.outcome import Outcome
 
 __all__ = [
+    "Actions",
     "Analysis",
+    "Axial",
     "BarResult",
     "Cable",
     "CheckpointWarning",
@@ -57,12 +63,16 @@ __all__ = [
     "Increment",
     "Iteration",
     "LargeStrainWarning",
+    "Law",
+    "LoadedProblem",
     "LostPrestressWarning",
     "MassUnitWarning",
     "Mast",
     "Membrane",
     "MembraneResult",
     "Modes",
+    "MooneyRivlin",
+    "NeoHooke",
     "Newton",
     "OrthotropicFabric",
     "Outcome",
@@ -72,6 +82,7 @@ __all__ = [
     "PointLoad",
     "PrescribedDisplacement",
     "Pressure",
+    "Problem",
     "SliverWarning",
     "Stability",
     "Stage",

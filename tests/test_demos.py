@@ -15,7 +15,8 @@ import pytest
 from mpi4py import MPI
 
 DEMOS = Path(__file__).parent.parent / "demos"
-PICTURES = {
+PICTURES: dict[str, list[str]] = {
+    "own_law": [],
     "shade_pavilion": [
         "fig12_plan.png",
         "fig13_isometric.png",

@@ -169,7 +169,7 @@ def _balanced_bars(problem: Problem, stage: Stage, comm: MPI.Intracomm, pulse: P
     structure = problem.structure
     if not has_free_masts(structure) or not all(isinstance(load, PointLoad) for load in stage.loads):
         return None
-    actions = problem.actions(stage)
+    actions = problem.actions_of(stage)
     with together(comm):
         found = balanced_points(structure, actions.loads, pulse) if comm.rank == 0 else None
     balanced: NDArray[np.float64] | None = comm.bcast(found)
@@ -190,7 +190,7 @@ def _equilibrium(
     x, shape, before = problem.create_vector(), reference, None
     for _ in range(REPEATS):
         problem.discretization.move(shape)
-        actions = problem.actions(stage)
+        actions = problem.actions_of(stage)
         problem.discretization.move(reference)
         loaded = problem.under(actions)
         if before is not None and np.abs(actions.loads - before).max() <= SAME * np.abs(actions.loads).max():

@@ -128,7 +128,7 @@ def negative_between(problem: LoadedProblem, start: PETSc.Vec, end: PETSc.Vec) -
     (1958) 236-249.
     """
     parts = problem.structure.parts.values()
-    if problem.symmetric and not any(isinstance(part, Mast) or part.compression_stiffness >= 1 for part in parts):
+    if problem.symmetric and not any(part.carries_compression for part in parts):
         return False
     forces = []
     with problem.discretization.work(3) as (at, way, b):
@@ -146,5 +146,5 @@ def negative_between(problem: LoadedProblem, start: PETSc.Vec, end: PETSc.Vec) -
 def _kept(structure: Structure) -> float:
     """Largest compression stiffness of a part, as a fraction of its stiffness; 0 if none can wrinkle or slacken."""
     parts = structure.parts.values()
-    kept = [part.compression_stiffness for part in parts if not isinstance(part, Mast)]
-    return max([share for share in kept if share < 1], default=0.0)
+    kept = [part.compression_stiffness for part in parts if not (isinstance(part, Mast) or part.carries_compression)]
+    return max(kept, default=0.0)

@@ -17,7 +17,7 @@ HARD = runpy.run_path(str(Path(__file__).parents[2] / "benchmarks" / "hard_cases
 def iterations(structure, stages, solver):
     """Count the iterations and the iterates of a solve from rest; return them with its solution."""
     problem = Problem(structure)
-    loaded = problem.under(problem.actions(stages[0], unloaded(structure)))
+    loaded = problem.under(problem.actions_of(stages[0], unloaded(structure)))
     numbers = []
     solution = solver.prepare(problem)(loaded, problem.create_vector(), lambda number, _: numbers.append(number))
     return sum(number > 0 for number in numbers), len(numbers), solution
