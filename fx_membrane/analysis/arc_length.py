@@ -6,8 +6,8 @@ path: it lies in a plane across the tangent of the path at the last point, at a 
     t_u . (u - u_n) + psi^2 t_f (factor - factor_n) = length.
 
 psi, the weight of the load factor, is the norm of the first du/dfactor: at the start displacement and load count alike.
-The path continues in the sense of the last step. Steps become shorter where Newton's method takes many iterations or
-the path turns, and longer elsewhere. A step that may have missed limit points, or jumped to another branch, is rejected
+The path continues in the sense of the last step. Steps become shorter where Newton's method takes many iterations, and
+longer elsewhere. A step that may have missed limit points, or jumped to another branch, is rejected
 and halved (`path_check`).
 
 Source: E. Riks, An incremental approach to the solution of snapping and buckling problems, Int. J. Solids Structures
@@ -192,7 +192,7 @@ class _Tracer:
             if len(self.path.points) < max_points:
                 self.record(here, complete)
             longest = self.share / max(abs(here.direction.factor), 1e-300)
-            length = min(length * self.control.stretch(len(here.point.iterations), here.turn), longest)
+            length = min(length * self.control.stretch(len(here.point.iterations)), longest)
         return replace(self.path, reason="complete" if self.path.complete else self.too_few_points())
 
     def pass_limit_point(self, last: PathState, here: PathState, ends: list[Plane]) -> PathState | None:

@@ -1,4 +1,9 @@
-"""Step control of the continuation by arc length: distance of points, and rejection of steps."""
+"""Step control of the continuation by arc length: distance of points, and rejection of steps.
+
+Source: E. Ramm, Strategies for tracing the nonlinear response near limit points, in: W. Wunderlich, E. Stein,
+K.-J. Bathe (eds.), Nonlinear finite element analysis in structural mechanics, Springer (1981) 63-89: the length of a
+step follows the root of the desired number of iterations over that of the last step.
+"""
 
 import math
 from dataclasses import dataclass
@@ -9,8 +14,7 @@ class StepControl:
     """Limits of a step along a path.
 
     Attributes:
-        few: Number of corrector points; after more of them the next step is shorter.
-        turn: Angle between a step and the tangent at its end [rad]; after a larger one the next step is shorter.
+        desired: Desired number of corrector points.
         sharp: Angle [rad] above which a step is rejected and halved, unless the path has a kink there.
         drift: Fraction of the step by which its curve may leave the path (see `path_check`); beyond, it is halved.
         coarse: Multiple of the intended change of the load factor, above which a step is halved.
@@ -23,8 +27,7 @@ class StepControl:
         kept: Fraction of the compression stiffness of wrinkled and slack cells in effect at a limit point.
     """
 
-    few: int = 4
-    turn: float = 0.2
+    desired: int = 4
     sharp: float = 0.6
     drift: float = 0.01
     coarse: float = 1.5
@@ -36,7 +39,6 @@ class StepControl:
     search: int = 30
     kept: float = 0.01
 
-    def stretch(self, corrections: int, turn: float) -> float:
-        """Length of the next step as a multiple of the last, from the points of its corrector and its angle [rad]."""
-        pace = min(math.sqrt(self.few / corrections), self.turn / max(turn, 1e-300))
-        return min(max(pace, 0.5), 2.0)
+    def stretch(self, corrections: int) -> float:
+        """Length of the next step as a multiple of the last, from the number of points of its corrector."""
+        return min(max(math.sqrt(self.desired / corrections), 0.5), 2.0)
