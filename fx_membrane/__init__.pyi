@@ -8,6 +8,7 @@ from .analysis.path import EquilibriumPath, PathPoint
 from .analysis.stages import Analysis, ConvergenceError
 from .analysis.wave_speed import MassUnitWarning
 from .analysis.work import WorkLimit
+from .files.dolfinx_mesh import structure_from_dolfinx
 from .files.gmsh import structure_from_gmsh
 from .form_finding.force_density import Net, force_density
 from .form_finding.updated_reference import Form, UnsettledFormWarning, updated_reference
@@ -91,6 +92,7 @@ __all__ = [
     "rectangle",
     "report",
     "stability",
+    "structure_from_dolfinx",
     "structure_from_gmsh",
     "updated_reference",
 ]
