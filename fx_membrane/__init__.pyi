@@ -8,6 +8,7 @@ from .analysis.path import EquilibriumPath, PathPoint
 from .analysis.stages import Analysis, ConvergenceError
 from .analysis.wave_speed import MassUnitWarning
 from .analysis.work import WorkLimit
+from .files.dolfinx_functions import PartFunctions, to_dolfinx
 from .files.dolfinx_mesh import structure_from_dolfinx
 from .files.gmsh import structure_from_gmsh
 from .form_finding.force_density import Net, force_density
@@ -64,6 +65,7 @@ __all__ = [
     "Net",
     "Newton",
     "OrthotropicFabric",
+    "PartFunctions",
     "PathError",
     "PathPoint",
     "PlanLoad",
@@ -94,6 +96,7 @@ __all__ = [
     "stability",
     "structure_from_dolfinx",
     "structure_from_gmsh",
+    "to_dolfinx",
     "updated_reference",
 ]
 

@@ -116,9 +116,14 @@ def cell_order(msh: Any) -> NDArray[np.int64]:
     return np.asarray(msh.topology.original_cell_index, dtype=np.int64)
 
 
+def input_nodes(msh: Any) -> NDArray[np.int64]:
+    """Row of each node of this process, in the order of `geometry.x`, in the `points` given to `create_mesh`."""
+    return np.asarray(msh.geometry.input_global_indices, dtype=np.int64)  # 0.5: a list, empty without cells
+
+
 def node_order(V: Any) -> NDArray[np.int64]:
     """Row of each node of a linear Lagrange space in the `points` given to `create_mesh`."""
-    return np.asarray(V.mesh.geometry.input_global_indices)[geometry_order(V)]
+    return input_nodes(V.mesh)[geometry_order(V)]
 
 
 def geometry_order(V: Any) -> NDArray[np.int64]:

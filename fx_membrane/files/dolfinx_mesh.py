@@ -17,7 +17,7 @@ from ..model.structure import Structure
 from ..runtime.processes import together
 from .groups import Groups, Makers, check_arguments, structure
 
-# isort: split  (PETSc comes first)
+# isort: split
 from dolfinx.mesh import Mesh
 
 SIMPLEX = ("vertices", "edges", "triangles", "tetrahedra")  # by dimension
@@ -152,14 +152,14 @@ def _check_dimension(name: str, group: _Group) -> None:
 
 def _nodes(msh: Mesh) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Input numbers and positions of the nodes of this process."""
-    return np.asarray(msh.geometry.input_global_indices, dtype=np.int64), np.array(msh.geometry.x, dtype=np.float64)
+    return _dolfinx.input_nodes(msh), np.array(msh.geometry.x, dtype=np.float64)
 
 
 def _entities(group: _Group, meshes: list[Mesh]) -> _Entities:
     """Entities of a group on this process; cells only where it owns them."""
     msh = meshes[group.mesh]
     topology, dimension = msh.topology, msh.topology.dim
-    inputs, table = np.asarray(msh.geometry.input_global_indices), _dolfinx.geometry_table(msh.geometry)
+    inputs, table = _dolfinx.input_nodes(msh), _dolfinx.geometry_table(msh.geometry)
     count = topology.index_map(dimension).size_local
     chosen = np.arange(count) if group.tags is None else group.tags.indices[np.isin(group.tags.values, group.values)]
     if group.dimension == dimension:

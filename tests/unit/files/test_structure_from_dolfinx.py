@@ -129,6 +129,17 @@ def test_answer_is_that_of_a_structure_of_arrays():
     np.testing.assert_allclose(np.sort(a.cable("rope").force), np.sort(b.cable("rope").force), rtol=1e-10)
 
 
+def test_process_without_cells():
+    points, triangles = rectangle(1.0, 1.0, 1, 1)
+    msh = distributed(points, triangles[:1])
+    groups = {"fabric": msh, "rope": (tagged(msh, 1, bottom=lambda x: np.isclose(x[1], -0.5)), 1)}
+    groups["ends"] = tagged(msh, 0, ends=lambda x: np.isclose(x[1], -0.5)), 1
+    found = structure_from_dolfinx(msh, groups, PARTS, {"ends": "xyz"})
+    np.testing.assert_array_equal(found.points[found.parts["fabric"].cells], points[triangles[:1]])
+    np.testing.assert_array_equal(found.parts["rope"].cells, [[0, 1]])
+    np.testing.assert_array_equal(found.supported.all(axis=1), [True, True, False])
+
+
 def test_sub_mesh_of_a_solid_is_the_same_on_any_number_of_processes():
     found = []
     for comm in (WORLD, MPI.COMM_SELF):
