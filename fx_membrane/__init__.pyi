@@ -8,6 +8,7 @@ from .analysis.path import EquilibriumPath, PathPoint
 from .analysis.stages import Analysis, ConvergenceError
 from .analysis.wave_speed import MassUnitWarning
 from .analysis.work import WorkLimit
+from .assembly.wrinkling_direction import tension_direction
 from .files.dolfinx_functions import PartFunctions, to_dolfinx
 from .files.dolfinx_mesh import structure_from_dolfinx
 from .files.gmsh import structure_from_gmsh
@@ -96,6 +97,7 @@ __all__ = [
     "stability",
     "structure_from_dolfinx",
     "structure_from_gmsh",
+    "tension_direction",
     "to_dolfinx",
     "updated_reference",
 ]

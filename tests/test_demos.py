@@ -16,6 +16,7 @@ from mpi4py import MPI
 
 DEMOS = Path(__file__).parent.parent / "demos"
 PICTURES = {
+    "forms_alone": [],
     "shade_pavilion": [
         "fig12_plan.png",
         "fig13_isometric.png",
