@@ -52,7 +52,7 @@ def square(prestress):
 
 
 push = Stage("point load", [PointLoad(middle, (0, 0, -10.0))])
-assert push.steps == pull.steps == 1
+assert push.increments == pull.increments == 1
 cases = {"square": (square(80.0), push, "kip", "kip in"), "pavilion": (pavilion, pull, "kN", "kN m")}
 
 # %% [markdown]

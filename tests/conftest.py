@@ -5,11 +5,14 @@ Only the first process reports tests; the exit codes of the others count, too.
 
 import os
 import sys
+from pathlib import Path
 
 import pytest
 from mpi4py import MPI
 
 pytest.register_assert_rewrite("interrupted", "models", "wrinkled")
+
+TESTS = Path(__file__).parent
 
 # Files whose tests are the same on every process: plain NumPy, or single elements on COMM_SELF; and files of remarks,
 # which follow from a result, after long searches for one. Tests in them that are collective are marked `mpi` there.
@@ -19,32 +22,32 @@ ONE_PROCESS = {
     "forms/test_tension_direction.py",
     "forms/test_wrinkled_cells.py",
     "forms/test_wrinkling.py",
+    "unit/analysis/test_reasons.py",
+    "unit/analysis/test_work.py",
+    "unit/assembly/test_partition.py",
+    "unit/checks/test_validation.py",
+    "unit/form_finding/test_form_finding.py",
+    "unit/form_finding/test_forms_of_masts.py",
+    "unit/geometry/test_geometry.py",
+    "unit/model/test_derived_classes.py",
+    "unit/model/test_loads.py",
+    "unit/model/test_material.py",
+    "unit/model/test_parts.py",
+    "unit/model/test_rigid_motion.py",
+    "unit/model/test_slivers.py",
+    "unit/model/test_structure.py",
+    "unit/results/test_balance.py",
+    "unit/results/test_fallen_masts.py",
+    "unit/results/test_remarks.py",
+    "unit/solvers/test_line_search.py",
     "unit/test_bad_values.py",
-    "unit/test_balance.py",
-    "unit/test_derived_classes.py",
-    "unit/test_fallen_masts.py",
-    "unit/test_form_finding.py",
-    "unit/test_forms_of_masts.py",
-    "unit/test_geometry.py",
-    "unit/test_line_search.py",
-    "unit/test_loads.py",
-    "unit/test_material.py",
-    "unit/test_partition.py",
-    "unit/test_parts.py",
-    "unit/test_reasons.py",
-    "unit/test_remarks.py",
-    "unit/test_rigid_motion.py",
-    "unit/test_slivers.py",
-    "unit/test_structure.py",
-    "unit/test_validation.py",
-    "unit/test_work.py",
 }
 
 
 def pytest_collection_modifyitems(items):
     """Mark `mpi` every test of the other files, unless it says `serial`: a new test counts as collective."""
     for item in items:
-        file = f"{item.path.parent.name}/{item.path.name}"
+        file = item.path.relative_to(TESTS).as_posix()
         if file not in ONE_PROCESS and not item.get_closest_marker("serial"):
             item.add_marker(pytest.mark.mpi)
 

@@ -44,11 +44,11 @@ def counted(analysis, most=10**6):
     """Count the increments solved; end the run instead of one too many."""
     solve, calls = analysis._solve, []
 
-    def wrapped(x, *monitor):
+    def wrapped(*arguments):
         if len(calls) == most:
             raise Killed
         calls.append(1)
-        return solve(x, *monitor)
+        return solve(*arguments)
 
     analysis._solve = wrapped
     return calls

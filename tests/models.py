@@ -17,7 +17,6 @@ from fx_membrane import (
     boundary_edges,
     rectangle,
 )
-from fx_membrane.assembly.load_cases import at_end, unloaded
 
 POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
 INCLINED = POINTS + np.array([[0, 0, 0.2 * x * y + 0.1 * x] for x, y, _ in POINTS])
@@ -90,5 +89,4 @@ def same_state(a, b):
 
 def end(problem, *loads, start=None):
     """Actions at the end of a stage with these loads."""
-    start = unloaded(problem.discretization.structure) if start is None else start
-    return at_end(problem, Stage("loads", loads), start)
+    return problem.actions(Stage("loads", loads), start)

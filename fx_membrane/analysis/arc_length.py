@@ -22,13 +22,14 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from .. import _dolfinx
-from ..assembly import load_cases
+from ..assembly.actions import unloaded, with_constraints_of
 from ..assembly.problem import Problem
 from ..checks import validation
 from ..model.fingerprints import fingerprint, of_settings, of_stages
 from ..model.restraint import check_supports
 from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
+from ..results.owner import problem_of
 from ..results.states import StageResult, UnstableStateWarning
 from ..results.strain_limits import warn_of_large_prestress
 from ..runtime.processes import refuse_differences, together
@@ -115,15 +116,15 @@ def equilibrium_path(
         comm, lambda: of_settings({"start": state} | given) | of_stages([stage]) | {"limit": fingerprint(limit)}
     )
     shape = np.zeros(structure.points.shape) if isinstance(start, Structure) else start.displacement
-    before = load_cases.unloaded(structure) if isinstance(start, Structure) else start.actions
-    problem = Problem(structure, comm)
-    after = load_cases.at_end(problem, stage, before)
+    before = unloaded(structure) if isinstance(start, Structure) else start.actions
+    problem = Problem(structure, comm) if isinstance(start, Structure) else problem_of(start, comm)
+    after = problem.actions(stage, before)
     check_supports(structure, after.held)
-    begin = load_cases.with_constraints_of(before, after, shape)
+    begin = with_constraints_of(before, after, shape)
     fixed = after.held & (after.displacement == begin.displacement)
     ends = path_ends.ends(problem, load_factor, displacement, fixed, shape)
-    path = EquilibriumPath(stage.name, structure, begin, after, (), False, reason="")
-    x = problem.discretization.to_petsc(shape)
+    path = EquilibriumPath(stage.name, structure, begin, after, (), False, reason="", owner=problem)
+    x = problem.to_petsc(shape)
     with together(comm):
         if isinstance(start, Structure) and comm.rank == 0:  # a state already has its remarks
             warn_of_large_prestress(structure, stacklevel=3)
@@ -183,7 +184,7 @@ class _Tracer:
         length = self.first = self.share / here.direction.factor
         while not self.path.complete and len(self.path.points) < max_points:
             last = here
-            _dolfinx.free_dropped(self.newton.problem.discretization.comm)
+            _dolfinx.free_dropped(self.newton.problem.comm)
             here, length, complete = self.next(last, length, ends)
             if last.turned(here):
                 end = self.pass_limit_point(last, here, ends)
@@ -223,8 +224,7 @@ class _Tracer:
         problem = self.newton.problem
         if not here.negative_pivots:
             return
-        problem.apply(self.path.start)
-        if negative_curvature_direction(problem, here.point.x).negative:
+        if negative_curvature_direction(problem.under(self.path.start), here.point.x).negative:
             warnings.warn(
                 f"The path of stage {self.path.name!r} starts from an equilibrium that is not stable (negative "
                 f"pivots: {here.negative_pivots}), and what follows may not be what the structure does; "
@@ -238,8 +238,8 @@ class _Tracer:
         """Find equilibrium at the load factor 0."""
         newton = self.newton
         point = newton.find(Point(x, 0.0), Plane(newton.zero, 1.0, 0.0))
-        if point is None or not newton.linearize(point.x):
-            reason = "it is not in equilibrium." if point is None else linear_failure(newton.problem, newton.A)
+        if point is None or not newton.linearize(point.x, point.factor):
+            reason = "it is not in equilibrium." if point is None else linear_failure(newton.under(0.0), newton.A)
             raise PathError(
                 f"The path of stage {self.path.name!r} has no start: {reason} Bring the structure to equilibrium by a "
                 "stage of an `Analysis`, and start from its result.",

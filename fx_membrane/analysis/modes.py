@@ -19,6 +19,7 @@ from petsc4py import PETSc
 from ..assembly.problem import Problem
 from ..checks import validation
 from ..model.fingerprints import of_settings
+from ..results.owner import problem_of
 from ..results.remarks import held_by_slack_parts
 from ..results.states import StageResult
 from ..runtime.processes import refuse_differences, together
@@ -128,10 +129,10 @@ def natural_frequencies(state: StageResult, count: int = 6, comm: MPI.Intracomm 
             movable[part.cells] = True
         count = _checked_count("natural_frequencies", count, movable & ~state.actions.held, "components with mass")
     _refuse_differences(comm, state, count)
-    problem, K = _tangent(state, comm)
-    full = problem.discretization.create_matrix()
-    problem.mass(full)
-    M = _free(problem, full, ~state.actions.held)
+    problem = problem_of(state, comm)
+    x = problem.to_petsc(state.displacement)
+    K = _free(problem, problem.under(state.actions).tangent(x), ~state.actions.held)
+    M = _free(problem, problem.mass(), ~state.actions.held)
     if factorization.is_symmetric(K):
         pairs, _ = eigenvalues.lowest(K, M, count)
     else:
@@ -159,9 +160,9 @@ def stability(state: StageResult, count: int = 1, comm: MPI.Intracomm = MPI.COMM
         validation.instance("stability state", state, StageResult)
         count = _checked_count("stability", count, state.structure.used[:, None] & ~state.actions.held, "components")
     _refuse_differences(comm, state, count)
-    problem = Problem(state.structure, comm)
-    with problem.no_compression_stiffness():
-        K = _full_tangent(problem, state)
+    problem = problem_of(state, comm)
+    loaded, x = problem.under(state.actions), problem.to_petsc(state.displacement)
+    K = loaded.without_compression_stiffness().tangent(x)
     released = _released(problem, K, state, count)
     K = _free(problem, K, released)
     if not factorization.is_symmetric(K):
@@ -185,22 +186,9 @@ def _refuse_differences(comm: MPI.Intracomm, state: StageResult, count: int) -> 
     refuse_differences(comm, lambda: of_settings(given))
 
 
-def _tangent(state: StageResult, comm: MPI.Intracomm) -> tuple[Problem, PETSc.Mat]:
-    """Problem in the state, and its tangent without the constrained components."""
-    problem = Problem(state.structure, comm)
-    return problem, _free(problem, _full_tangent(problem, state), ~state.actions.held)
-
-
-def _full_tangent(problem: Problem, state: StageResult) -> PETSc.Mat:
-    problem.apply(state.actions)
-    K = problem.discretization.create_matrix()
-    problem.tangent(problem.discretization.to_petsc(state.displacement), K)
-    return K
-
-
 def _released(problem: Problem, K: PETSc.Mat, state: StageResult, count: int) -> NDArray[np.bool_]:
     """Free components, shape (n, 3): those of nodes with stiffness if they are enough, else all."""
-    rows = np.repeat(problem.stiff_nodes(K)[:, None], 3, axis=1) & ~state.actions.held
+    rows = np.repeat(problem.discretization.stiff_nodes(K)[:, None], 3, axis=1) & ~state.actions.held
     return rows if np.count_nonzero(rows) >= count else ~state.actions.held
 
 
@@ -230,7 +218,7 @@ def _shapes(problem: Problem, released: NDArray[np.bool_], pairs: list[Eigenpair
 
 def _full(problem: Problem, released: NDArray[np.bool_], vector: PETSc.Vec) -> Array:
     """Nodal values on every process, shape (n, 3), from a vector of the free components."""
-    full = problem.discretization.create_vector()
+    full = problem.create_vector()
     free = problem.discretization.dofs(released) - full.getOwnershipRange()[0]
     full.array[free] = vector.array_r
-    return problem.discretization.to_numpy(full)
+    return problem.to_numpy(full)

@@ -1,18 +1,19 @@
 """Equilibrium path: load factors, displacements and stability of a sequence of neighbouring states."""
 
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ..assembly import load_cases
-from ..assembly.problem import Actions, Problem
+from ..assembly.actions import Actions, between
+from ..assembly.problem import Problem
 from ..checks import validation, values
 from ..model.fingerprints import of_settings
 from ..model.structure import Structure
 from ..results.evaluation import StateEvaluator
+from ..results.owner import problem_of, without_owner
 from ..results.remarks import remarked, warn_of_remarks
 from ..results.states import Increment, StageResult
 from ..runtime.processes import refuse_differences, together
@@ -57,6 +58,7 @@ class EquilibriumPath:
         complete: True if the path reached its end.
         reason: Sentence on why it ends there: it is complete, it has the maximum number of points, or the message of
             its `PathError`.
+        owner: The problem on which the path was computed; None in a copy, see `problem`.
     """
 
     name: str
@@ -66,6 +68,16 @@ class EquilibriumPath:
     points: tuple[PathPoint, ...]
     complete: bool
     reason: str
+    owner: Problem | None = field(default=None, kw_only=True)
+
+    @property
+    def problem(self) -> Problem:
+        """Meshes and forms of the structure; in a copy they are made on first use, by all processes together."""
+        return problem_of(self)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """State without its owner: meshes and PETSc objects belong to this process."""
+        return without_owner(self)
 
     def __repr__(self) -> str:
         last = f", load factor {self.points[-1].load_factor:.4g}" if self.points else ""
@@ -124,14 +136,13 @@ class EquilibriumPath:
                 )
         chosen = self.points[point]
         refuse_differences(comm, lambda: of_settings({"point": chosen[:2], "end": (self.start, self.end)}))
-        problem = Problem(self.structure, comm)
-        actions = load_cases.between(self.start, self.end, chosen.load_factor)
-        problem.apply(actions)
-        x = problem.discretization.to_petsc(chosen.displacement)
+        problem = problem_of(self, comm)
+        view = problem.under(between(self.start, self.end, chosen.load_factor))
+        view = view.without_compression_stiffness(chosen.kept)
+        x = problem.to_petsc(chosen.displacement)
         increment = Increment(chosen.load_factor, chosen.iterations)
-        with problem.no_compression_stiffness(chosen.kept):
-            loaded = abs(chosen.load_factor) > NO_LOAD * np.abs(self.load_factors).max()
-            result = remarked(StateEvaluator(problem)(self.name, x, actions, (increment,)), None, bool(loaded))
+        loaded = abs(chosen.load_factor) > NO_LOAD * np.abs(self.load_factors).max()
+        result = remarked(StateEvaluator(problem)(self.name, view, x, (increment,)), None, bool(loaded))
         with together(comm):
             warn_of_remarks(result, comm, stacklevel=3)
         return result

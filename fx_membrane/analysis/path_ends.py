@@ -52,7 +52,7 @@ def ends(
             raise ValueError(
                 "equilibrium_path displacement names several components; give one node and one of x, y and z."
             )
-        structure = problem.discretization.structure
+        structure = problem.structure
         structure.check_nodes("equilibrium_path displacement", node)
         if fixed[node, component].any():
             raise ValueError(
@@ -62,7 +62,7 @@ def ends(
         chosen = np.zeros(structure.points.shape)
         chosen[node, component] = 1.0
         value = validation.number("equilibrium_path displacement value", displacement[2])
-        size = np.ptp(structure.points, axis=0).max()
+        size = structure.size
         if abs(value) > FAR * size:
             raise ValueError(
                 f"equilibrium_path displacement value is {value:g}, more than {FAR:g} times the size of the structure, "

@@ -4,7 +4,7 @@ import warnings
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from ..assembly import load_cases
+from ..assembly.actions import between
 from ..assembly.problem import Problem
 from ..results.evaluation import StateEvaluator
 from ..results.remarks import remarked
@@ -24,13 +24,13 @@ class _Carried(NamedTuple):
 
 def warn_of_slack_parts(problem: Problem, path: EquilibriumPath, pulse: Pulse, stacklevel: int) -> None:
     """Warns once, on every process, of the points of a path that slack or wrinkled parts carry; names the parts."""
-    if not wrinkling_threshold(problem):
+    if not wrinkling_threshold(problem.structure):
         return  # nothing can be slack
     carried = list(_carried(problem, path, pulse))
     if not carried:
         return
     first = path.points[carried[0].number]
-    with together(problem.discretization.comm):
+    with together(problem.comm):
         warnings.warn(
             f"The path of stage {path.name!r} has {len(carried)} of {len(path.points)} points that the structure does "
             f"not bear, the first at load factor {first.load_factor:.6g} (point {carried[0].number}). There "
@@ -44,11 +44,10 @@ def _carried(problem: Problem, path: EquilibriumPath, pulse: Pulse) -> Iterator[
     record = StateEvaluator(problem)
     for number, point in enumerate(path.points):
         pulse(f"looking for slack parts at point {number} of {len(path.points)}")
-        actions = load_cases.between(path.start, path.end, point.load_factor)
-        problem.apply(actions)
-        x = problem.discretization.to_petsc(point.displacement)
-        with problem.no_compression_stiffness(point.kept):
-            state = record(path.name, x, actions, (Increment(point.load_factor, point.iterations),))
+        loaded = problem.under(between(path.start, path.end, point.load_factor))
+        loaded = loaded.without_compression_stiffness(point.kept)
+        x = problem.to_petsc(point.displacement)
+        state = record(path.name, loaded, x, (Increment(point.load_factor, point.iterations),))
         for remark in remarked(state, None).remarks:
             if getattr(remark, "category", None) is UnstableStateWarning:
                 yield _Carried(number, remark)

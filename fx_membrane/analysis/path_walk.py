@@ -28,7 +28,7 @@ class Walk:
     def arrive(self, last: PathState, point: Point) -> PathState:
         """Continue the path at a point that follows another."""
         step = point.since(last.point)
-        onward = self.direction(step) if self.newton.linearize(point.x) else self.metric.unit(step)
+        onward = self.direction(step) if self.newton.linearize(point.x, point.factor) else self.metric.unit(step)
         return PathState(point, onward, self.metric.angle(step, onward), self.newton.negative_pivots())
 
     def direction(self, step: Step) -> Step:
@@ -66,25 +66,26 @@ class Walk:
 
         None if there are none, or if no point was found.
         """
-        with self.newton.problem.no_compression_stiffness(self.control.kept):
-            if self.newton.residual(limit.point.x, limit.point.factor):
-                return None
-            point = self.find(limit, 0.0)
-            if point is None:
-                return None
-            beside = self.arrive(limit, point)
-            if last.turned(beside):  # it lies before
-                beside = beside._replace(direction=self.metric.unit(beside.direction, backwards=True))
-            length = self.metric.length(here.point.since(last.point)) / 4
-            for _ in range(self.control.search):
-                point = self.find(beside, length)
-                onward = point and self.arrive(beside, point)
-                if not onward or not path_check.follows(self.newton, self.metric, beside, onward, self.control):
-                    length /= 2
-                    continue
-                if beside.turned(onward):
-                    return self.limit_point(beside, onward)
-                beside = onward
+        newton = self.newton.without_compression_stiffness(self.control.kept)
+        walk = Walk(newton, self.metric, self.control)
+        if newton.residual(limit.point.x, limit.point.factor):
+            return None
+        point = walk.find(limit, 0.0)
+        if point is None:
+            return None
+        beside = walk.arrive(limit, point)
+        if last.turned(beside):  # it lies before
+            beside = beside._replace(direction=self.metric.unit(beside.direction, backwards=True))
+        length = self.metric.length(here.point.since(last.point)) / 4
+        for _ in range(self.control.search):
+            point = walk.find(beside, length)
+            onward = point and walk.arrive(beside, point)
+            if not onward or not path_check.follows(newton, self.metric, beside, onward, self.control):
+                length /= 2
+                continue
+            if beside.turned(onward):
+                return walk.limit_point(beside, onward)
+            beside = onward
         return None
 
 

@@ -2,7 +2,7 @@
 
 from petsc4py import PETSc
 
-from ..assembly.problem import Problem
+from ..assembly.loaded_problem import LoadedProblem
 from ..solvers.base import Solution
 from ..solvers.diagnosis import swung_masts, unlikely_units
 from .checkpoint_file import Progress
@@ -14,7 +14,7 @@ OVER = 0.5  # angle of a mast in equilibrium that counts as fallen over [rad]
 
 
 def reason(
-    problem: Problem,
+    problem: LoadedProblem,
     x: PETSc.Vec,
     solution: Solution,
     state: Progress,

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from .. import _dolfinx
-from ..assembly import load_cases
-from ..assembly.problem import Actions, Problem
+from ..assembly.actions import Actions, between, unloaded, with_constraints_of
+from ..assembly.load_cases import prescribed
+from ..assembly.loaded_problem import LoadedProblem
+from ..assembly.problem import Problem
 from ..checks import paths, validation
 from ..model.fingerprints import fingerprint, of_stages
 from ..model.restraint import check_supports
@@ -87,6 +89,10 @@ class Analysis:
 
     Raises:
         ValueError: An argument is of another kind, or differs between processes.
+
+    Attributes:
+        structure: The structure.
+        problem: Meshes and forms of the structure, on which its states, paths and modes continue.
     """
 
     def __init__(
@@ -107,9 +113,9 @@ class Analysis:
         self._limit, self._progress = limit, progress
         self.structure = structure
         self._comm = comm
-        self._problem = Problem(structure, comm)
-        self._solve = solver.prepare(self._problem)
-        self._record = StateEvaluator(self._problem)
+        self.problem = Problem(structure, comm)
+        self._solve = solver.prepare(self.problem)
+        self._record = StateEvaluator(self.problem)
 
     def run(self, stages: Sequence[Stage], checkpoint_file: str | Path | None = None) -> StageResults:
         """Run the stages and return their final states, by name; an unknown name raises a KeyError with the names.
@@ -152,11 +158,11 @@ class Analysis:
                 warn_of_large_prestress(self.structure, stacklevel=3)
         with checkpoint.opened(file, self.structure, stages, self._comm) as saved:
             results = StageResults()
-            ends: dict[str | None, Actions] = {None: load_cases.unloaded(self.structure)}
+            ends: dict[str | None, Actions] = {None: unloaded(self.structure)}
             for stage in stages:
-                ends[stage.name] = end = load_cases.at_end(self._problem, stage, ends[stage.after])
+                ends[stage.name] = end = self.problem.actions(stage, ends[stage.after])
                 shape = results[stage.after].displacement if stage.after else np.zeros(self.structure.points.shape)
-                start = load_cases.with_constraints_of(ends[stage.after], end, shape)
+                start = with_constraints_of(ends[stage.after], end, shape)
                 state = saved.progress.get(stage.name) or Progress(
                     shape, Fraction(0), Fraction(1, stage.increments), ()
                 )
@@ -169,7 +175,7 @@ class Analysis:
         check_stages(self.structure, stages)
         held: dict[str | None, NDArray[np.bool_]] = {None: self.structure.supported}
         for stage in stages:
-            held[stage.name] = held[stage.after] | load_cases.prescribed(stage, self.structure)[0]
+            held[stage.name] = held[stage.after] | prescribed(stage, self.structure)[0]
             check_supports(self.structure, held[stage.name])
 
     def _run(
@@ -183,17 +189,17 @@ class Analysis:
     ) -> StageResult:
         """Run the load increments of a stage from a converged state, between the actions at its start and its end."""
         full = Fraction(1, stage.increments)
-        balanced = stage.after is not None or not self._problem.prestress_forces
+        balanced = stage.after is not None or not self.problem.magnitudes.prestress_forces
         beyond: Progress | None = None  # a state beyond a loss of stability, while smaller increments bracket it
-        x = self._problem.discretization.to_petsc(state.displacement)
+        x = self.problem.to_petsc(state.displacement)
         with Report(stage.name, float(state.factor), shown=self._progress and self._comm.rank == 0) as report:
             ceiling = Ceiling()
             work = Work(self._limit, self._comm, report.iteration)
             while state.factor < 1:
                 factor = ceiling.next(state.factor, state.size)
                 _dolfinx.free_dropped(self._comm)
-                self._problem.apply(load_cases.between(start, end, float(factor)))
-                solution = self._solved(x, work, ceiling.smooth and beyond is None)
+                loaded = self.problem.under(between(start, end, float(factor)))
+                solution = self._solved(loaded, x, work, ceiling.smooth and beyond is None)
                 judged = (balanced or state.factor > 0) and not any(entry.snapped for entry in state.increments)
                 snapped = solution.converged and solution.lost_stability and judged
                 remarks = (solution.stabilized, solution.unstable, solution.extra_iterations, snapped)
@@ -201,7 +207,7 @@ class Analysis:
                 found = None
                 if solution.converged:
                     size = full if snapped else min(2 * state.size, full)
-                    shape = self._problem.discretization.to_numpy(x)
+                    shape = self.problem.to_numpy(x)
                     found = Progress(shape, factor, size, (*state.increments, increment))
                 else:
                     ceiling.failed(factor, len(work.iterates))
@@ -210,15 +216,15 @@ class Analysis:
                 divisible = divisible and (snapped or not ceiling.reached(state.factor))
                 if divisible and (snapped or (not solution.converged and solution.retry)):
                     state = replace(state, size=(factor - state.factor) / 2)
-                    self._problem.discretization.to_petsc(state.displacement).copy(x)
+                    self.problem.to_petsc(state.displacement).copy(x)
                     continue
                 reached = self._located(stage, start, end, state, found or beyond, work)
                 if not reached:
                     shape = results[stage.after].displacement if stage.after else np.zeros(self.structure.points.shape)
-                    slack = self._slack(stage, x, load_cases.between(start, end, float(factor)))
+                    slack = self._slack(stage, loaded, x)
                     last = remarked(self._result(stage, start, end, state), shape)
                     warn_of_remarks(last, self._comm, stacklevel=4)
-                    words = reason(self._problem, x, solution, state, beyond, ceiling, work) + slack
+                    words = reason(loaded, x, solution, state, beyond, ceiling, work) + slack
                     message = (
                         f"Stage {stage.name!r} found no equilibrium at load factor {float(factor):.6g} "
                         f"(the last found is at {float(state.factor):.6g}): {words}"
@@ -227,16 +233,16 @@ class Analysis:
                     raise ConvergenceError(message, results, last, failed, solution.motion)
                 state, beyond = reached, None
                 ceiling.found(state.factor)
-                self._problem.discretization.to_petsc(state.displacement).copy(x)
+                self.problem.to_petsc(state.displacement).copy(x)
                 save(stage.name, state)
                 report.increment(float(state.factor), state.increments[-1].iterations[-1].residual)
         return self._result(stage, start, end, state)
 
-    def _solved(self, x: PETSc.Vec, work: Work, thorough: bool) -> Solution:
+    def _solved(self, loaded: LoadedProblem, x: PETSc.Vec, work: Work, thorough: bool) -> Solution:
         """Solve an increment; once the limit of work is used up, allow no retry."""
         work.iterates.clear()
         try:
-            return self._solve(x, work, thorough)
+            return self._solve(loaded, x, work, thorough)
         except WorkDone as done:
             return Solution(False, f"{done}; {MORE}", tuple(work.iterates), retry=False)
 
@@ -255,27 +261,25 @@ class Analysis:
 
         At the start of a stage forces may not show that yet: a small fraction of the increment makes them visible.
         """
-        if not wrinkling_threshold(self._problem):
+        if not wrinkling_threshold(self.structure):
             return reached  # no part can be slack
         factor = float(state.factor) or PROBE * float(reached.factor)
-        actions = load_cases.between(start, end, factor)
-        self._problem.apply(actions)
-        x = self._problem.discretization.to_petsc(state.displacement)
-        if state.factor == 0 and not self._solved(x, work, thorough=False).converged:
+        loaded = self.problem.under(between(start, end, factor))
+        x = self.problem.to_petsc(state.displacement)
+        if state.factor == 0 and not self._solved(loaded, x, work, thorough=False).converged:
             return reached
         *others, snap = reached.increments
-        words = held_by_slack_parts(self._record(stage.name, x, actions, ()))
+        words = held_by_slack_parts(self._record(stage.name, loaded, x, ()))
         return replace(reached, increments=(*others, snap._replace(fallen=words)))
 
-    def _slack(self, stage: Stage, x: PETSc.Vec, actions: Actions) -> str:
+    def _slack(self, stage: Stage, loaded: LoadedProblem, x: PETSc.Vec) -> str:
         """Sentence on slack parts and free cable ends in a state that is no equilibrium."""
         if not np.isfinite(x.norm()):
             return ""
-        state = self._record(stage.name, x, actions, ())
+        state = self._record(stage.name, loaded, x, ())
         return slack_parts(state) + hanging_ends(state)
 
     def _result(self, stage: Stage, start: Actions, end: Actions, state: Progress) -> StageResult:
-        actions = load_cases.between(start, end, float(state.factor))
-        self._problem.apply(actions)
-        x = self._problem.discretization.to_petsc(state.displacement)
-        return self._record(stage.name, x, actions, state.increments)
+        loaded = self.problem.under(between(start, end, float(state.factor)))
+        x = self.problem.to_petsc(state.displacement)
+        return self._record(stage.name, loaded, x, state.increments)

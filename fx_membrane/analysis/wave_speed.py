@@ -26,7 +26,7 @@ class MassUnitWarning(UserWarning):
 
 def warn_of_mass_units(structure: Structure, stacklevel: int) -> None:
     """Warn once, of the first part with a wave speed that fits no length unit."""
-    size = float(np.ptp(structure.points[structure.used], axis=0).max())
+    size = structure.size
     units = [metres for metres, least, largest in LENGTHS if least <= size < largest]
     for name, part in structure.parts.items():
         if not part.mass:

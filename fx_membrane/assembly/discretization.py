@@ -68,6 +68,7 @@ class Discretization:
 
     Attributes:
         block_of_node: Block of each node in the PETSc system, shape (n,); -1 for a node that no part uses.
+        first_block: First block that this process owns.
         owned_nodes: Nodes whose values this process holds, in the order of its part of a PETSc vector.
         local_nodes: Nodes that the meshes of this process touch, ascending.
         parts: Meshes of the parts of which this process has cells.
@@ -85,6 +86,7 @@ class Discretization:
         self.block_of_node = np.full(len(structure.points), -1)
         self.block_of_node[used] = number
         self.owned_nodes = used[mine]
+        self.first_block = int(comm.exscan(len(mine)) or 0)
         self._size = (3 * len(mine), 3 * len(used))
         self._rows = graph[mine][:, ordered]  # of the node graph, in the numbering of the system
 
@@ -139,7 +141,7 @@ class Discretization:
 
     def create_matrix(self) -> PETSc.Mat:
         """Matrix with the sparsity pattern of all parts together, exactly preallocated."""
-        first = int(self.comm.exscan(len(self.owned_nodes)) or 0)
+        first = self.first_block
         own = (self._rows.indices >= first) & (self._rows.indices < first + len(self.owned_nodes))
         before = np.concatenate([[0], np.cumsum(own)])[self._rows.indptr]
         diagonal = 3 * np.diff(before)
@@ -158,6 +160,14 @@ class Discretization:
             (3 * self.block_of_node[:, None] + np.arange(3))[self.owned_nodes][mask[self.owned_nodes]],
             dtype=PETSc.IntType,
         )
+
+    def stiff_nodes(self, A: PETSc.Mat) -> NDArray[np.bool_]:
+        """Nodes with an entry in a tangent, shape (n,): all except those where no cell has stiffness."""
+        here = self.create_vector()
+        pointers, _, values = A.getValuesCSR()
+        entries = np.repeat(np.arange(len(pointers) - 1), np.diff(pointers))
+        np.maximum.at(here.array, entries, np.abs(values))
+        return np.any(self.to_numpy(here), axis=1)
 
     # Transfer of nodal values
 

@@ -1,7 +1,6 @@
 """Conversion of a stage to nodal and cell actions."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,20 +10,22 @@ from ..geometry.measures import normals
 from ..model.loads import PlanLoad, PointLoad, Pressure
 from ..model.stages import Stage
 from ..model.structure import Structure
-from .problem import Actions, Problem
+from .actions import Actions
 
 Array = NDArray[np.float64]
 
 
-def unloaded(structure: Structure) -> Actions:
-    """Actions of the supports alone."""
-    zero = np.zeros(structure.points.shape)
-    return Actions(loads=zero, held=structure.supported, displacement=zero)
+def at_end(
+    structure: Structure, nodal_loads: Callable[[dict[str, Array]], Array], stage: Stage, start: Actions
+) -> Actions:
+    """Actions at the end of a stage: those at its start plus its own.
 
-
-def at_end(problem: Problem, stage: Stage, start: Actions) -> Actions:
-    """Actions at the end of a stage: those at its start plus its own."""
-    structure = problem.discretization.structure
+    Args:
+        structure: The structure.
+        nodal_loads: Conversion of loads on cells to forces on nodes.
+        stage: The stage.
+        start: Actions at its start.
+    """
     point_loads = np.zeros(structure.points.shape)
     distributed_loads: dict[str, Array] = {}
     pressures = {name: pressure.copy() for name, pressure in start.pressures.items()}
@@ -44,7 +45,7 @@ def at_end(problem: Problem, stage: Stage, start: Actions) -> Actions:
         distributed_loads.setdefault(load.part, np.zeros((len(cells), 3)))[chosen] += per_area
     held, displacement = prescribed(stage, structure)
     return Actions(
-        loads=start.loads + point_loads + problem.nodal_loads(distributed_loads),
+        loads=start.loads + point_loads + nodal_loads(distributed_loads),
         held=start.held | held,
         displacement=np.where(held, displacement, start.displacement),
         pressures=pressures,
@@ -75,30 +76,3 @@ def prescribed(stage: Stage, structure: Structure) -> tuple[NDArray[np.bool_], A
                 )
             mine[nodes, component] = True
     return mine, displacement
-
-
-def with_constraints_of(start: Actions, end: Actions, displacement: Array) -> Actions:
-    """Actions at the start of a stage with the constraints of its end; new ones keep their displacement."""
-    return replace(start, held=end.held, displacement=np.where(start.held, start.displacement, displacement))
-
-
-def between(start: Actions, end: Actions, factor: float) -> Actions:
-    """Actions at a load factor between start and end."""
-    return _combined(start, end, lambda a, b: a + factor * (b - a))
-
-
-def change(start: Actions, end: Actions) -> Actions:
-    """Actions at the end minus those at the start, for a load factor of one."""
-    return _combined(start, end, lambda a, b: b - a)
-
-
-def _combined(start: Actions, end: Actions, combine: Callable[[Array, Array], Array]) -> Actions:
-    def pressure(name: str) -> Array:
-        return start.pressures.get(name, np.zeros_like(end.pressures[name]))
-
-    return Actions(
-        loads=combine(start.loads, end.loads),
-        held=end.held,
-        displacement=combine(start.displacement, end.displacement),
-        pressures={name: combine(pressure(name), end.pressures[name]) for name in end.pressures},
-    )

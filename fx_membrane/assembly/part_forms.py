@@ -1,7 +1,7 @@
 """The energy of a part, its derivatives, and their compiled forms on the cells of this process."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,6 +29,9 @@ class PartForms:
         kept: Compression stiffness, as a fraction of the stiffness; None for a part with one energy only.
         q: Dead load per reference area or length, piecewise constant [N/m2 or N/m].
         p: Pressure along `Structure.normals`, piecewise constant [Pa]; without meaning in cables and masts.
+        prestress: Prestress, row by row, piecewise constant [N/m or N].
+        moduli: Numbers of the material by the name of their attribute; empty for a stress without elasticity.
+        potential: Strain energy in UFL.
         energy: Compiled strain energy.
         residual: Compiled derivative of the energy, less the virtual work of p.
         tangent: Compiled derivative of the residual.
@@ -46,20 +49,31 @@ class PartForms:
     kept: fem.Constant | None
     q: fem.Function
     p: fem.Function
+    prestress: fem.Function
+    moduli: Mapping[str, fem.Constant]
+    potential: Any
     energy: Any
     residual: Any
     tangent: Any
     load: Any
     pressure: Any
+    _compiled: dict[str, Any] = field(default_factory=dict, repr=False)
+
+    def compiled(self, name: str, make: Callable[["PartForms"], Any]) -> Any:
+        """Return a further form or expression of this part, compiled by `make` on first use and kept by its name."""
+        if name not in self._compiled:
+            self._compiled[name] = make(self)
+        return self._compiled[name]
 
 
 class _Energy(NamedTuple):
-    """Energy density and state of a part in UFL, update of its wrinkling direction, compression stiffness."""
+    """Energy density and state of a part in UFL, update of its wrinkling direction, its numbers in the forms."""
 
     density: Any
     state: Any
     follow: Callable[[], None]
     kept: fem.Constant | None = None
+    moduli: Mapping[str, fem.Constant] = {}
 
 
 def part_forms(mesh: PartMesh, structure: Structure, elastic: bool) -> PartForms:
@@ -97,6 +111,9 @@ def part_forms(mesh: PartMesh, structure: Structure, elastic: bool) -> PartForms
         kept=w.kept,
         q=q,
         p=p,
+        prestress=prestress,
+        moduli=w.moduli,
+        potential=energy,
         energy=_dolfinx.form(energy),
         residual=_dolfinx.form(residual),
         tangent=_dolfinx.form(tangent),
@@ -105,11 +122,17 @@ def part_forms(mesh: PartMesh, structure: Structure, elastic: bool) -> PartForms
     )
 
 
-def mass_form(mesh: PartMesh) -> Any:
+def mass_form(part: PartForms) -> Any:
     """Compiled work of the inertia forces of a part, its consistent mass matrix; the same in every state."""
-    V = mesh.u.function_space
-    m = fem.Constant(mesh.mesh, np.float64(mesh.part.mass))
-    dx = ufl.Measure("dx", domain=mesh.mesh, metadata={"quadrature_degree": 2})  # exact: shape functions are linear
+    return part.compiled("mass", _mass_form)
+
+
+def _mass_form(part: PartForms) -> Any:
+    V = part.mesh.u.function_space
+    m = fem.Constant(part.mesh.mesh, np.float64(part.mesh.part.mass))
+    dx = ufl.Measure(
+        "dx", domain=part.mesh.mesh, metadata={"quadrature_degree": 2}
+    )  # exact: shape functions are linear
     return _dolfinx.form(inertia.inertia(m, ufl.TrialFunction(V), ufl.TestFunction(V)) * dx)
 
 
@@ -120,6 +143,37 @@ def tension_form(part: PartForms) -> Any:
     dx = ufl.Measure("dx", domain=part.mesh.mesh, metadata={"quadrature_degree": 1})  # exact: constant per cell
     gradients = [kinematics.displacement_gradient(v, part.T) for v in (ufl.TrialFunction(V), ufl.TestFunction(V))]
     return _dolfinx.form(k * ufl.inner(*gradients) * dx)
+
+
+class DirectedForm(NamedTuple):
+    """Compiled derivative of the residual by a parameter, and its direction: a change of the parameter."""
+
+    form: Any
+    direction: fem.Function | fem.Constant
+
+
+def by_modulus(part: PartForms, name: str) -> DirectedForm:
+    """Differentiate the residual by a number of the material."""
+
+    def make(part: PartForms) -> DirectedForm:
+        direction = fem.Constant(part.mesh.mesh, np.float64(1.0))
+        modulus = ufl.variable(part.moduli[name])
+        potential = ufl.diff(ufl.replace(part.potential, {part.moduli[name]: modulus}), modulus)
+        v = ufl.TestFunction(part.mesh.u.function_space)
+        return DirectedForm(_dolfinx.form(direction * ufl.derivative(potential, part.mesh.u, v)), direction)
+
+    return part.compiled(f"by {name}", make)
+
+
+def by_prestress(part: PartForms) -> DirectedForm:
+    """Differentiate the residual by the prestress."""
+
+    def make(part: PartForms) -> DirectedForm:
+        direction = fem.Function(part.prestress.function_space)
+        residual = ufl.derivative(part.potential, part.mesh.u, ufl.TestFunction(part.mesh.u.function_space))
+        return DirectedForm(_dolfinx.form(ufl.derivative(residual, part.prestress, direction)), direction)
+
+    return part.compiled("by prestress", make)
 
 
 def stiffness(part: Part) -> float:
@@ -138,26 +192,33 @@ def _prescribed_stress(E: Any, sigma0: Any) -> _Energy:
     return _Energy(elasticity.strain_energy(E, sigma0, 0 * E), ufl.as_ufl(wrinkling.TAUT), _nothing)
 
 
+def moduli(part: Part) -> dict[str, float]:
+    """Numbers of the material of a part, by the name of their attribute."""
+    if not isinstance(part, Membrane):
+        return {"axial_stiffness": part.axial_stiffness}
+    names = ("Et", "nu") if isinstance(part.material, Fabric) else ("Et_warp", "Et_weft", "nu", "Gt")
+    return {name: getattr(part.material, name) for name in names}
+
+
 def _strain_energy(mesh: PartMesh, E: Any, sigma0: Any) -> _Energy:
-    def constants(*values: float) -> list[fem.Constant]:
-        return [fem.Constant(mesh.mesh, np.float64(value)) for value in values]
+    def constant(value: float) -> fem.Constant:
+        return fem.Constant(mesh.mesh, np.float64(value))
 
     part, follow = mesh.part, _nothing
+    constants = {name: constant(value) for name, value in moduli(part).items()}
+    numbers = list(constants.values())
     if isinstance(part, Mast):
-        CE = elasticity.axial(E, *constants(part.axial_stiffness))
-        return _Energy(elasticity.strain_energy(E, sigma0, CE), ufl.as_ufl(wrinkling.TAUT), follow)
+        density = elasticity.strain_energy(E, sigma0, elasticity.axial(E, *numbers))
+        return _Energy(density, ufl.as_ufl(wrinkling.TAUT), follow, moduli=constants)
     if isinstance(part, Cable):
-        moduli = constants(part.axial_stiffness)
-        CE, relaxed = elasticity.axial(E, *moduli), wrinkling.cable(E, sigma0, *moduli)
+        CE, relaxed = elasticity.axial(E, *numbers), wrinkling.cable(E, sigma0, *numbers)
     elif isinstance(part.material, Fabric):
-        moduli = constants(part.material.Et, part.material.nu)
-        CE, relaxed = elasticity.isotropic(E, *moduli), wrinkling.isotropic(E, sigma0, *moduli)
+        CE, relaxed = elasticity.isotropic(E, *numbers), wrinkling.isotropic(E, sigma0, *numbers)
     else:
         fabric = part.material
-        moduli = constants(fabric.Et_warp, fabric.Et_weft, fabric.nu, fabric.Gt)
         angle = mesh.cell_field(np.zeros(len(part.cells)))
-        CE, relaxed = elasticity.orthotropic(E, *moduli), wrinkling.orthotropic(E, sigma0, *(*moduli, angle[0]))
-        e = E + elasticity.orthotropic_compliance(sigma0, *moduli)
+        CE, relaxed = elasticity.orthotropic(E, *numbers), wrinkling.orthotropic(E, sigma0, *(*numbers, angle[0]))
+        e = E + elasticity.orthotropic_compliance(sigma0, *numbers)
         strains = _dolfinx.cell_expression(ufl.as_vector([e[0, 0], e[1, 1], e[0, 1]]), mesh.mesh)
 
         def follow() -> None:
@@ -165,7 +226,7 @@ def _strain_energy(mesh: PartMesh, E: Any, sigma0: Any) -> _Energy:
             cells = np.flatnonzero(wrinkling_direction.may_wrinkle(values, fabric))
             angle.x.array[cells] = wrinkling_direction.direction(values[cells], fabric)
 
-    (eta,) = constants(part.compression_stiffness)
+    eta = constant(part.compression_stiffness)
     full = elasticity.strain_energy(E, sigma0, CE)
     state = ufl.conditional(ufl.lt(eta, 1), relaxed.state, wrinkling.TAUT)
-    return _Energy(wrinkling.blend(relaxed.energy, full, eta), state, follow, eta)
+    return _Energy(wrinkling.blend(relaxed.energy, full, eta), state, follow, eta, constants)

@@ -30,6 +30,26 @@ class Scales(NamedTuple):
         return UNIT * (self.prestress + displacement * self.stiffness)
 
 
+class Magnitudes(NamedTuple):
+    """Typical forces and stiffnesses of a structure.
+
+    Attributes:
+        prestress_forces: 2-norm of the prestress forces of all cells, before they balance [N].
+        stiffness: Typical stiffness, the median over the cells [N/m].
+        scales: Sizes of the forces at the components of this process, in the order of a PETSc vector.
+    """
+
+    prestress_forces: float
+    stiffness: float
+    scales: Scales
+
+
+def magnitudes(structure: Structure, elastic: bool, owned_nodes: NDArray[np.int64]) -> Magnitudes:
+    """Typical forces and stiffnesses of a structure, of which this process owns some nodes."""
+    owned = (np.repeat(sizes[owned_nodes], 3) for sizes in scales(structure, elastic))
+    return Magnitudes(prestress_force(structure), typical_stiffness(structure), Scales(*owned))
+
+
 def scales(structure: Structure, elastic: bool) -> Scales:
     """Sizes of the nodal forces of a structure; the stiffness is that of prestress alone where it is not elastic."""
     prestress = prestresses(structure)

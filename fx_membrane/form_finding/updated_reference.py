@@ -19,7 +19,6 @@ minimal surfaces and their conjugates, Experimental Mathematics 2 (1993) 15-36.
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -27,8 +26,8 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from ..assembly import load_cases
-from ..assembly.problem import Actions, Problem
+from ..assembly.loaded_problem import LoadedProblem
+from ..assembly.problem import Problem
 from ..checks import validation
 from ..geometry.measures import measures, normals, projected
 from ..model.fingerprints import of_settings
@@ -152,7 +151,7 @@ def updated_reference(
 
     while len(steps) < max_iterations and not converged:
         try:
-            state = _step(record, partial(solve, monitor=monitor), stage, points, len(steps) + 1)
+            state = _step(record, lambda loaded, x: solve(loaded, x, monitor), stage, points, len(steps) + 1)
         except RuntimeError:
             balanced = None if searched else _balanced_bars(problem, stage, comm, pulse)
             if balanced is None:
@@ -176,7 +175,7 @@ def updated_reference(
 
 def _step(
     record: StateEvaluator,
-    solve: Callable[[PETSc.Vec], Solution],
+    solve: Callable[[LoadedProblem, PETSc.Vec], Solution],
     stage: Stage,
     points: NDArray[np.float64],
     number: int,
@@ -186,7 +185,7 @@ def _step(
     Raises:
         RuntimeError: There is none, or the shape collapses.
     """
-    structure = record.problem.discretization.structure
+    structure = record.problem.structure
     found = _equilibrium(record.problem, solve, stage, points)
     if found is None:
         raise RuntimeError(collapse(structure, number))
@@ -197,10 +196,10 @@ def _step(
 
 def _balanced_bars(problem: Problem, stage: Stage, comm: MPI.Intracomm, pulse: Pulse) -> NDArray[np.float64] | None:
     """Find a shape of bars alone in which their forces balance point loads, shape (n, 3) [m]; None without one."""
-    structure = problem.discretization.structure
+    structure = problem.structure
     if not has_free_masts(structure) or not all(isinstance(load, PointLoad) for load in stage.loads):
         return None
-    actions = load_cases.at_end(problem, stage, load_cases.unloaded(structure))
+    actions = problem.actions(stage)
     with together(comm):
         found = balanced_points(structure, actions.loads, pulse) if comm.rank == 0 else None
     balanced: NDArray[np.float64] | None = comm.bcast(found)
@@ -208,27 +207,29 @@ def _balanced_bars(problem: Problem, stage: Stage, comm: MPI.Intracomm, pulse: P
 
 
 def _equilibrium(
-    problem: Problem, solve: Callable[[PETSc.Vec], Solution], stage: Stage, reference: NDArray[np.float64]
-) -> tuple[PETSc.Vec, Actions] | None:
+    problem: Problem,
+    solve: Callable[[LoadedProblem, PETSc.Vec], Solution],
+    stage: Stage,
+    reference: NDArray[np.float64],
+) -> tuple[LoadedProblem, PETSc.Vec] | None:
     """Displacement from a reference shape to equilibrium of the prestress with the loads on it; None without one.
 
     Raises:
         RuntimeError: The loads do not settle.
     """
-    supports = load_cases.unloaded(problem.discretization.structure)
-    x, shape, before = problem.discretization.create_vector(), reference, None
+    x, shape, before = problem.create_vector(), reference, None
     for _ in range(REPEATS):
         problem.discretization.move(shape)
-        actions = load_cases.at_end(problem, stage, supports)
+        actions = problem.actions(stage)
         problem.discretization.move(reference)
-        problem.apply(actions)
+        loaded = problem.under(actions)
         if before is not None and np.abs(actions.loads - before).max() <= SAME * np.abs(actions.loads).max():
-            return x, actions
-        if not solve(x).converged:
+            return loaded, x
+        if not solve(loaded, x).converged:
             if before is None:
                 return None
             break
-        shape, before = reference + problem.discretization.to_numpy(x), actions.loads
+        shape, before = reference + problem.to_numpy(x), actions.loads
     raise RuntimeError(
         "Form finding found no shape for the dead loads: they grow with the form faster than the prestress can hold. "
         "Give a larger prestress or smaller loads."

@@ -48,7 +48,8 @@ def coincident_nodes(
     return (
         f"Nodes {a} and {b} are at the same place, {validation.format_point(points[a])}, but nothing joins "
         f"them{count}: cell {one} of {first!r} and cell {other} of {second!r} can part there. To join them, give all "
-        f"cells that meet there the same node number; if they are meant to be apart, say so by separate=[({first!r}, {second!r})]."
+        f"cells that meet there the same node number; if they are meant to be apart, say so by "
+        f"separate=[({first!r}, {second!r})]."
     )
 
 

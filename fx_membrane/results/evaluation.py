@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from .. import _dolfinx
+from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.part_forms import PartForms
-from ..assembly.problem import Actions, Problem
+from ..assembly.problem import Problem
 from ..forms import kinematics, stress
 from ..model.parts import Cable, Membrane
 from ..solvers.base import ROUNDING
@@ -36,11 +37,13 @@ class StateEvaluator:
 
     def __init__(self, problem: Problem):
         self.problem = problem
-        self.expressions = {name: _expression(part) for name, part in problem.parts.items()}
+        self.expressions = {name: part.compiled("results", _expression) for name, part in problem.parts.items()}
 
-    def __call__(self, name: str, x: PETSc.Vec, actions: Actions, increments: tuple[Increment, ...]) -> StageResult:
-        """Compute the result of a state x under actions that the problem holds."""
-        problem, discretization = self.problem, self.problem.discretization
+    def __call__(
+        self, name: str, problem: LoadedProblem, x: PETSc.Vec, increments: tuple[Increment, ...]
+    ) -> StageResult:
+        """Compute the result of a state x of the problem under actions."""
+        actions, discretization = problem.actions, problem.discretization
         _dolfinx.free_dropped(discretization.comm)
         with discretization.work(1) as (b,):
             problem.residual(x, b)
@@ -51,7 +54,7 @@ class StateEvaluator:
         position = discretization.structure.points + displacement
         return StageResult(
             name=name,
-            structure=discretization.structure,
+            structure=problem.structure,
             displacement=displacement,
             actions=actions,
             loads=loads,
@@ -66,7 +69,8 @@ class StateEvaluator:
                 unbalanced=unbalanced,
             ),
             increments=increments,
-            parts={name: self._part_result(name) for name in discretization.structure.parts},
+            owner=self.problem,
+            parts={name: self._part_result(name) for name in problem.structure.parts},
         )
 
     def _part_result(self, name: str) -> MembraneResult | BarResult:

@@ -3,16 +3,18 @@
 Arrays follow the user's own order of nodes and cells, and every process has all of them.
 """
 
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly.problem import Actions
+from ..assembly.actions import Actions
+from ..assembly.problem import Problem
 from ..model.parts import Cable, Mast, Membrane
 from ..model.structure import Structure
 from ..solvers.base import Iteration
+from .owner import problem_of, without_owner
 
 Array = NDArray[np.float64]
 
@@ -137,6 +139,7 @@ class StageResult:
         remarks: Sentences on the state to be read before its numbers, those of the warnings: that it is not stable, has
             snapped or fallen, hangs on slack parts, has lost its prestress, is strained beyond its material law, or is
             not in balance.
+        owner: The problem on which the state was computed; None in a copy, see `problem`.
     """
 
     name: str
@@ -150,6 +153,16 @@ class StageResult:
     increments: tuple[Increment, ...]
     parts: dict[str, MembraneResult | BarResult]
     remarks: tuple[Remark, ...] = ()
+    owner: Problem | None = field(default=None, kw_only=True)
+
+    @property
+    def problem(self) -> Problem:
+        """Meshes and forms of the structure; in a copy they are made on first use, by all processes together."""
+        return problem_of(self)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """State without its owner: meshes and PETSc objects belong to this process."""
+        return without_owner(self)
 
     def __repr__(self) -> str:
         return (

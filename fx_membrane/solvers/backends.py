@@ -6,7 +6,6 @@ from typing import Any, Protocol
 
 from petsc4py import PETSc
 
-from ..assembly.problem import Problem
 from ..runtime.decimal_point import decimal_point
 
 Backend = tuple[Callable[[PETSc.Vec], bool], PETSc.KSP]  # backend: the iteration and its linear solver
@@ -16,7 +15,6 @@ class Callbacks(Protocol):
     """Callbacks and workspace of the iteration.
 
     Attributes:
-        problem: The problem.
         A: The tangent.
         b: The right-hand side.
         balanced: True if the last residual is within the tolerance.
@@ -24,7 +22,6 @@ class Callbacks(Protocol):
         newton: dolfinx's NewtonSolver, or None.
     """
 
-    problem: Problem
     A: PETSc.Mat
     b: PETSc.Vec
     balanced: bool
@@ -82,7 +79,7 @@ def by_snes(owner: Callbacks) -> Backend:
             return reasons.CONVERGED_FNORM_ABS
         return reasons.DIVERGED_MAX_IT if iteration == owner.most else reasons.ITERATING
 
-    snes = PETSc.SNES().create(owner.problem.discretization.comm)
+    snes = PETSc.SNES().create(owner.A.comm)
     snes.setType("newtonls")
     snes.setOptionsPrefix("fx_membrane_")
     PETSc.Options("fx_membrane_")["snes_linesearch_type"] = "basic"

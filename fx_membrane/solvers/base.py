@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 
 ROUNDING = 1e-14
@@ -71,8 +72,11 @@ Monitor = Callable[[int, Iteration], None]
 class Solve(Protocol):
     """Function that brings a vector to equilibrium and reports each iterate, with its number, to the monitor."""
 
-    def __call__(self, x: PETSc.Vec, monitor: Monitor = ..., thorough: bool = ...) -> Solution:
-        """Return the outcome; the state is in x. Unless thorough, omit the slow fallbacks that find distant states."""
+    def __call__(self, problem: LoadedProblem, x: PETSc.Vec, monitor: Monitor = ..., thorough: bool = ...) -> Solution:
+        """Return the outcome; the state is in x. Unless thorough, omit the slow fallbacks that find distant states.
+
+        The problem is a view of the one that `prepare` got: other actions, the same numbering and sparsity pattern.
+        """
         ...
 
 
@@ -88,7 +92,7 @@ def no_monitor(number: int, iterate: Iteration) -> None:
     """Monitor that does nothing."""
 
 
-def tolerance(problem: Problem, x: PETSc.Vec, b: PETSc.Vec, rtol: float) -> float:
+def tolerance(problem: LoadedProblem, x: PETSc.Vec, b: PETSc.Vec, rtol: float) -> float:
     """Upper limit of the 2-norm of the unbalanced forces, rounding set aside [N], for the residual b in x.
 
     With prestress far above the loads it is a fraction of the loads, so that their effect is found, too.
@@ -105,9 +109,9 @@ def tolerance(problem: Problem, x: PETSc.Vec, b: PETSc.Vec, rtol: float) -> floa
     return max(rtol * min(forces, MOST * loads or forces), 1e-300)
 
 
-def diverged(problem: Problem, x: PETSc.Vec, residual: float) -> bool:
+def diverged(problem: LoadedProblem, x: PETSc.Vec, residual: float) -> bool:
     """Return True if the iterate has diverged or is not a number."""
-    return not (math.isfinite(residual) and max_norm(x) <= FAR * problem.discretization.structure.size)
+    return not (math.isfinite(residual) and max_norm(x) <= FAR * problem.structure.size)
 
 
 def max_norm(vector: PETSc.Vec) -> float:

@@ -10,13 +10,15 @@ Source: E. Ramm, Strategies for tracing the nonlinear response near limit points
 K.-J. Bathe (eds.), Nonlinear finite element analysis in structural mechanics, Springer (1981) 63-89.
 """
 
+import copy
 import math
 from typing import NamedTuple
 
 from petsc4py import PETSc
 
-from ..assembly import load_cases
-from ..assembly.problem import Actions, Problem
+from ..assembly.actions import Actions, between, change
+from ..assembly.loaded_problem import LoadedProblem
+from ..assembly.problem import Problem
 from . import factorization
 from .base import Iteration, Monitor, no_monitor, tolerance
 from .progress import Pulse
@@ -70,23 +72,40 @@ class BorderedNewton:
 
     Attributes:
         A: The tangent that was factored last.
-        along: Derivative of the displacement by the load factor with that tangent.
+        du_load: Derivative of the displacement by the load factor with that tangent.
+        compression: Fraction of each `compression_stiffness` in effect.
         symmetric: True if the tangent is symmetric at every load factor.
         monitor: Hears of the iterates, and may end the search by an exception.
     """
 
     def __init__(self, problem: Problem, start: Actions, end: Actions, x: PETSc.Vec, rtol: float):
         self.problem, self.start, self.end, self.rtol = problem, start, end, rtol
-        self.rate = load_cases.change(start, end)
+        self.rate = problem.under(change(start, end))
+        self.compression = 1.0
         self.monitor: Monitor = no_monitor
-        self.pulse = Pulse("trace", problem.discretization.comm.rank == 0)
+        self.pulse = Pulse("trace", problem.comm.rank == 0)
         self.A = problem.discretization.create_matrix()
         create = problem.discretization.create_vector
         self.b, self.du_residual, self.du_load, self.work, self.zero = create(), create(), create(), create(), create()
-        self.size = problem.discretization.structure.size
+        self.size = problem.structure.size
         self.symmetric = self.has_potential(x)
-        self.ksp = PETSc.KSP().create(problem.discretization.comm)
+        self.ksp = PETSc.KSP().create(problem.comm)
         factorization.choose(self.ksp, self.A, self.symmetric)
+
+    def without_compression_stiffness(self, left: float) -> "BorderedNewton":
+        """Return the same method, with the same matrix, for the structure with less compression stiffness.
+
+        Args:
+            left: Fraction of each `compression_stiffness` that remains [-].
+        """
+        other = copy.copy(self)
+        other.compression = left
+        return other
+
+    def under(self, factor: float) -> LoadedProblem:
+        """View of the problem at a load factor."""
+        loaded = self.problem.under(between(self.start, self.end, factor))
+        return loaded if self.compression == 1 else loaded.without_compression_stiffness(self.compression)
 
     def free(self) -> None:
         """Free PETSc objects on all processes together; Python's garbage collector acts at a different time on each."""
@@ -96,10 +115,10 @@ class BorderedNewton:
     def has_potential(self, x: PETSc.Vec) -> bool:
         """Return True if pressures keep the tangent symmetric, as uniform ones on closed surfaces or in held edges."""
         for actions in (self.start, self.end):
-            self.problem.apply(actions)
-            if not self.problem.symmetric:
-                self.problem.tangent(x, self.A)
-                self.problem.constrain_tangent(x, self.A, self.work)
+            loaded = self.problem.under(actions)
+            if not loaded.symmetric:
+                loaded.tangent(x, self.A)
+                loaded.constraints.constrain_tangent(x, self.A, self.work)
                 if not factorization.is_symmetric(self.A):
                     return False
         return True
@@ -111,13 +130,13 @@ class BorderedNewton:
         while True:
             balanced = self.residual(x, factor)
             max_norm = self.b.norm(PETSc.NormType.NORM_INFINITY)
-            iterations.append(Iteration(self.problem.energy(x), max_norm, float(bool(iterations))))
+            iterations.append(Iteration(self.under(factor).energy(x), max_norm, float(bool(iterations))))
             self.pulse(f"load factor {factor:.6g}, iteration {len(iterations) - 1}, residual {max_norm:.1e}")
             self.monitor(len(iterations) - 1, iterations[-1])
             if balanced:
                 return Point(x, factor, tuple(iterations))
             diverged = not (math.isfinite(max_norm) and x.norm(PETSc.NormType.NORM_INFINITY) <= FAR * self.size)
-            if diverged or len(iterations) > MOST or not self.linearize(x):
+            if diverged or len(iterations) > MOST or not self.linearize(x, factor):
                 return None
             move = self.correction(Point(x, factor), plane)
             if move is None:
@@ -130,29 +149,29 @@ class BorderedNewton:
         if not self.solve(self.b, self.du_residual):
             return None
         slope = float(plane.normal.dot(self.du_load)) + plane.load_weight
-        change = (float(plane.normal.dot(self.du_residual)) - plane.signed_distance(guess)) / (slope or math.nan)
+        growth = (float(plane.normal.dot(self.du_residual)) - plane.signed_distance(guess)) / (slope or math.nan)
         move = self.du_load.copy()
-        move.scale(change)
+        move.scale(growth)
         move.axpy(-1.0, self.du_residual)
-        return Step(move, change)
+        return Step(move, growth)
 
     def residual(self, x: PETSc.Vec, factor: float) -> bool:
-        """Apply a load factor; return True if the unbalanced forces are below the tolerance."""
-        self.problem.apply(load_cases.between(self.start, self.end, factor))
-        self.problem.residual(x, self.b)
-        accepted = tolerance(self.problem, x, self.b, self.rtol)
-        self.problem.constrain_residual(x, self.b)
-        return self.problem.beyond_rounding(x, self.b) < accepted
+        """Evaluate the residual; return True if the unbalanced forces are below the tolerance."""
+        loaded = self.under(factor)
+        loaded.residual(x, self.b)
+        accepted = tolerance(loaded, x, self.b, self.rtol)
+        loaded.constraints.constrain_residual(x, self.b)
+        return loaded.beyond_rounding(x, self.b) < accepted
 
-    def linearize(self, x: PETSc.Vec) -> bool:
-        """Factor the tangent under the actions of `residual`, solve for `along`; return True if it is regular."""
+    def linearize(self, x: PETSc.Vec, factor: float) -> bool:
+        """Factor the tangent, solve for `du_load`; return True if it is regular."""
         self.A.setOption(PETSc.Mat.Option.SYMMETRIC, self.symmetric)
-        self.problem.tangent(x, self.A)
-        self.problem.apply(self.rate)
+        self.under(factor).tangent(x, self.A)
         with self.problem.discretization.work(1) as (gain,):
-            self.problem.loads(x, gain)
-            gain.scale(-1.0)
-            self.problem.constrain_tangent(self.zero, self.A, gain)  # constrained components move at their rate
+            self.rate.load_derivative(x, b=gain)
+            self.rate.constraints.constrain_tangent(
+                self.zero, self.A, gain
+            )  # constrained components move at their rate
             gain.scale(-1.0)
             return self.solve(gain, self.du_load)
 

@@ -12,6 +12,7 @@ from typing import Literal, NamedTuple
 
 from petsc4py import PETSc
 
+from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from ..checks import validation
 from .base import ROUNDING, Iteration, Monitor, Solution, Solve, diverged, no_monitor, tolerance
@@ -134,6 +135,7 @@ class _Descent:
     """The iteration.
 
     Attributes:
+        problem: The problem of the present solve.
         now: Gradient at the last iterate.
         before: Gradient at the previous iterate.
         direction: Last search direction.
@@ -144,21 +146,24 @@ class _Descent:
     """
 
     def __init__(self, settings: SteepestDescent | ConjugateGradient, beta: Beta, problem: Problem):
-        self.settings, self.beta, self.problem = settings, beta, problem
-        self.size = problem.discretization.structure.size
+        self.settings, self.beta = settings, beta
+        self.size = problem.structure.size
         self.preconditioner = preconditioner(problem, settings.preconditioner)
         create = problem.discretization.create_vector
         self.now, self.before = Gradient(create(), create()), Gradient(create(), create())
         self.direction = create()
 
-    def __call__(self, x: PETSc.Vec, monitor: Monitor = no_monitor, thorough: bool = True) -> Solution:
+    def __call__(
+        self, problem: LoadedProblem, x: PETSc.Vec, monitor: Monitor = no_monitor, thorough: bool = True
+    ) -> Solution:
+        self.problem = problem
         self.history: list[Iteration] = []
         self.anew, self.age = True, 0
         self.restart = self.free_components()
-        self.problem.impose(x)
+        self.problem.constraints.impose(x)
         if self.arrived(x, 0.0, monitor):
             return Solution(True, "converged", tuple(self.history))
-        divide = self.preconditioner(x)
+        divide = self.preconditioner(problem, x)
         if divide is None:
             return Solution(False, INDEFINITE, tuple(self.history))
         for _ in range(self.settings.max_iterations):
@@ -177,7 +182,7 @@ class _Descent:
         b = self.now.g
         self.problem.residual(x, b)
         accepted = tolerance(self.problem, x, b, self.settings.rtol if self.history else ROUNDING)
-        self.problem.zero_constrained(b)
+        self.problem.constraints.zero_constrained(b)
         max_norm = b.norm(PETSc.NormType.NORM_INFINITY)
         self.history.append(Iteration(self.problem.energy(x), max_norm, length))
         monitor(len(self.history) - 1, self.history[-1])
@@ -240,7 +245,7 @@ class _Descent:
         """Count of unconstrained components."""
         with self.problem.discretization.work(1) as (free,):
             free.set(1.0)
-            self.problem.zero_constrained(free)
+            self.problem.constraints.zero_constrained(free)
             return int(free.sum())
 
     def stands_still(self) -> bool:

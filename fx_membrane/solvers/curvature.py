@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from ..assembly.problem import Problem
+from ..assembly.loaded_problem import LoadedProblem
 from ..model.parts import Mast
+from ..model.structure import Structure
 from . import factorization
 
 WEAK = 1e-9  # stiffness of a mode, as a strain, below which it is a free motion
@@ -34,7 +35,7 @@ class Mode(NamedTuple):
     stiffness: float
 
 
-def lowest_mode(problem: Problem, x: PETSc.Vec, tension: float, moving: NDArray[np.bool_] | None = None) -> Mode:
+def lowest_mode(problem: LoadedProblem, x: PETSc.Vec, tension: float, moving: NDArray[np.bool_] | None = None) -> Mode:
     """Mode motion in a state.
 
     Args:
@@ -46,33 +47,33 @@ def lowest_mode(problem: Problem, x: PETSc.Vec, tension: float, moving: NDArray[
     """
     A, v = problem.discretization.create_matrix(), x.duplicate()
     problem.tangent(x, A)
-    structure = problem.discretization.structure
+    structure = problem.structure
     at_rest = np.zeros(len(structure.points), dtype=bool)
     if moving is not None:
-        at_rest = structure.used & ~(moving & problem.stiff_nodes(A))
+        at_rest = structure.used & ~(moving & problem.discretization.stiff_nodes(A))
     still = problem.discretization.dofs(np.repeat(at_rest[:, None], 3, axis=1))
     with problem.discretization.work(1) as (b,):
-        problem.constrain_tangent(x, A, b)
+        problem.constraints.constrain_tangent(x, A, b)
         K = factorization.symmetric_part(A)
         problem.stiffen(x, A, b, tension)
     if moving is not None:
-        A.zeroRowsColumns(still, diag=problem.stiffness)
+        A.zeroRowsColumns(still, diag=problem.magnitudes.stiffness)
     stiffened = factorization.symmetric_part(A)
     stiffened.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-    solver = PETSc.KSP().create(problem.discretization.comm)
+    solver = PETSc.KSP().create(problem.comm)
     factorization.choose(solver, stiffened, symmetric=True)
     # Random numbers, equal for any number of processes: symmetry hides no mode.
     problem.discretization.to_petsc(np.random.default_rng(0).normal(size=structure.points.shape), v)
     v.array[still - v.getOwnershipRange()[0]] = 0.0
     with problem.discretization.work(1) as (w,):
         for _ in range(STEPS):
-            problem.zero_constrained(v)
+            problem.constraints.zero_constrained(v)
             solver.solve(v, w)
             w.scale(1 / (w.norm() or 1.0))
             w.copy(v)
         K.mult(v, w)
         work = float(v.dot(w))
-    artificial = problem.tension_work(v)
+    artificial = problem.stabilizer.work(v)
     found = Mode(factorization.pivots(solver).negative, v, work / artificial if artificial else np.inf)
     for matrix in (A, K, stiffened):
         matrix.destroy()
@@ -80,52 +81,52 @@ def lowest_mode(problem: Problem, x: PETSc.Vec, tension: float, moving: NDArray[
     return found
 
 
-def negative_curvature_direction(problem: Problem, x: PETSc.Vec) -> Mode:
+def negative_curvature_direction(problem: LoadedProblem, x: PETSc.Vec) -> Mode:
     """Direction of the most negative curvature; its `negative` is 0 if there is none.
 
     The small compression stiffness of wrinkled and slack cells lets them buckle from node to node. That is no
     instability of the structure, so it is left out.
     """
-    with problem.no_compression_stiffness():
-        found = lowest_mode(problem, x, tension := WEAK)
-        negative = found.negative
-        # Inverse iteration finds the mode nearest to -tension: the lowest, once the shift is below all.
-        while found.negative and tension < LARGEST:
-            tension *= 4
-            found.motion.destroy()
-            found = lowest_mode(problem, x, tension)
+    problem = problem.without_compression_stiffness()
+    found = lowest_mode(problem, x, tension := WEAK)
+    negative = found.negative
+    # Inverse iteration finds the mode nearest to -tension: the lowest, once the shift is below all.
+    while found.negative and tension < LARGEST:
+        tension *= 4
+        found.motion.destroy()
+        found = lowest_mode(problem, x, tension)
     return found._replace(negative=negative)
 
 
-def wrinkling_threshold(problem: Problem) -> float:
+def wrinkling_threshold(structure: Structure) -> float:
     """Upper bound of the negative curvature of wrinkled and slack cells in any shape, as a strain."""
-    return CRUSHED * _kept(problem)
+    return CRUSHED * _kept(structure)
 
 
-def negative_between(problem: Problem, start: PETSc.Vec, end: PETSc.Vec) -> bool:
+def negative_between(problem: LoadedProblem, start: PETSc.Vec, end: PETSc.Vec) -> bool:
     """Return True if the energy is concave somewhere on the straight line between two states.
 
     Hill's second-order work on the chord, by differences of the residual. Negative curvature of wrinkled and slack
     cells is ignored; without masts and pressures there is none. Constrained components keep their end values.
     """
-    parts = problem.discretization.structure.parts.values()
+    parts = problem.structure.parts.values()
     if problem.symmetric and not any(isinstance(part, Mast) or part.compression_stiffness >= 1 for part in parts):
         return False
     forces = []
     with problem.discretization.work(3) as (at, way, b):
         start.copy(at)
-        problem.impose(at)
+        problem.constraints.impose(at)
         way.waxpy(-1.0, at, end)
         for _ in range(SECANTS + 1):
             problem.residual(at, b)
             forces.append(float(b.dot(way)))
             at.axpy(1 / SECANTS, way)
-        least = max(LEAST, wrinkling_threshold(problem)) * problem.tension_work(way)
+        least = max(LEAST, wrinkling_threshold(problem.structure)) * problem.stabilizer.work(way)
     return bool((SECANTS * np.diff(forces) < -least).any())
 
 
-def _kept(problem: Problem) -> float:
+def _kept(structure: Structure) -> float:
     """Largest compression stiffness of a part, as a fraction of its stiffness; 0 if none can wrinkle or slacken."""
-    parts = problem.discretization.structure.parts.values()
+    parts = structure.parts.values()
     kept = [part.compression_stiffness for part in parts if not isinstance(part, Mast)]
     return max([share for share in kept if share < 1], default=0.0)

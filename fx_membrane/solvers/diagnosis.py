@@ -7,7 +7,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from ..assembly.problem import Problem
+from ..assembly.loaded_problem import LoadedProblem
 from ..geometry.measures import measures
 from ..model.parts import Cable, Mast, Membrane
 from ..model.structure import Structure
@@ -20,7 +20,7 @@ SWUNG, FAR_OVER = 0.1, 0.5  # angles by which a mast has swung far, without load
 SHOWN = 3  # masts and parts that are named
 
 
-def linear_failure(problem: Problem, A: PETSc.Mat) -> str:
+def linear_failure(problem: LoadedProblem, A: PETSc.Mat) -> str:
     """Sentence on why the linear system could not be solved."""
     loose = loose_nodes(problem, A)
     if loose:
@@ -29,7 +29,7 @@ def linear_failure(problem: Problem, A: PETSc.Mat) -> str:
         axis = ", ".join(f"{component + 0.0:.3g}" for component in direction)
         return (
             f"the tangent stiffness is singular: nothing holds node {node}{also} in the direction ({axis}). "
-            + _why_loose(problem.discretization.structure, node)
+            + _why_loose(problem.structure, node)
         )
     less = "" if problem.unloaded() else ", or apply less load per increment"
     return (
@@ -66,7 +66,7 @@ class Mechanism(NamedTuple):
     words: str
 
 
-def mechanism(problem: Problem, x: PETSc.Vec) -> Mechanism | None:
+def mechanism(problem: LoadedProblem, x: PETSc.Vec) -> Mechanism | None:
     """Free motion of a structure in a state; None if every motion meets resistance."""
     found = lowest_mode(problem, x, WEAK)
     # Written so that NaN is not taken for a mechanism.
@@ -76,9 +76,9 @@ def mechanism(problem: Problem, x: PETSc.Vec) -> Mechanism | None:
     return free._replace(words=f"{free.words} Add supports, members or prestress that hold it.")
 
 
-def slack_mechanism(problem: Problem, x: PETSc.Vec) -> Mechanism | None:
+def slack_mechanism(problem: LoadedProblem, x: PETSc.Vec) -> Mechanism | None:
     """Free motion of masts that only the compression stiffness of slack parts resists, or None."""
-    structure = problem.discretization.structure
+    structure = problem.structure
     masts = np.zeros(len(structure.points), dtype=bool)
     for part in structure.parts.values():
         if isinstance(part, Mast):
@@ -87,8 +87,7 @@ def slack_mechanism(problem: Problem, x: PETSc.Vec) -> Mechanism | None:
         return None
     # Slack fabric may be softer than a mast that falls: masts move alone, too.
     for moving in (np.ones_like(masts), masts):
-        with problem.no_compression_stiffness():
-            found = lowest_mode(problem, x, WEAK, moving)
+        found = lowest_mode(problem.without_compression_stiffness(), x, WEAK, moving)
         motion = problem.discretization.to_numpy(found.motion)
         # Fabric that is slack here and there is not the structure.
         if found.stiffness < WEAK and masts[np.linalg.norm(motion, axis=1).argmax()]:
@@ -128,17 +127,17 @@ def _mechanism(motion: NDArray[np.float64], but: str = "") -> Mechanism:
     return Mechanism(motion, words)
 
 
-def collapsed(problem: Problem, x: PETSc.Vec) -> bool:
+def collapsed(problem: LoadedProblem, x: PETSc.Vec) -> bool:
     """Return True if a cell has shrunk to nothing: stabilization collapses an unsupported structure."""
-    structure = problem.discretization.structure
+    structure = problem.structure
     shape = structure.points + problem.discretization.to_numpy(x)
     cells = [part.cells for part in structure.parts.values()]
     return any((measures(shape, c) < NOTHING * measures(structure.points, c)).any() for c in cells)
 
 
-def unlikely_units(problem: Problem, x: PETSc.Vec) -> str:
+def unlikely_units(problem: LoadedProblem, x: PETSc.Vec) -> str:
     """Sentence on loads that would strain the structure far too much, as with wrong units; else empty."""
-    share = problem.load_norm(x) / (problem.stiffness * problem.discretization.structure.size)
+    share = problem.load_norm(x) / (problem.magnitudes.stiffness * problem.structure.size)
     if not share > 1:
         return ""
     return (
@@ -148,7 +147,7 @@ def unlikely_units(problem: Problem, x: PETSc.Vec) -> str:
 
 
 def stagnation_message(
-    problem: Problem, x: PETSc.Vec, iterations: int, residual: float, at_rounding: bool, solver: str = "Newton"
+    problem: LoadedProblem, x: PETSc.Vec, iterations: int, residual: float, at_rounding: bool, solver: str = "Newton"
 ) -> str:
     """Sentence on why the iteration did not converge.
 
@@ -166,7 +165,7 @@ def stagnation_message(
             f"more digits than rounding leaves; allow a larger one ({solver}(rtol=...)) or more iterations "
             f"({solver}(max_iterations=...))."
         )
-    size = problem.discretization.structure.size
+    size = problem.structure.size
     displacement = max_norm(x)
     swung = swung_masts(problem, x, SWUNG if problem.unloaded() else FAR_OVER, "tried")
     if problem.unloaded():
@@ -189,7 +188,7 @@ def stagnation_message(
     return f"{swung} A{after[1:]}" if swung else after
 
 
-def swung_masts(problem: Problem, x: PETSc.Vec, limit: float, kind: str) -> str:
+def swung_masts(problem: LoadedProblem, x: PETSc.Vec, limit: float, kind: str) -> str:
     """Name the mast that has turned most, in a sentence; empty if none has by more than a limit.
 
     Args:
@@ -198,7 +197,7 @@ def swung_masts(problem: Problem, x: PETSc.Vec, limit: float, kind: str) -> str:
         limit: The angle [rad].
         kind: How the state came about: "found" or "tried".
     """
-    structure, moved = problem.discretization.structure, problem.discretization.to_numpy(x)
+    structure, moved = problem.structure, problem.discretization.to_numpy(x)
     found = []
     for name, part in structure.parts.items():
         if isinstance(part, Mast):
@@ -218,7 +217,7 @@ def swung_masts(problem: Problem, x: PETSc.Vec, limit: float, kind: str) -> str:
     )
 
 
-def loose_nodes(problem: Problem, A: PETSc.Mat) -> list[tuple[int, list[float]]]:
+def loose_nodes(problem: LoadedProblem, A: PETSc.Mat) -> list[tuple[int, list[float]]]:
     """Nodes, in the user's numbering, without stiffness in some direction, and that direction."""
     discretization = problem.discretization
     first = A.getOwnershipRange()[0]
@@ -230,7 +229,9 @@ def loose_nodes(problem: Problem, A: PETSc.Mat) -> list[tuple[int, list[float]]]
     if not discretization.comm.allreduce(bool(np.isfinite(blocks).all()), MPI.LAND):
         return []  # all processes return together: eigh would fail on some only
     stiffness, directions = np.linalg.eigh(blocks)
-    limit = 1e-13 * np.minimum(np.abs(blocks).max(axis=(1, 2)), problem.stiffness)  # neither another node nor a support
+    limit = 1e-13 * np.minimum(
+        np.abs(blocks).max(axis=(1, 2)), problem.magnitudes.stiffness
+    )  # neither another node nor a support
     weakest = np.argmin(np.abs(stiffness), axis=1)
     loose = np.flatnonzero(np.abs(stiffness).min(axis=1) <= limit)
     found = [(int(discretization.owned_nodes[i]), directions[i, :, weakest[i]].tolist()) for i in loose]

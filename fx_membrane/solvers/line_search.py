@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from petsc4py import PETSc
 
-from ..assembly.problem import Problem
+from ..assembly.loaded_problem import LoadedProblem
 from .base import ROUNDING
 
 DECREASE = 1e-4  # minimum fraction of the linearly predicted decrease
@@ -64,7 +64,9 @@ def search(along: Callable[[float], Point], rounding: float, flatness: float = 0
         interpolate = _cubic
 
 
-def line(problem: Problem, start: PETSc.Vec, step: PETSc.Vec, first: Point | None = None) -> Callable[[float], Point]:
+def line(
+    problem: LoadedProblem, start: PETSc.Vec, step: PETSc.Vec, first: Point | None = None
+) -> Callable[[float], Point]:
     """Energy and slope along a step from a start; first, if known, is the point at the start.
 
     The slope is the residual along the step. For a pressure without a potential the search finds a zero of the slope,
@@ -86,14 +88,14 @@ def line(problem: Problem, start: PETSc.Vec, step: PETSc.Vec, first: Point | Non
     return along
 
 
-def rounding(problem: Problem, first: Point, start: PETSc.Vec, step: PETSc.Vec) -> float:
+def rounding(problem: LoadedProblem, first: Point, start: PETSc.Vec, step: PETSc.Vec) -> float:
     """Error of energy differences by rounding along a step [J]: the prestress works over the whole displacement."""
     way = float(start.norm() + step.norm())
-    return 10 * ROUNDING * (abs(first.energy) + problem.prestress_forces * way)
+    return 10 * ROUNDING * (abs(first.energy) + problem.magnitudes.prestress_forces * way)
 
 
 def step_back(
-    problem: Problem, b: PETSc.Vec, energy: float, start: PETSc.Vec, dx: PETSc.Vec, moved: bool
+    problem: LoadedProblem, b: PETSc.Vec, energy: float, start: PETSc.Vec, dx: PETSc.Vec, moved: bool
 ) -> float | None:
     """Length of the step -dx from a start that meets the constraints; None if no length is accepted.
 

@@ -19,6 +19,7 @@ from typing import cast
 from petsc4py import PETSc
 
 from .. import _dolfinx
+from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from ..checks import validation
 from . import artificial_tension, factorization
@@ -81,6 +82,7 @@ class _NewtonRaphson:
     """The iteration: callbacks for residual, tangent and step, and their backend.
 
     Attributes:
+        problem: The problem of the present solve.
         length: Length of the last step.
         added: Shift of the tangent for that step, as a strain.
         iterates: Number of iterates since the solve began, rejected ones included.
@@ -90,7 +92,8 @@ class _NewtonRaphson:
     """
 
     def __init__(self, settings: Newton, problem: Problem):
-        self.settings, self.problem = settings, problem
+        self.settings = settings
+        self.problem = problem.under()
         self.A = problem.discretization.create_matrix()
         self.b = problem.discretization.create_vector()
         create = problem.discretization.create_vector
@@ -102,16 +105,18 @@ class _NewtonRaphson:
         self.most = settings.max_iterations
         self.iterates, self.first = 0, True
         self.symmetric, self.from_stable, self.lost_stability = True, False, False
-        self.size = problem.discretization.structure.size
-        self.newton = _dolfinx.newton_solver(problem.discretization.comm)
+        self.size = problem.structure.size
+        self.newton = _dolfinx.newton_solver(problem.comm)
         # The backends hold their callbacks in C and C++, invisible to Python's garbage collector: a weak reference lets
         # the problem be freed before the program ends.
         owner = cast(_NewtonRaphson, weakref.proxy(self))
         self.iterate, self.ksp = by_snes(owner) if self.newton is None else by_dolfinx(owner)
-        factorization.keep_until_all_are_done(self, problem.discretization.comm, self.ksp)
+        factorization.keep_until_all_are_done(self, problem.comm, self.ksp)
 
-    def __call__(self, x: PETSc.Vec, monitor: Monitor = no_monitor, thorough: bool = True) -> Solution:
-        self.monitor, self.iterates = monitor, 0
+    def __call__(
+        self, problem: LoadedProblem, x: PETSc.Vec, monitor: Monitor = no_monitor, thorough: bool = True
+    ) -> Solution:
+        self.problem, self.monitor, self.iterates = problem, monitor, 0
         self.from_stable = self.lost_stability = False
         start = x.copy(self.begin)
         solution = self.solve(x, thorough)
@@ -186,16 +191,17 @@ class _NewtonRaphson:
 
     def stabilized_start(self, x: PETSc.Vec) -> None:
         """Solve a homotopy in a fading artificial tension."""
+        given = self.problem
         try:
             for tension in HOMOTOPY:
-                self.problem.tension = tension
+                self.problem = given.with_stabilization(tension)
                 before = x.copy(self.before)
                 self.attempt(x, ROUGH, FEW)
                 if not max_norm(x) <= FAR * self.size:
                     before.copy(x)
                     return
         finally:
-            self.problem.tension = 0.0
+            self.problem = given
 
     def attempt(self, x: PETSc.Vec, rtol: float, most: int) -> Solution:
         """Run the iteration once."""
@@ -221,7 +227,7 @@ class _NewtonRaphson:
     def conservative(self, x: PETSc.Vec) -> bool:
         """Return True if pressures have a potential here, as within held edges: the tangent is symmetric."""
         self.problem.tangent(x, self.A)
-        self.problem.constrain_tangent(x, self.A, self.b)
+        self.problem.constraints.constrain_tangent(x, self.A, self.b)
         return factorization.is_symmetric(self.A)
 
     def stagnation_message(self, x: PETSc.Vec) -> str:
@@ -235,7 +241,7 @@ class _NewtonRaphson:
         """Residual with constraints; record the iterate and the tolerance for its 2-norm."""
         self.problem.residual(x, b)
         self.tolerance = tolerance(self.problem, x, b, self.rtol if self.history else ROUNDING)
-        self.problem.constrain_residual(x, b)
+        self.problem.constraints.constrain_residual(x, b)
         beyond, unbalanced = self.problem.beyond_rounding(x, b), max_norm(b)
         self.history.append(Iteration(self.problem.energy(x), unbalanced, self.length, self.added))
         small = beyond < REST * self.tolerance / self.rtol
@@ -249,7 +255,7 @@ class _NewtonRaphson:
         """Tangent and right-hand side with constraints."""
         A.setOption(PETSc.Mat.Option.SYMMETRIC, self.symmetric)
         self.problem.tangent(x, A)
-        self.problem.constrain_tangent(x, A, self.b)
+        self.problem.constraints.constrain_tangent(x, A, self.b)
         damping = artificial_tension.to_begin_with(self.length, self.added, self.history)
         self.added = 0.0
         if damping:
@@ -263,18 +269,20 @@ class _NewtonRaphson:
                 raise _Stop(linear_failure(self.problem, self.A))
             return
         start = x.copy(self.here)
-        moved = self.problem.impose(start)
+        moved = self.problem.constraints.impose(start)
         length = None
         while length is None:
             while not self.is_descent(dx):
                 self.correct_inertia(x, dx)
-            self.problem.zero_constrained(dx)
+            self.problem.constraints.zero_constrained(dx)
             length = step_back(self.problem, self.b, self.history[-1].energy, start, dx, moved)
             if length is None:
                 self.correct_inertia(x, dx)
         if self.iterates == 1:
             # The least shift makes up for slack cells; without slack cells it would hide an unstable start.
-            self.from_stable = self.added <= (artificial_tension.FIRST if wrinkling_threshold(self.problem) else 0.0)
+            self.from_stable = self.added <= (
+                artificial_tension.FIRST if wrinkling_threshold(self.problem.structure) else 0.0
+            )
         self.length = length
         dx.scale(length)
         dx.axpy(1.0, x)
@@ -290,7 +298,7 @@ class _NewtonRaphson:
             negative, zero = int(float(self.b.dot(dx)) <= 0), 0
         # Later attempts begin out of balance.
         if negative and self.from_stable and self.first:
-            self.lost_stability |= self.added > wrinkling_threshold(self.problem)
+            self.lost_stability |= self.added > wrinkling_threshold(self.problem.structure)
         return (negative, zero) == (0, 0)
 
     def correct_inertia(self, x: PETSc.Vec, dx: PETSc.Vec) -> None:

@@ -6,6 +6,7 @@ from typing import Literal
 
 from petsc4py import PETSc
 
+from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from . import factorization
 
@@ -17,21 +18,21 @@ TENSIONS = (0.0, *(1e-4 * 8.0**i for i in range(10)))
 ZERO = 1e-13  # fraction of the largest entry below which a diagonal entry is zero
 
 
-def preconditioner(problem: Problem, kind: Kind) -> Callable[[PETSc.Vec], Divide | None]:
+def preconditioner(problem: Problem, kind: Kind) -> Callable[[LoadedProblem, PETSc.Vec], Divide | None]:
     """Return a function that makes the preconditioner M of a state that meets the constraints.
 
     It keeps its workspace from state to state. It returns None if M cannot be made positive definite.
     """
     if kind is None:
-        return lambda x: PETSc.Vec.copy
+        return lambda problem, x: PETSc.Vec.copy
     divide_by = _diagonal if kind == "jacobi" else _Factors(problem)
     A, b = problem.discretization.create_matrix(), problem.discretization.create_vector()
 
-    def at(x: PETSc.Vec) -> Divide | None:
+    def at(problem: LoadedProblem, x: PETSc.Vec) -> Divide | None:
         problem.tangent(x, A)
         if not problem.symmetric:
             factorization.symmetrize(A)
-        problem.constrain_tangent(x, A, b)
+        problem.constraints.constrain_tangent(x, A, b)
         divide = divide_by(A)
         for less, more in pairwise(TENSIONS):
             if divide is not None:
@@ -55,8 +56,8 @@ class _Factors:
     """Division by the tangent; None if it is not positive definite."""
 
     def __init__(self, problem: Problem):
-        self.ksp = PETSc.KSP().create(problem.discretization.comm)
-        factorization.keep_until_all_are_done(self, problem.discretization.comm, self.ksp)
+        self.ksp = PETSc.KSP().create(problem.comm)
+        factorization.keep_until_all_are_done(self, problem.comm, self.ksp)
 
     def __call__(self, A: PETSc.Mat) -> Divide | None:
         factorization.choose(self.ksp, A, symmetric=True)

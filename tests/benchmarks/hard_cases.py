@@ -49,7 +49,7 @@ from fx_membrane import (
     force_density,
     rectangle,
 )
-from fx_membrane.assembly.problem import Problem
+from fx_membrane.assembly.loaded_problem import LoadedProblem
 
 Case = tuple[Structure, list[Stage]]
 FABRIC = Fabric(Et=500e3, nu=0.3)
@@ -264,14 +264,15 @@ def factorizations() -> int:
 def count_assemblies() -> None:
     """Make the problem note each residual and each tangent in `assemblies`."""
 
-    def counted(assemble: Callable[[Problem, PETSc.Vec, PETSc.Object], None]) -> Callable[..., None]:
-        def call(problem: Problem, x: PETSc.Vec, result: PETSc.Object) -> None:
+    def counted(assemble: Callable[[LoadedProblem, PETSc.Vec, PETSc.Object], None]) -> Callable[..., None]:
+        def call(problem: LoadedProblem, x: PETSc.Vec, result: PETSc.Object) -> None:
             assemblies[assemble.__name__] += 1
             assemble(problem, x, result)
 
         return call
 
-    Problem.residual, Problem.tangent = counted(Problem.residual), counted(Problem.tangent)
+    LoadedProblem.residual = counted(LoadedProblem.residual)
+    LoadedProblem.tangent = counted(LoadedProblem.tangent)
 
 
 def measure(make: Callable[[], Case], solver: Newton) -> str:

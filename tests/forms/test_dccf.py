@@ -76,7 +76,7 @@ def test_single_elements(name, amplitude):
     u = amplitude * size * rng.normal(size=X.shape)
     element = dccf.elements(X, warp)
 
-    problem = Problem(structure, MPI.COMM_SELF)
+    problem = Problem(structure, MPI.COMM_SELF).under()
     number = problem.discretization.block_of_node
     x = problem.discretization.to_petsc(u.reshape(-1, 3))
     b, A = problem.discretization.create_vector(), problem.discretization.create_matrix()
@@ -151,7 +151,7 @@ def test_whole_mesh():
     )
     u = 0.01 * rng.normal(size=points.shape)
 
-    problem = Problem(Structure(points, {"fabric": fabric, "cable": cable}))
+    problem = Problem(Structure(points, {"fabric": fabric, "cable": cable})).under()
     x = problem.discretization.to_petsc(u)
     b, A = problem.discretization.create_vector(), problem.discretization.create_matrix()
     problem.residual(x, b)

@@ -104,7 +104,7 @@ def test_tangent_is_consistent_in_each_state(name, number):
     chosen = state_of(e, fabric) == number
     e, sigma0 = e[chosen], sigma0[chosen]
     points, cells, warp, u = shapes(e - tensor(sigma0[:, ROW, COLUMN] @ compliance(fabric), 0.5), 5)
-    problem = Problem(Structure(points, {"part": Membrane(cells, fabric, sigma0, warp)}), MPI.COMM_SELF)
+    problem = Problem(Structure(points, {"part": Membrane(cells, fabric, sigma0, warp)}), MPI.COMM_SELF).under()
     norms = along_random(problem, u, 6, 8e-6 / 2.0 ** np.arange(4))
     np.testing.assert_allclose(np.log2(norms[:-1] / norms[1:]), 2, rtol=0, atol=0.01)
 
@@ -116,7 +116,7 @@ def test_residual_is_continuous_across_switches(name):
     fabric = FABRICS[name]
     e, sigma0 = strains(fabric, 12, margin=0.0)
     points, cells, warp, u = shapes(e - tensor(sigma0[:, ROW, COLUMN] @ compliance(fabric), 0.5), 5)
-    problem = Problem(Structure(points, {"part": Membrane(cells, fabric, sigma0, warp)}), MPI.COMM_SELF)
+    problem = Problem(Structure(points, {"part": Membrane(cells, fabric, sigma0, warp)}), MPI.COMM_SELF).under()
     steps = 1e-2 / 4.0 ** np.arange(5)
     norms = along_random(problem, u, 6, steps)
     assert (norms[:-1] / norms[1:] > 4**0.99).all()
@@ -152,7 +152,7 @@ def test_cable_tangent_is_consistent(slack):
     points = rng.normal(size=(2 * COUNT, 3))
     cells = np.arange(2 * COUNT).reshape(-1, 2)
     u = (-0.1 if slack else 0.1) * points
-    problem = Problem(Structure(points, {"part": Cable(cells, 7000.0, 100.0)}), MPI.COMM_SELF)
+    problem = Problem(Structure(points, {"part": Cable(cells, 7000.0, 100.0)}), MPI.COMM_SELF).under()
     norms = along_random(problem, u, 7, 1e-4 / 2.0 ** np.arange(4))
     np.testing.assert_allclose(np.log2(norms[:-1] / norms[1:]), 2, rtol=0, atol=0.02)
 

@@ -91,8 +91,8 @@ CASES = {
         {"nodes": "rows", "displacement": "array", "components": "object"},
     ),
     Stage: (
-        {"name": "snow", "loads": (), "displacements": (), "steps": 2, "after": "wind"},
-        {"name": "text", "loads": "list", "displacements": "list", "steps": "whole", "after": "text?"},
+        {"name": "snow", "loads": (), "displacements": (), "increments": 2, "after": "wind"},
+        {"name": "text", "loads": "list", "displacements": "list", "increments": "whole", "after": "text?"},
     ),
     Structure: (
         {"points": POINTS.tolist(), "parts": ARCH.parts, "supports": ARCH.supports, "separate": ()},
@@ -207,7 +207,7 @@ def faults(function, given, tries):
     """List the faults of some calls, in words."""
     found = []
     for argument, value, allowed in tries:
-        shown = f"{argument}={validation.shown(value)}"
+        shown = f"{argument}={validation.short_repr(value)}"
         try:
             result, refusal = attempt(function, given, argument, value)
         except Exception as error:

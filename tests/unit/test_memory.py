@@ -23,7 +23,7 @@ def test_problem_is_released(driver, monkeypatch):
     structure = Structure(points, {"fabric": Membrane(triangles, Fabric(1e3, 0.3), prestress=10.0)}, [Support(edge)])
     analysis = Analysis(structure)
     analysis.run([Stage("load", [PointLoad(4, (0, 0, -0.1))])])
-    problem = weakref.ref(analysis._problem)
+    problem = weakref.ref(analysis.problem)
     del analysis
     gc.collect()
     assert problem() is None

@@ -38,7 +38,8 @@ from fx_membrane import (
     Support,
     rectangle,
 )
-from fx_membrane.assembly.problem import Actions, Problem
+from fx_membrane.assembly.actions import Actions
+from fx_membrane.assembly.problem import Problem
 from fx_membrane.solvers.curvature import lowest_mode
 from taylor import remainders
 
@@ -97,12 +98,11 @@ def test_line_search_and_artificial_tension_leave_a_fast_end(name):
     """Ten times the load, with short first steps: at the end each step gains more digits than the previous one."""
     structure = SADDLES[name]
     problem, zero = Problem(structure), np.zeros(structure.points.shape)
-    solve, x = Newton(rtol=1e-12).prepare(problem), problem.discretization.create_vector()
-    assert solve(x).converged  # under the prestress
+    solve, x = Newton(rtol=1e-12).prepare(problem), problem.create_vector()
+    assert solve(problem.under(), x).converged  # under the prestress
     load = zero.copy()
     load[CENTRE] = (40.0, 20.0, -150.0)
-    problem.apply(Actions(load, structure.supported, zero))
-    steps = solve(x).iterations
+    steps = solve(problem.under(Actions(load, structure.supported, zero)), x).iterations
     assert any(iteration.step < 1 for iteration in steps[1:])
     assert (steps[-1].step, steps[-1].tension) == (1, 0)
     residuals = np.array([iteration.residual for iteration in steps])
@@ -116,9 +116,8 @@ def taylor(request):
     """Remainders for each step: of energy after one and two terms, of the residual after one."""
     structure = SADDLES[request.param]
     rng = np.random.default_rng(3)
-    problem = Problem(structure)
     zero = np.zeros(structure.points.shape)
-    problem.apply(Actions(rng.normal(size=zero.shape), structure.supported, zero))
+    problem = Problem(structure).under(Actions(rng.normal(size=zero.shape), structure.supported, zero))
     distribute, create = problem.discretization.to_petsc, problem.discretization.create_vector
     x = distribute(0.05 * rng.normal(size=zero.shape))
     d = distribute(rng.normal(size=zero.shape))
@@ -155,7 +154,7 @@ def test_taylor_remainders(taylor, row, order):
 @pytest.mark.parametrize("name", SADDLES)
 def test_tangent_is_symmetric(name):
     """All forces have a potential here."""
-    problem = Problem(SADDLES[name])
+    problem = Problem(SADDLES[name]).under()
     rng = np.random.default_rng(4)
     x, a, b = (problem.discretization.to_petsc(rng.normal(size=SADDLES[name].points.shape)) for _ in range(3))
     A, Ka, Kb = problem.discretization.create_matrix(), a.duplicate(), b.duplicate()
@@ -180,9 +179,9 @@ LOADS = {
 def test_tangent_with_pressure_is_consistent_and_not_symmetric(name):
     structure, rng = SADDLES[name], np.random.default_rng(5)
     zero = np.zeros(structure.points.shape)
-    problem = Problem(structure)
     count = len(structure.parts["sail"].cells)
-    problem.apply(Actions(zero, structure.supported, zero, {"sail": 100.0 * rng.normal(size=count)}))
+    actions = Actions(zero, structure.supported, zero, {"sail": 100.0 * rng.normal(size=count)})
+    problem = Problem(structure).under(actions)
     assert not problem.symmetric
     x, d, e = (problem.discretization.to_petsc(a * rng.normal(size=zero.shape)) for a in (0.05, 1.0, 1.0))
     norms = remainders(problem, x, d, STEPS)
@@ -202,9 +201,9 @@ def after_one_step(problem, equilibrium, step, direction, stiffness=None):
     b, A = problem.discretization.create_vector(), problem.discretization.create_matrix()
     x.axpy(step, direction)
     problem.residual(x, b)
-    problem.constrain_residual(x, b)
+    problem.constraints.constrain_residual(x, b)
     stiffness.tangent(x, A)
-    stiffness.constrain_tangent(x, A, b)
+    stiffness.constraints.constrain_tangent(x, A, b)
     solver = PETSc.KSP().create(A.comm)
     solver.setOperators(A)
     solver.setType("preonly")
@@ -213,7 +212,7 @@ def after_one_step(problem, equilibrium, step, direction, stiffness=None):
     solver.solve(b, dx)
     x.axpy(-1.0, dx)
     problem.residual(x, b)
-    problem.constrain_residual(x, b)
+    problem.constraints.constrain_residual(x, b)
     return b.norm(PETSc.NormType.NORM_INFINITY)
 
 
@@ -236,20 +235,19 @@ def test_one_step_squares_the_error(name, load, share):
     assert 5 < np.count_nonzero(shortened) < len(shortened) - 5
     assert np.array_equal(sail.state == "wrinkled", shortened & (share < 1))
 
-    problem = Problem(structure)
     pressures = {}
     if isinstance(LOADS[load], Pressure):
         pressures["sail"] = LOADS[load].pressure * np.ones(len(parts["sail"].cells))
     zero = np.zeros(structure.points.shape)
     forces = zero if pressures else state.loads
-    problem.apply(Actions(forces, structure.supported, zero, pressures))
+    owner = Problem(structure)
+    problem = owner.under(Actions(forces, structure.supported, zero, pressures))
     distribute = problem.discretization.to_petsc
     direction = np.where(structure.supported, 0, np.random.default_rng(6).normal(size=zero.shape))
     left = [after_one_step(problem, distribute(state.displacement), h, distribute(direction)) for h in DISTURBANCES]
     np.testing.assert_allclose(np.log2(np.divide(left[:-1], left[1:])), 2, rtol=0, atol=0.05)
     if pressures:
-        without = Problem(structure)
-        without.apply(Actions(zero, structure.supported, zero))
+        without = owner.under()
         start, d = distribute(state.displacement), distribute(direction)
         left = [after_one_step(problem, start, h, d, without) for h in DISTURBANCES]
         np.testing.assert_allclose(np.log2(np.divide(left[:-1], left[1:])), 1, rtol=0, atol=0.05)
@@ -260,7 +258,7 @@ def disturbed(problem, equilibrium, step, direction):
     x, b = equilibrium.copy(), equilibrium.duplicate()
     x.axpy(step, direction)
     problem.residual(x, b)
-    problem.constrain_residual(x, b)
+    problem.constraints.constrain_residual(x, b)
     return b.norm(PETSc.NormType.NORM_INFINITY)
 
 
@@ -278,9 +276,9 @@ def test_newton_under_pressure_is_quadratic(name, pressure):
     state = Analysis(structure).run(stages)["load"]
     unit = np.abs(state.reactions).max()
 
-    problem, zero = Problem(structure), np.zeros(structure.points.shape)
+    zero = np.zeros(structure.points.shape)
     pressures = {"sail": pressure * np.ones(len(structure.parts["sail"].cells))}
-    problem.apply(Actions(zero, structure.supported, zero, pressures))
+    problem = Problem(structure).under(Actions(zero, structure.supported, zero, pressures))
     equilibrium = problem.discretization.to_petsc(state.displacement)
     motion = lowest_mode(problem, equilibrium, 0.0).motion
     h = 1e-5  # [m]

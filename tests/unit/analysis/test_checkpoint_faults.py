@@ -54,11 +54,11 @@ def test_run_on_a_full_disk_goes_on_and_says_so_once(path):
     solve, done = analysis._solve, []
     with ExitStack() as filled:
 
-        def filling(x, *monitor):
+        def filling(*arguments):
             done.append(1)
             if len(done) == 3:
                 filled.enter_context(full_disk(path.stat().st_size))
-            return solve(x, *monitor)
+            return solve(*arguments)
 
         analysis._solve = filling
         with pytest.warns(CheckpointWarning, match=r"'snow': its state could not be saved in .*state\.npz \(") as told:
@@ -109,11 +109,11 @@ def test_second_run_on_a_file_is_refused(path):
     analysis = Analysis(structure())
     solve = analysis._solve
 
-    def second(x, *monitor):
+    def second(*arguments):
         other = Analysis(structure())
         with pytest.raises(ValueError, match=r"The checkpoint .*state\.npz is in use by another run; give this one"):
             other.run(stages(), path)
-        return solve(x, *monitor)
+        return solve(*arguments)
 
     analysis._solve = second
     analysis.run(stages()[:1], path)
@@ -128,10 +128,10 @@ import interrupted as model
 analysis = model.Analysis(model.structure())
 solve = analysis._solve
 
-def waiting(x, *monitor):
+def waiting(*arguments):
     print("begun", flush=True)
     sys.stdin.read()
-    return solve(x, *monitor)
+    return solve(*arguments)
 
 analysis._solve = waiting
 analysis.run(model.stages(), sys.argv[2])

@@ -143,8 +143,8 @@ def test_a_state_that_smaller_increments_do_not_reach_is_kept(monkeypatch):
     analysis = Analysis(arch())
     solve, tried = analysis._solve, []
 
-    def only_the_first(x, *monitor):
-        tried.append(solve(x, *monitor))
+    def only_the_first(*arguments):
+        tried.append(solve(*arguments))
         return tried[-1] if len(tried) == 1 else type(tried[0])(False, "it is unwilling.", (), retry=True)
 
     monkeypatch.setattr(analysis, "_solve", only_the_first)

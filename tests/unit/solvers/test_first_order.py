@@ -95,7 +95,7 @@ def test_start_from_which_no_preconditioner_can_be_made(monkeypatch):
 def test_prescribed_displacements_are_there_from_the_first_iterate():
     stage = Stage("lift", displacements=[LIFT])
     first = Analysis(inclined_sheet(), ConjugateGradient()).run([stage])["lift"].history[0][1]
-    there = Problem(inclined_sheet())
+    there = Problem(inclined_sheet()).under()
     moved = np.zeros(INCLINED.shape)
     moved[CENTRE] = (0.01, 0, 0.1)
     assert first.energy == pytest.approx(there.energy(there.discretization.to_petsc(moved)), rel=1e-12)

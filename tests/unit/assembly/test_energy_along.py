@@ -43,8 +43,7 @@ def volume(points, triangles):
 
 def under_pressure(structure, *pressures):
     problem = Problem(structure)
-    problem.apply(end(problem, *pressures))
-    return problem
+    return problem.under(end(problem, *pressures))
 
 
 def test_without_pressure_it_is_the_energy():

@@ -76,12 +76,12 @@ def test_bad_values(make, message):
 
 @pytest.mark.parametrize("steps", [0, -3, 2.0, np.nan, "2", None, True])
 def test_steps_must_be_a_whole_number_above_zero(steps):
-    with pytest.raises(ValueError, match=f"^Stage 'snow': steps is {steps!r}; give a whole number"):
+    with pytest.raises(ValueError, match=f"^Stage 'snow': increments is {steps!r}; give a whole number"):
         Stage("snow", increments=steps)
 
 
 def test_steps_may_be_a_number_of_numpy():
-    assert Stage("snow", increments=np.int32(4)).steps == 4
+    assert Stage("snow", increments=np.int32(4)).increments == 4
 
 
 @pytest.mark.parametrize(

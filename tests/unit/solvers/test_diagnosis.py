@@ -6,7 +6,8 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, Support, boundary_edges, rectangle
-from fx_membrane.assembly.problem import Actions, Problem
+from fx_membrane.assembly.actions import Actions
+from fx_membrane.assembly.problem import Problem
 from fx_membrane.solvers.base import max_norm
 from fx_membrane.solvers.diagnosis import (
     linear_failure,
@@ -29,10 +30,10 @@ def rotation(seed):
 
 
 def first_tangent(structure):
-    problem = Problem(structure)
+    problem = Problem(structure).under()
     A, b, x = (make() for make in [problem.discretization.create_matrix] + 2 * [problem.discretization.create_vector])
     problem.tangent(x, A)
-    problem.constrain_tangent(x, A, b)
+    problem.constraints.constrain_tangent(x, A, b)
     return problem, A
 
 
@@ -111,8 +112,7 @@ def lifted(height):
     ],
 )
 def test_stalled(displacement, words):
-    problem = Problem(sheet(1e3))
-    problem.apply(lifted(1e-3))
+    problem = Problem(sheet(1e3)).under(lifted(1e-3))
     x = problem.discretization.to_petsc(np.full(POINTS.shape, displacement))
     message = stagnation_message(problem, x, iterations=30, residual=2.5, at_rounding=False)
     assert words in message
@@ -120,8 +120,8 @@ def test_stalled(displacement, words):
 
 
 def test_more_steps_are_not_advised_where_nothing_is_applied():
-    problem = Problem(sheet(1e3))
-    problem.apply(lifted(0.0))
+    owner = Problem(sheet(1e3))
+    problem = owner.under(lifted(0.0))
     x, A = problem.discretization.create_vector(), problem.discretization.create_matrix()
     message = stagnation_message(problem, x, iterations=30, residual=2.5, at_rounding=False)
     assert "increments=" not in message
@@ -129,12 +129,11 @@ def test_more_steps_are_not_advised_where_nothing_is_applied():
     assert "force_density" in message
     problem.tangent(x, A)
     assert "increments=" not in linear_failure(problem, A)
-    problem.apply(lifted(1e-3))
-    assert "increments=" in linear_failure(problem, A)
+    assert "increments=" in linear_failure(owner.under(lifted(1e-3)), A)
 
 
 def test_stalled_at_rounding_advises_another_tolerance():
-    problem = Problem(sheet(1e3))
+    problem = Problem(sheet(1e3)).under()
     message = stagnation_message(
         problem, problem.discretization.create_vector(), iterations=30, residual=1e-9, at_rounding=True
     )
@@ -155,7 +154,7 @@ def test_every_process_sees_what_is_not_a_number_on_one(process):
 def test_mechanism_names_the_node_that_moves_and_where():
     points = [[0.0, 0, 0], [0, 1, 0], [1, 1, 0], [1, 0, 0]]
     frame = Structure(points, {"frame": Mast([[0, 1], [1, 2], [2, 3]], 1e6)}, [Support([0, 3]), Support([1, 2], "z")])
-    problem = Problem(frame)
+    problem = Problem(frame).under()
     motion, words = mechanism(problem, problem.discretization.create_vector())
     assert "node 1 moves freely" in words or "node 2 moves freely" in words
     assert "and 1 more nodes with it" in words
@@ -166,7 +165,7 @@ def test_mast_that_slack_cables_hold_is_a_mechanism_but_for_them():
     points = [[0.0, 0, 0], [0, 0, 4], [3, 0, 0], [-2, 2, 0], [-2, -2, 0]]
     for prestress, free in ((-1e4, True), (1e3, False)):
         parts = {"mast": Mast([[0, 1]], 2e8), "guys": Cable([[1, 2], [1, 3], [1, 4]], 12e6, prestress)}
-        problem = Problem(Structure(points, parts, [Support([0, 2, 3, 4])]))
+        problem = Problem(Structure(points, parts, [Support([0, 2, 3, 4])])).under()
         x = problem.discretization.create_vector()
         assert mechanism(problem, x) is None
         found = slack_mechanism(problem, x)
@@ -181,7 +180,7 @@ def test_mast_beside_slack_fabric_that_is_softer_is_found():
     fabric = Membrane(TRIANGLES, Fabric(1e5, 0.3), prestress=-10.0)
     guys = Cable([[26, 27], [26, 28], [26, 29]], 12e6, -1e3)
     parts = {"fabric": fabric, "pole": Mast([[25, 26]], 2e8), "guys": guys}
-    problem = Problem(Structure(points, parts, [Support([*EDGE, 25, 27, 28, 29])]))
+    problem = Problem(Structure(points, parts, [Support([*EDGE, 25, 27, 28, 29])])).under()
     found = slack_mechanism(problem, problem.discretization.create_vector())
     assert found is not None
     assert "node 26 moves freely" in found.words
@@ -192,7 +191,7 @@ def test_mast_beside_slack_fabric_that_is_softer_is_found():
 def test_mast_that_has_turned_far_is_named(angle, said):
     points = [[0.0, 0, 0], [0, 0, 4], [3, 0, 0], [5, 0, 0], [5, 0, 2]]
     parts = {"pole": Mast([[3, 4], [0, 1]], 2e8), "guy": Cable([[1, 2], [4, 2]], 12e6)}
-    problem = Problem(Structure(points, parts, [Support([0, 2, 3])]))
+    problem = Problem(Structure(points, parts, [Support([0, 2, 3])])).under()
     moved = np.zeros((5, 3))
     moved[1] = 4 * np.sin(angle), 0, 4 * np.cos(angle) - 4
     words = swung_masts(problem, problem.discretization.to_petsc(moved), 0.5, "tried")
@@ -202,20 +201,20 @@ def test_mast_that_has_turned_far_is_named(angle, said):
 
 
 def test_slack_fabric_is_no_mechanism():
-    problem = Problem(sheet(0.0))
+    problem = Problem(sheet(0.0)).under()
     assert slack_mechanism(problem, problem.discretization.to_petsc(-0.01 * POINTS)) is None
 
 
 def test_taut_sheet_is_no_mechanism():
-    problem = Problem(sheet(1e3))
+    problem = Problem(sheet(1e3)).under()
     assert mechanism(problem, problem.discretization.create_vector()) is None
 
 
 @pytest.mark.parametrize(("load", "said"), [(1e3, False), (1e9, True)])
 def test_loads_out_of_proportion_point_to_the_units(load, said):
-    problem = Problem(sheet(1e3))
+    structure = sheet(1e3)
     loads = np.zeros(POINTS.shape)
     loads[12, 2] = load
-    problem.apply(Actions(loads, problem.discretization.structure.supported, np.zeros(POINTS.shape)))
+    problem = Problem(structure).under(Actions(loads, structure.supported, np.zeros(POINTS.shape)))
     words = unlikely_units(problem, problem.discretization.create_vector())
     assert ("system of units" in words) == said

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from fx_membrane import Cable, Structure, Support
-from fx_membrane.assembly.problem import Actions, Problem
+from fx_membrane.assembly.actions import Actions
+from fx_membrane.assembly.problem import Problem
 from fx_membrane.geometry.measures import measures
 from models import MIXED
 
@@ -18,7 +19,7 @@ def structure():
 
 @pytest.fixture
 def problem():
-    return Problem(MIXED)
+    return Problem(MIXED).under()
 
 
 def state(seed, size):
@@ -43,8 +44,8 @@ def test_reference_shape_has_no_energy(problem):
     assert energy(problem, np.zeros(POINTS.shape)) == 0
 
 
-def test_residual_is_the_gradient_of_the_energy(structure, problem):
-    problem.apply(loaded(structure, state(3, 20.0)))
+def test_residual_is_the_gradient_of_the_energy(structure):
+    problem = Problem(MIXED).under(loaded(structure, state(3, 20.0)))
     at = state(1, 0.05)
 
     def along(shape):
@@ -94,7 +95,7 @@ def test_bar_by_hand():
     displacement = np.array([[0.0, 0, 0], [1, 4, 0]])  # from length 2 to length 5, along (3, 4, 0)
     E = ((5 / 2) ** 2 - 1) / 2
     force = (300.0 + 1e4 * E) * 5 / 2
-    problem = Problem(structure)
+    problem = Problem(structure).under()
     assert residual(problem, displacement)[1] == pytest.approx(force * np.array([0.6, 0.8, 0]), rel=1e-13)
     assert energy(problem, displacement) == pytest.approx(2 * (300.0 * E + 1e4 * E**2 / 2), rel=1e-13)
 
@@ -102,7 +103,7 @@ def test_bar_by_hand():
 def test_loads_lower_the_energy_by_their_work(structure, problem):
     forces, at = state(3, 20.0), state(1, 0.05)
     before = energy(problem, at)
-    problem.apply(loaded(structure, forces))
+    problem = Problem(MIXED).under(loaded(structure, forces))
     assert energy(problem, at) - before == pytest.approx(-np.sum(forces * at), rel=1e-11)
 
 
@@ -112,7 +113,7 @@ def test_dead_loads_go_to_the_nodes_of_their_cells(structure, problem):
         part = structure.parts[name]
         q = np.zeros((len(part.cells), 3))
         q[-1] = load
-        nodal = problem.nodal_loads({name: q})
+        nodal = problem.assembler.nodal_loads({name: q})
         size = measures(POINTS, part.cells)[-1]
         expected = np.zeros(POINTS.shape)
         expected[part.cells[-1]] = load * size / len(part.cells[-1])
@@ -123,29 +124,31 @@ def test_dead_loads_of_two_parts_add_up_and_do_not_stay(structure, problem):
     def ones(name):
         return {name: np.ones((len(structure.parts[name].cells), 3))}
 
-    both = problem.nodal_loads(ones("fabric") | ones("edge"))
-    separate = problem.nodal_loads(ones("fabric")) + problem.nodal_loads(ones("edge"))
+    both = problem.assembler.nodal_loads(ones("fabric") | ones("edge"))
+    separate = problem.assembler.nodal_loads(ones("fabric")) + problem.assembler.nodal_loads(ones("edge"))
     assert both == pytest.approx(separate, rel=1e-13, abs=1e-15)
-    assert not problem.nodal_loads({}).any()
+    assert not problem.assembler.nodal_loads({}).any()
 
 
-def test_held_components_close_their_gap_in_one_step(structure, problem):
-    discretization = problem.discretization
+def test_held_components_close_their_gap_in_one_step(structure):
     prescribed, at = state(5, 0.1), state(1, 0.05)
-    problem.apply(Actions(np.zeros(POINTS.shape), structure.supported, prescribed))
+    problem = Problem(MIXED).under(Actions(np.zeros(POINTS.shape), structure.supported, prescribed))
+    discretization = problem.discretization
     A, b, x = discretization.create_matrix(), discretization.create_vector(), discretization.to_petsc(at)
     problem.residual(x, b)
-    problem.constrain_residual(x, b)
+    problem.constraints.constrain_residual(x, b)
     held, gap = structure.supported, at - prescribed
-    assert discretization.to_numpy(b)[held] == pytest.approx(problem.stiffness * gap[held], rel=1e-13)
+    assert discretization.to_numpy(b)[held] == pytest.approx(problem.magnitudes.stiffness * gap[held], rel=1e-13)
 
     free_forces = residual(problem, at)
     K_gap = discretization.create_vector()
     problem.tangent(x, A)
     A.mult(discretization.to_petsc(np.where(held, gap, 0)), K_gap)
-    problem.constrain_tangent(x, A, b)
-    expected = np.where(held, problem.stiffness * gap, free_forces - discretization.to_numpy(K_gap))
+    problem.constraints.constrain_tangent(x, A, b)
+    expected = np.where(held, problem.magnitudes.stiffness * gap, free_forces - discretization.to_numpy(K_gap))
     assert discretization.to_numpy(b) == pytest.approx(expected, abs=1e-13 * np.abs(expected).max())
     dx = np.where(held, gap, 0)  # a vector that moves held components only is not coupled to the others
     A.mult(discretization.to_petsc(dx), b)
-    assert discretization.to_numpy(b) == pytest.approx(problem.stiffness * dx, abs=1e-13 * np.abs(expected).max())
+    assert discretization.to_numpy(b) == pytest.approx(
+        problem.magnitudes.stiffness * dx, abs=1e-13 * np.abs(expected).max()
+    )

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, Support, boundary_edges, rectangle
-from fx_membrane.assembly.problem import Actions, Problem
+from fx_membrane.assembly.actions import Actions
+from fx_membrane.assembly.problem import Problem
 from fx_membrane.solvers.curvature import WEAK, lowest_mode, negative_curvature_direction
 
 POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
@@ -24,7 +25,7 @@ def frame():
 
 
 def found(structure, tension=WEAK, displacement=None):
-    problem = Problem(structure)
+    problem = Problem(structure).under()
     x = problem.discretization.create_vector()
     if displacement is not None:
         problem.discretization.to_petsc(displacement).copy(x)
@@ -80,8 +81,9 @@ def test_pressure_counts_by_its_symmetric_part(held, negative):
     # Pressure forces at free edges make the tangent A unsymmetric. Its own eigenvalues are positive in both cases; of
     # its lower triangle alone, which a factorization might read, one is negative in both.
     structure = Structure(POINTS, sheet(1e3).parts, [Support(held)])
-    problem, zero = Problem(structure), np.zeros(POINTS.shape)
-    problem.apply(Actions(zero, structure.supported, zero, {"fabric": np.full(len(TRIANGLES), 1.2e4)}))
+    zero = np.zeros(POINTS.shape)
+    actions = Actions(zero, structure.supported, zero, {"fabric": np.full(len(TRIANGLES), 1.2e4)})
+    problem = Problem(structure).under(actions)
     result = lowest_mode(problem, problem.discretization.create_vector(), 0.0)
     A, motion = dense(problem, result.motion)
     eigenvalues = np.linalg.eigvalsh((A + A.T) / 2)
@@ -92,17 +94,17 @@ def test_pressure_counts_by_its_symmetric_part(held, negative):
     assert (own > 1.5 * lowest).all()
     lower = np.tril(A) + np.tril(A, -1).T
     assert np.count_nonzero(np.linalg.eigvalsh(lower) < 0) == 1
-    work = problem.tension_work(result.motion)
+    work = problem.stabilizer.work(result.motion)
     assert result.stiffness == pytest.approx(motion @ A @ motion / work, rel=1e-9)
 
 
 def test_ripples_are_no_instability():
     """Edges moved in by 1 % buckle a sheet: the compression stiffness of slack cells has negative curvature."""
-    problem = Problem(sheet(0.0))
+    problem = Problem(sheet(0.0)).under()
     x = problem.discretization.to_petsc(-0.01 * POINTS)
     assert lowest_mode(problem, x, WEAK).negative > 0
     assert negative_curvature_direction(problem, x).negative == 0
-    full = Problem(sheet(0.0, compression_stiffness=1.0))
+    full = Problem(sheet(0.0, compression_stiffness=1.0)).under()
     assert negative_curvature_direction(full, x).negative > 0
 
 
@@ -116,19 +118,19 @@ def test_mast_between_two_stays_stands_by_uplift_only(load, negative, kept):
     stays = Cable([[1, 2], [1, 3]], 1e7, prestress=1e4, compression_stiffness=kept)
     mast = Mast([[0, 1]], 1e9, prestress=-(2e4 / 2**0.5 + load))
     points = [[0.0, 0, 0], [0, 0, 4], [4, 0, 0], [-4, 0, 0]]
-    problem = Problem(Structure(points, {"mast": mast, "stays": stays}, [Support([0, 2, 3])]))
+    problem = Problem(Structure(points, {"mast": mast, "stays": stays}, [Support([0, 2, 3])])).under()
     result = negative_curvature_direction(problem, problem.discretization.create_vector())
     assert result.negative == negative
     motion = problem.discretization.to_numpy(result.motion)
     assert np.abs(motion[1]) == pytest.approx([0, 1, 0], abs=1e-6)
-    assert result.stiffness * problem.tension_work(result.motion) == pytest.approx(-load / 4, rel=1e-6)
+    assert result.stiffness * problem.stabilizer.work(result.motion) == pytest.approx(-load / 4, rel=1e-6)
 
 
 def test_the_motion_downhill_is_the_steepest_of_several():
     # Chains of struts of 1 m under 10 and 30 N: their middles give way, the second with three times the curvature.
     points = [[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]]
     struts = Mast([[0, 1], [1, 2], [3, 4], [4, 5]], 1e6, prestress=[-10.0, -10.0, -30.0, -30.0])
-    problem = Problem(Structure(points, {"struts": struts}, [Support([0, 2, 3, 5])]))
+    problem = Problem(Structure(points, {"struts": struts}, [Support([0, 2, 3, 5])])).under()
     result = negative_curvature_direction(problem, problem.discretization.create_vector())
     assert result.negative == 4
     assert -30 / 1e6 <= result.stiffness < -29 / 1e6  # from above, as inverse iteration converges

@@ -57,7 +57,7 @@ PUSH = PointLoad(1, (0, 0, -1.0))
         (lambda: Structure(POINTS, {"a": MyCable(*BAR)}), "Part 'a' is a MyCable"),
         (lambda: Structure(POINTS, {"a": MyMast(*BAR)}), "Part 'a' is a MyMast"),
         (lambda: Structure(POINTS, {"a": Mast(*BAR)}, [MySupport([0])]), "supports has a MySupport"),
-        (lambda: Stage("a", [MyLoad((0, 0, 1), "a")]), "Stage 'a': loads has a MyDeadLoad"),
+        (lambda: Stage("a", [MyLoad((0, 0, 1), "a")]), "Stage 'a': loads has a MyDistributedLoad"),
         (lambda: Stage("a", [], [MyMove(0, (0, 0, 1))]), "Stage 'a': displacements has a MyPrescribedDisplacement"),
         (lambda: Analysis(arch()).run([MyStage("a", [PUSH])]), "stages has a MyStage"),
         (lambda: equilibrium_path(arch(), MyStage("a", [PUSH])), "equilibrium_path stage is a MyStage"),

@@ -18,12 +18,12 @@ POINT = [PointLoad(CENTRE, (0, 0, -2e4)), WIND]
 
 def unwilling(analysis, failing, retry=True):
     """Make the solver fail at some calls, counted from zero, and leave nonsense behind; return the targets."""
-    solve, problem, tried = analysis._solve, analysis._problem, []
+    solve, tried = analysis._solve, []
 
-    def wrapped(x, *monitor):
-        tried.append(float(problem.discretization.to_numpy(problem._loads)[CENTRE, 2]) / -100.0)
+    def wrapped(loaded, x, *monitor):
+        tried.append(float(loaded.actions.loads[CENTRE, 2]) / -100.0)
         if len(tried) - 1 not in failing:
-            return solve(x, *monitor)
+            return solve(loaded, x, *monitor)
         x.set(1e3)
         return Solution(False, "it is unwilling.", (Iteration(1.0, 2.0, 0.0),), retry=retry)
 

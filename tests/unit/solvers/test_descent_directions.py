@@ -11,7 +11,8 @@ from scipy import optimize
 from scipy.sparse import linalg
 
 from fx_membrane import Cable, ConjugateGradient, SteepestDescent, Structure, Support
-from fx_membrane.assembly.problem import Actions, Problem
+from fx_membrane.assembly.actions import Actions
+from fx_membrane.assembly.problem import Problem
 from fx_membrane.solvers.conjugate_gradient import Gradient, fletcher_reeves, polak_ribiere
 from models import CENTRE, INCLINED, inclined_sheet, sheet
 
@@ -22,9 +23,9 @@ class Reduced:
     """Energy, gradient and tangent of a problem at its free components, in the user's order of nodes."""
 
     def __init__(self, structure, loads, elastic=True):
-        self.problem = Problem(structure, elastic=elastic)
+        self.owner = Problem(structure, elastic=elastic)
         self.free = ~structure.supported
-        self.problem.apply(Actions(loads, structure.supported, np.zeros(loads.shape)))
+        self.problem = self.owner.under(Actions(loads, structure.supported, np.zeros(loads.shape)))
         self.start = np.zeros(self.free.sum())
 
     def vector(self, values):
@@ -52,7 +53,7 @@ class Reduced:
         found = [self.start]
         for most in range(1, count + 1):
             x = self.vector(self.start)
-            solver(max_iterations=most, **settings).prepare(self.problem)(x)
+            solver(max_iterations=most, **settings).prepare(self.owner)(self.problem, x)
             found.append(self.problem.discretization.to_numpy(x)[self.free])
         return np.array(found)
 
@@ -140,7 +141,7 @@ def test_same_state_as_an_independent_implementation():
     found = optimize.minimize(reduced.energy, reduced.start, jac=reduced.gradient, method="CG", options={"gtol": 1e-3})
     assert found.success
     x = reduced.vector(reduced.start)
-    solution = ConjugateGradient("PR").prepare(reduced.problem)(x)
+    solution = ConjugateGradient("PR").prepare(reduced.owner)(reduced.problem, x)
     assert solution.converged
     ours = reduced.problem.discretization.to_numpy(x)[reduced.free]
     assert np.abs(ours).max() > 0.01
@@ -151,9 +152,11 @@ def test_same_state_as_an_independent_implementation():
 
 def test_monitor_is_told_each_iterate():
     reduced, told = loaded_sheet(), []
-    solve = ConjugateGradient().prepare(reduced.problem)
-    solution = solve(reduced.vector(reduced.start), lambda number, iterate: told.append((number, iterate)))
+    solve = ConjugateGradient().prepare(reduced.owner)
+    solution = solve(
+        reduced.problem, reduced.vector(reduced.start), lambda number, iterate: told.append((number, iterate))
+    )
     assert told == list(enumerate(solution.iterations))
-    again = solve(reduced.vector(reduced.start))
+    again = solve(reduced.problem, reduced.vector(reduced.start))
     assert len(told) == len(solution.iterations)
     assert again.iterations[1].energy == pytest.approx(solution.iterations[1].energy, rel=1e-12)

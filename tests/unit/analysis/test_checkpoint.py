@@ -156,11 +156,11 @@ import interrupted as model
 analysis = model.Analysis(model.structure())
 solve, left = analysis._solve, [int(sys.argv[3])]
 
-def dying(x, *monitor):
+def dying(*arguments):
     if not left[0]:
         os._exit(7)
     left[0] -= 1
-    return solve(x, *monitor)
+    return solve(*arguments)
 
 analysis._solve = dying
 analysis.run(model.stages(), sys.argv[2])

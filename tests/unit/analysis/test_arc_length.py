@@ -184,25 +184,34 @@ def test_prestress_beyond_the_material_law_is_reported():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("arch", PUSH), r"^trace start is 'arch'; give a Structure or StageResult"),
-        ((arch(), "push"), r"^trace stage is 'push'; give a Stage"),
+        (("arch", PUSH), r"^equilibrium_path start is 'arch'; give a Structure or StageResult"),
+        ((arch(), "push"), r"^equilibrium_path stage is 'push'; give a Stage"),
         ((arch(), Stage("push", PUSH.loads, after="rest")), r"after='rest', but the path starts from a structure"),
         ((arch(), Stage("push", [PointLoad(9, (0, 0, 1.0))])), r"names node 9, which does not exist"),
         ((sheet(Support(12)), Stage("snow", [SNOW])), r"not supported enough"),
         ((arch(), Stage("nothing")), r"^Stage 'nothing' moves nothing; give it loads"),
-        ((arch(), PUSH, "all"), r"^trace load_factor is the text 'all'"),
-        ((arch(), PUSH, 1e-300), r"^trace load_factor is 1e-300; it must be between 1e-09 and 1e\+09"),
-        ((arch(), PUSH, 1e30), r"^trace load_factor is 1e\+30; it must be between"),
-        ((arch(), PUSH, None, (1, "z", 1e30)), r"^trace displacement value is 1e\+30, more than 1000 times the size"),
-        ((arch(), PUSH, 1.0, 3), r"^trace displacement is 3; give \(node, component, value\)"),
-        ((arch(), PUSH, 1.0, (9, "z", 0.1)), r"^trace displacement names node 9, which does not exist"),
-        ((arch(), PUSH, 1.0, (1, "w", 0.1)), r"^trace displacement component is 'w'"),
-        ((arch(), PUSH, 1.0, (1, "xz", 0.1)), r"^trace displacement names several components"),
-        ((arch(), PUSH, 1.0, (2, "z", 0.1)), r"^trace displacement names component 'z' of node 2, which is held"),
-        ((arch(), PUSH, 1.0, (1, "y", 0.1)), r"^trace displacement names component 'y' of node 1, which is held"),
-        ((arch(), PUSH, 1.0, (1, "z", np.nan)), r"^trace displacement value is nan"),
-        ((arch(), PUSH, 1.0, None, 0), r"^trace max_points is 0"),
-        ((arch(), PUSH, 1.0, None, 9, -1.0), r"^trace rtol is -1.0"),
+        ((arch(), PUSH, "all"), r"^equilibrium_path load_factor is the text 'all'"),
+        ((arch(), PUSH, 1e-300), r"^equilibrium_path load_factor is 1e-300; it must be between 1e-09 and 1e\+09"),
+        ((arch(), PUSH, 1e30), r"^equilibrium_path load_factor is 1e\+30; it must be between"),
+        (
+            (arch(), PUSH, None, (1, "z", 1e30)),
+            r"^equilibrium_path displacement value is 1e\+30, more than 1000 times the size",
+        ),
+        ((arch(), PUSH, 1.0, 3), r"^equilibrium_path displacement is 3; give \(node, component, value\)"),
+        ((arch(), PUSH, 1.0, (9, "z", 0.1)), r"^equilibrium_path displacement names node 9, which does not exist"),
+        ((arch(), PUSH, 1.0, (1, "w", 0.1)), r"^equilibrium_path displacement component is 'w'"),
+        ((arch(), PUSH, 1.0, (1, "xz", 0.1)), r"^equilibrium_path displacement names several components"),
+        (
+            (arch(), PUSH, 1.0, (2, "z", 0.1)),
+            r"^equilibrium_path displacement names component 'z' of node 2, which is held",
+        ),
+        (
+            (arch(), PUSH, 1.0, (1, "y", 0.1)),
+            r"^equilibrium_path displacement names component 'y' of node 1, which is held",
+        ),
+        ((arch(), PUSH, 1.0, (1, "z", np.nan)), r"^equilibrium_path displacement value is nan"),
+        ((arch(), PUSH, 1.0, None, 0), r"^equilibrium_path max_points is 0"),
+        ((arch(), PUSH, 1.0, None, 9, -1.0), r"^equilibrium_path rtol is -1.0"),
     ],
 )
 def test_bad_input(arguments, message):
@@ -249,7 +258,9 @@ def test_path_that_is_lost_is_kept(monkeypatch):
         return find(self, guess, plane) if len(calls) < 5 else None
 
     monkeypatch.setattr(module.BorderedNewton, "find", only_some)
-    with pytest.raises(PathError, match=r"'push' was lost after 4 points, at load factor 0\.36.* more steps") as error:
+    with pytest.raises(
+        PathError, match=r"'push' was lost after 4 points, at load factor 0\.36.* more increments"
+    ) as error:
         equilibrium_path(arch(), PUSH)
     path = error.value.path
     assert len(calls) == 4 + module.StepControl().halvings + 1

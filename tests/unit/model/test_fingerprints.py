@@ -88,5 +88,5 @@ def test_what_differs_has_other_fingerprints(one, other):
 
 def test_digests_of_stages_name_what_differs():
     one, other = of_stages(stages()), of_stages(stages(snow=-201.0, increments=4))
-    assert [name for name in one if one[name] != other[name]] == ["loads of stage 'snow'", "steps of stage 'snow'"]
+    assert [name for name in one if one[name] != other[name]] == ["loads of stage 'snow'", "increments of stage 'snow'"]
     assert of_stages([Stage("a"), Stage("b")]) != of_stages([Stage("b"), Stage("a")])

@@ -217,10 +217,8 @@ def test_neither_processes_nor_numbering_matter():
 def matrices(state):
     """Dense tangent and mass matrix of the free components, on this process alone."""
     problem = Problem(state.structure, MPI.COMM_SELF)
-    problem.apply(state.actions)
-    K, M = problem.discretization.create_matrix(), problem.discretization.create_matrix()
-    problem.tangent(problem.discretization.to_petsc(state.displacement), K)
-    problem.mass(M)
+    K = problem.under(state.actions).tangent(problem.to_petsc(state.displacement))
+    M = problem.mass()
     free = problem.discretization.dofs(~state.actions.held)
     user = np.argsort(problem.discretization.block_of_node)
     place = (3 * user[:, None] + np.arange(3)).ravel()[free]

@@ -16,8 +16,9 @@ from fx_membrane import (
     Support,
     rectangle,
 )
-from fx_membrane.assembly.load_cases import between, prescribed, unloaded, with_constraints_of
-from fx_membrane.assembly.problem import Actions, Problem
+from fx_membrane.assembly.actions import Actions, between, unloaded, with_constraints_of
+from fx_membrane.assembly.load_cases import prescribed
+from fx_membrane.assembly.problem import Problem
 from models import EDGE, TRIANGLES, end, flipped, inclined_sheet, sheet
 
 

@@ -1,0 +1,61 @@
+"""Actions on a structure at one instant, and their combinations: supports, loads, prescribed displacements."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.structure import Structure
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Actions:
+    """Actions on a structure at one instant, in the user's order of nodes.
+
+    Attributes:
+        loads: Dead loads on the nodes, shape (n, 3) [N].
+        held: Components with a given displacement, shape (n, 3).
+        displacement: The given displacements, shape (n, 3) [m]; without meaning at free components.
+        pressures: For membranes by name, pressure along `Structure.normals`, shape (cells,) [Pa].
+    """
+
+    loads: Array
+    held: NDArray[np.bool_]
+    displacement: Array
+    pressures: Mapping[str, Array] = field(default_factory=dict)
+
+
+def unloaded(structure: Structure) -> Actions:
+    """Actions of the supports alone."""
+    zero = np.zeros(structure.points.shape)
+    return Actions(loads=zero, held=structure.supported, displacement=zero)
+
+
+def with_constraints_of(start: Actions, end: Actions, displacement: Array) -> Actions:
+    """Actions at the start of a stage with the constraints of its end; new ones keep their displacement."""
+    return replace(start, held=end.held, displacement=np.where(start.held, start.displacement, displacement))
+
+
+def between(start: Actions, end: Actions, factor: float) -> Actions:
+    """Actions at a load factor between start and end."""
+    return _combined(start, end, lambda a, b: a + factor * (b - a))
+
+
+def change(start: Actions, end: Actions) -> Actions:
+    """Actions at the end minus those at the start, for a load factor of one."""
+    return _combined(start, end, lambda a, b: b - a)
+
+
+def _combined(start: Actions, end: Actions, combine: Callable[[Array, Array], Array]) -> Actions:
+    def pressure(name: str) -> Array:
+        return start.pressures.get(name, np.zeros_like(end.pressures[name]))
+
+    return Actions(
+        loads=combine(start.loads, end.loads),
+        held=end.held,
+        displacement=combine(start.displacement, end.displacement),
+        pressures={name: combine(pressure(name), end.pressures[name]) for name in end.pressures},
+    )

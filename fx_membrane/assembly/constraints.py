@@ -1,0 +1,69 @@
+"""Constrained components of the displacement: supports and prescribed displacements, on vectors and on the tangent."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from .actions import Actions
+from .discretization import Discretization
+
+
+@dataclass(frozen=True, eq=False)
+class Constraints:
+    """Constrained components that this process owns, and their displacements.
+
+    Attributes:
+        discretization: The numbering of the components.
+        constrained: Their numbers in the PETSc system, shape (count,).
+        prescribed: Their displacements, shape (count,) [m].
+        stiffness: A typical stiffness, their diagonal entry in the tangent [N/m]: it scales their error to a force.
+    """
+
+    discretization: Discretization
+    constrained: NDArray[np.int32]
+    prescribed: NDArray[np.float64]
+    stiffness: float
+
+    @property
+    def rows(self) -> NDArray[np.int32]:
+        """Positions of the constrained components in this process's part of a vector, shape (count,)."""
+        return self.constrained - 3 * self.discretization.first_block
+
+    def constrain_residual(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
+        """Replace reactions in the residual by the error of the constrained components times `stiffness` [N]."""
+        rows = self.rows
+        b.array[rows] = self.stiffness * (x.array_r[rows] - self.prescribed)
+
+    def constrain_tangent(self, x: PETSc.Vec, A: PETSc.Mat, b: PETSc.Vec) -> None:
+        """Constrain A dx = b: dx closes the error of constrained components, b gets its effect on others."""
+        with self.discretization.work(1) as (gap,):
+            gap.set(0.0)
+            rows = self.rows
+            gap.array[rows] = x.array_r[rows] - self.prescribed
+            A.zeroRowsColumns(self.constrained, diag=self.stiffness, x=gap, b=b)
+
+    def impose(self, x: PETSc.Vec) -> bool:
+        """Impose the prescribed displacements; return True if a component was elsewhere."""
+        rows = self.rows
+        elsewhere = bool((x.array_r[rows] != self.prescribed).any())
+        x.array[rows] = self.prescribed
+        return bool(self.discretization.comm.allreduce(elsewhere, MPI.LOR))
+
+    def zero_constrained(self, v: PETSc.Vec) -> None:
+        """Set the entries of constrained components to zero."""
+        v.array[self.rows] = 0.0
+
+    def moved(self) -> bool:
+        """Return True if a prescribed displacement is not zero."""
+        return bool(self.discretization.comm.allreduce(bool(self.prescribed.any()), MPI.LOR))
+
+
+def constraints(discretization: Discretization, actions: Actions, stiffness: float) -> Constraints:
+    """Constraints of actions, scaled by a stiffness [N/m]."""
+    owned = discretization.owned_nodes
+    return Constraints(
+        discretization, discretization.dofs(actions.held), actions.displacement[owned][actions.held[owned]], stiffness
+    )

@@ -1,0 +1,237 @@
+"""A problem under given actions: energy, residual, tangent and their derivatives as functions of the displacement."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import ArrayLike, NDArray
+from petsc4py import PETSc
+
+from ..model.structure import Structure
+from . import parameters
+from .actions import Actions
+from .assembler import Assembler, CellData
+from .constraints import Constraints
+from .discretization import Discretization
+from .rounding import UNIT, Magnitudes
+from .stabilization import Stabilization
+
+
+@dataclass(frozen=True, eq=False)
+class LoadedProblem:
+    """Energy, residual and tangent of a structure under given actions; made by `Problem.under`.
+
+    It is a frozen view: results depend on the displacement x alone, a PETSc vector in the numbering of the `Problem`.
+    All methods are collective. Residual, tangent and derivatives are those of the free structure: rows of constrained
+    components hold reactions and their derivatives. `constraints` closes them.
+
+    Attributes:
+        actions: The actions.
+        constraints: The constrained components, with operations on vectors and on the tangent.
+        assembler: Sums over the parts.
+        stabilizer: Stabilization of unit shift.
+        magnitudes: Typical forces and stiffnesses.
+        symmetric: True if the tangent is symmetric: without follower pressure.
+        own_loads: Dead loads on the nodes of this process, in the order of a PETSc vector [N].
+        cells: Pressures and compression stiffness of the cells of this process.
+        shift: Stabilization: artificial tension in all parts, as a strain, times the stiffness of each. It is in the
+            energy, the residual and the tangent; nonzero only during a homotopy.
+    """
+
+    actions: Actions
+    constraints: Constraints
+    assembler: Assembler
+    stabilizer: Stabilization
+    magnitudes: Magnitudes
+    symmetric: bool
+    own_loads: NDArray[np.float64]
+    cells: CellData
+    shift: float = 0.0
+
+    @property
+    def discretization(self) -> Discretization:
+        """The meshes and their common numbering."""
+        return self.assembler.discretization
+
+    @property
+    def structure(self) -> Structure:
+        """The structure."""
+        return self.discretization.structure
+
+    @property
+    def comm(self) -> MPI.Intracomm:
+        """The processes that share the work."""
+        return self.discretization.comm
+
+    def with_stabilization(self, shift: float) -> "LoadedProblem":
+        """View of the problem under the same actions with a stabilization, given as a strain."""
+        return replace(self, shift=shift)
+
+    def without_compression_stiffness(self, left: float = 0.0) -> "LoadedProblem":
+        """View of the problem without the compression stiffness of wrinkled and slack cells.
+
+        Args:
+            left: Fraction of the present compression stiffness that remains [-].
+        """
+        return replace(self, cells=replace(self.cells, compression=left * self.cells.compression))
+
+    # Energy and its derivatives
+
+    def energy(self, x: PETSc.Vec) -> float:
+        """Strain energy less the work of the dead loads [J], Gil (70); without pressures."""
+        self._update(x)
+        with np.errstate(all="ignore"):  # of an iterate that diverges
+            work = float(self.own_loads @ x.array_r)
+        energy = float(self.comm.allreduce(self.assembler.scalar(lambda part: part.energy) - work))
+        return energy + self.shift * self.stabilizer.energy(x) if self.shift else energy
+
+    def energy_along(self, x: PETSc.Vec, step: PETSc.Vec) -> Callable[[float], float]:
+        """Energy at x + length step as a function of the length, with the work of pressures along the step [J].
+
+        The force of a pressure is quadratic in the displacement. Three points give its power along a straight line, so
+        that its work is exact with or without a potential.
+        """
+
+        def energy(length: float) -> float:
+            with self.discretization.work(1) as (trial,):
+                trial.waxpy(length, step, x)
+                return self.energy(trial)
+
+        if self.symmetric:
+            return energy
+
+        def power(length: float) -> float:
+            with self.discretization.work(2) as (trial, forces):
+                trial.waxpy(length, step, x)
+                return float(self._pressure_forces(trial, forces).dot(step))
+
+        p0, p1, p2 = power(0.0), power(0.5), power(1.0)
+        linear, square = 4 * p1 - 3 * p0 - p2, 2 * (p0 + p2) - 4 * p1
+
+        def work(length: float) -> float:
+            return length * (p0 + length * (linear / 2 + length * square / 3))
+
+        return lambda length: energy(length) - work(length)
+
+    def residual(self, x: PETSc.Vec, b: PETSc.Vec | None = None) -> PETSc.Vec:
+        """Residual: internal minus external nodal forces [N], Gil (50); at constrained components, the reaction.
+
+        Args:
+            x: Displacement [m].
+            b: Vector for the result; a new one if None.
+        """
+        b = self.discretization.create_vector() if b is None else b
+        self._update(x)
+        self.assembler.vector(lambda part: part.residual, b)
+        b.array -= self.own_loads
+        if self.shift:
+            self.stabilizer.add_residual(self.shift, x, b)
+        return b
+
+    def tangent(self, x: PETSc.Vec, A: PETSc.Mat | None = None) -> PETSc.Mat:
+        """Tangent: derivative of the residual by the displacement [N/m], Gil (51)-(53), (57).
+
+        Args:
+            x: Displacement [m].
+            A: Matrix for the result; a new one if None.
+        """
+        A = self.discretization.create_matrix() if A is None else A
+        self._update(x)
+        self.assembler.matrix(lambda part: part.tangent, A)
+        if self.shift:
+            self.stabilizer.add_tangent(self.shift, A)
+        return A
+
+    def stiffen(self, x: PETSc.Vec, A: PETSc.Mat, b: PETSc.Vec, shift: float) -> None:
+        """Add a shift, an artificial tension given as a strain, to a constrained tangent."""
+        self.stabilizer.add_tangent(shift, A)
+        self.constraints.constrain_tangent(x, A, b)
+
+    # Derivatives by parameters
+
+    def derivative(
+        self, x: PETSc.Vec, part: str, parameter: str, direction: ArrayLike = 1.0, b: PETSc.Vec | None = None
+    ) -> PETSc.Vec:
+        """Differentiate the residual by a parameter of a part, at a fixed displacement [N per unit of the parameter].
+
+        Dead loads and the artificial tension of a stabilization do not follow the parameter.
+
+        Args:
+            x: Displacement [m].
+            part: Name of the part.
+            parameter: "prestress"; "pressure", of a membrane; or a number of the material: "axial_stiffness" of cables
+                and masts, "Et" and "nu" of a `Fabric`, "Et_warp", "Et_weft", "nu" and "Gt" of an `OrthotropicFabric`.
+            direction: Change of the parameter: a prestress in one of the forms that the part takes, a pressure for all
+                cells or for each, shape (cells,), or a number. The result is linear in it.
+            b: Vector for the result; a new one if None.
+
+        Raises:
+            ValueError: There is no such part or parameter, or the direction has another shape.
+        """
+        b = self.discretization.create_vector() if b is None else b
+        given = parameters.Change(self.structure, part, parameter, direction)
+        if given.parameter == "pressure":
+            data = replace(self.cells, pressures=given.on_cells(self.assembler.parts))
+            self.assembler.update(x, data)
+            self.assembler.vector(lambda part: part.pressure, b).scale(-1.0)
+            return b
+        self._update(x)
+        return self.assembler.vector(given.form, b)
+
+    def load_derivative(
+        self, x: PETSc.Vec, rate: "LoadedProblem | None" = None, b: PETSc.Vec | None = None
+    ) -> PETSc.Vec:
+        """Differentiate the residual by a load factor, at a fixed displacement [N].
+
+        Args:
+            x: Displacement [m].
+            rate: The problem under the actions that the factor multiplies, such as `change(start, end)` of a stage;
+                None for all those of this problem.
+            b: Vector for the result; a new one if None.
+        """
+        b = self.discretization.create_vector() if b is None else b
+        (rate or self).loads(x, b)
+        b.scale(-1.0)
+        return b
+
+    # Loads
+
+    def loads(self, x: PETSc.Vec, total: PETSc.Vec) -> None:
+        """Set a vector to the nodal loads in the shape x, dead loads and pressures [N]."""
+        self._pressure_forces(x, total)
+        total.array += self.own_loads
+
+    def pressure_loads(self, x: PETSc.Vec) -> NDArray[np.float64]:
+        """Convert the pressures to nodal forces in the shape x, shape (n, 3) [N]."""
+        with self.discretization.work(1) as (total,):
+            return self.discretization.to_numpy(self._pressure_forces(x, total))
+
+    def load_norm(self, x: PETSc.Vec) -> float:
+        """2-norm of the nodal loads in the shape x, dead loads and pressures [N]."""
+        dead = math.sqrt(self.comm.allreduce(float(self.own_loads @ self.own_loads)))
+        if self.symmetric:
+            return dead
+        with self.discretization.work(1) as (total,):
+            return dead + float(self._pressure_forces(x, total).norm())
+
+    def unloaded(self) -> bool:
+        """Return True if there are supports and prestress alone, without loads or prescribed displacements."""
+        loaded = bool(self.own_loads.any() or self.constraints.prescribed.any())
+        return self.symmetric and not self.comm.allreduce(loaded, MPI.LOR)
+
+    def beyond_rounding(self, x: PETSc.Vec, b: PETSc.Vec) -> float:
+        """Norm (2-norm) of a constrained residual in the state x beyond the rounding of each entry [N]."""
+        displacement = float(x.norm(PETSc.NormType.NORM_INFINITY))
+        rounding = self.magnitudes.scales.rounding(displacement)
+        rounding[self.constraints.rows] = UNIT * self.magnitudes.stiffness * displacement
+        beyond = np.maximum(np.abs(b.array_r) - rounding, 0.0)
+        return math.sqrt(self.comm.allreduce(float(beyond @ beyond)))
+
+    def _update(self, x: PETSc.Vec) -> None:
+        self.assembler.update(x, self.cells)
+
+    def _pressure_forces(self, x: PETSc.Vec, total: PETSc.Vec) -> PETSc.Vec:
+        self._update(x)
+        return self.assembler.vector(lambda part: part.pressure, total)

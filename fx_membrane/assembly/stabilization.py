@@ -1,0 +1,55 @@
+"""Stabilization of a structure: an artificial tension in all parts, given as a strain times the stiffness of each.
+
+With a shift s [-] and the matrix T, the stiffness of the tension of strain one, it adds
+
+    s (X + u) . T (X + u) / 2 to the energy,    s T (X + u) to the residual,    s T to the tangent.
+"""
+
+from petsc4py import PETSc
+
+from .assembler import Assembler
+from .part_forms import tension_form
+
+
+class Stabilization:
+    """Artificial tension of strain one; its matrix is made on first use.
+
+    Args:
+        assembler: Sums over the parts.
+    """
+
+    def __init__(self, assembler: Assembler):
+        self._assembler, self._discretization = assembler, assembler.discretization
+        self._points = self._discretization.to_petsc(self._discretization.structure.points)
+        self._matrix: PETSc.Mat | None = None
+
+    @property
+    def matrix(self) -> PETSc.Mat:
+        """Stiffness T of the artificial tension [N/m], symmetric; the same in every state."""
+        if self._matrix is None:
+            self._matrix = self._discretization.create_matrix()
+            self._assembler.matrix(tension_form, self._matrix)
+        return self._matrix
+
+    def energy(self, x: PETSc.Vec) -> float:
+        """Energy of the tension in the shape of a displacement x [J]."""
+        with self._discretization.work(1) as (position,):
+            position.waxpy(1.0, self._points, x)
+            return 0.5 * self.work(position)
+
+    def add_residual(self, shift: float, x: PETSc.Vec, b: PETSc.Vec) -> None:
+        """Add the nodal forces of a shift in the shape of a displacement x [N]."""
+        with self._discretization.work(2) as (position, forces):
+            position.waxpy(1.0, self._points, x)
+            self.matrix.mult(position, forces)
+            b.axpy(shift, forces)
+
+    def add_tangent(self, shift: float, A: PETSc.Mat) -> None:
+        """Add the stiffness of a shift to a tangent [N/m]."""
+        A.axpy(shift, self.matrix, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+
+    def work(self, v: PETSc.Vec) -> float:
+        """Double the work of a displacement against the tension, v . T v [J]."""
+        with self._discretization.work(1) as (forces,):
+            self.matrix.mult(v, forces)
+            return float(v.dot(forces))
