@@ -102,7 +102,7 @@ for case, (structure, stage, *units) in cases.items():
 # ## The line search
 #
 # The weaker the prestress of the square, the further the first full step overshoots. More steps are needed to come
-# back. Without prestress there is no first step at all. With the line search and the shift by artificial tension, the
+# back. Without prestress there is no first step at all. With the line search and the shift of the tangent, the
 # prestress hardly matters.
 
 # %%

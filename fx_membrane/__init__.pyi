@@ -40,6 +40,7 @@ from .results.strain_limits import LargeStrainWarning
 from .solvers.base import Iteration
 from .solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
 from .solvers.newton import Newton
+from .solvers.outcome import Outcome
 
 __all__ = [
     "Analysis",
@@ -66,6 +67,7 @@ __all__ = [
     "Net",
     "Newton",
     "OrthotropicFabric",
+    "Outcome",
     "PartFunctions",
     "PathError",
     "PathPoint",

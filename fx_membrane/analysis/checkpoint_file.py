@@ -21,8 +21,9 @@ from numpy.typing import NDArray
 
 from ..results.states import Increment
 from ..solvers.base import Iteration
+from ..solvers.outcome import Outcome
 
-FORMAT = 1
+FORMAT = 2  # 1: until 0.1.0, with flags in place of the outcome
 MAGIC = b"SQLite format 3\0"
 TABLE = "CREATE TABLE entry (key TEXT PRIMARY KEY, document BLOB, displacement BLOB, digest TEXT)"
 HEADER = "header"
@@ -108,7 +109,7 @@ class CheckpointFile:
             entries = {key: _checked(key, *row) for key, *row in self._database.execute("SELECT * FROM entry")}
             header = entries[HEADER][0]
             if header["format"] != FORMAT:
-                raise ValueError(f"its format is {header['format']}, and this version reads {FORMAT}")
+                raise ValueError(f"of another version: its format is {header['format']}, and this one reads {FORMAT}")
             if header["entries"] != len(entries) - 1:
                 raise ValueError(f"it has {len(entries) - 1} entries of {header['entries']}")
             content = Content(header["structure"], {}, {})
@@ -239,7 +240,10 @@ def _checked(key: str, document: bytes, displacement: bytes, digest: str) -> tup
 
 
 def _record(increment: Increment) -> dict[str, Any]:
-    return increment._asdict() | {"iterations": [entry._asdict() for entry in increment.iterations]}
+    return increment._asdict() | {
+        "outcome": increment.outcome.name,
+        "iterations": [entry._asdict() for entry in increment.iterations],
+    }
 
 
 def _progress(document: dict[str, Any], displacement: bytes, increments: list[dict[str, Any]]) -> Progress:
@@ -247,8 +251,10 @@ def _progress(document: dict[str, Any], displacement: bytes, increments: list[di
         np.frombuffer(displacement, "<f8").reshape(-1, 3).astype(np.float64),
         Fraction(document["factor"]),
         Fraction(document["size"]),
-        tuple(
-            Increment(**record | {"iterations": tuple(Iteration(**entry) for entry in record["iterations"])})
-            for record in increments
-        ),
+        tuple(map(_increment, increments)),
     )
+
+
+def _increment(record: dict[str, Any]) -> Increment:
+    iterations = tuple(Iteration(**entry) for entry in record["iterations"])
+    return Increment(**record | {"outcome": Outcome[record["outcome"]], "iterations": iterations})

@@ -1,12 +1,13 @@
 """Reasons in words of a stage that ended before its whole load; a mechanism comes before the largest load."""
 
+from fractions import Fraction
+
 from petsc4py import PETSc
 
 from ..assembly.loaded_problem import LoadedProblem
 from ..solvers.base import Solution
 from ..solvers.diagnosis import swung_masts, unlikely_units
-from .checkpoint_file import Progress
-from .increments import Ceiling
+from .increments import Ceiling, IncrementControl
 from .work import Work
 
 MORE = "allow more (WorkLimit), or see in its iterations, `failed`, whether it comes nearer at all."
@@ -17,9 +18,7 @@ def reason(
     problem: LoadedProblem,
     x: PETSc.Vec,
     solution: Solution,
-    state: Progress,
-    beyond: Progress | None,
-    ceiling: Ceiling,
+    control: IncrementControl,
     work: Work,
 ) -> str:
     """Explain in words the failure of an increment from a state.
@@ -28,17 +27,15 @@ def reason(
         problem: The problem, under the actions of the increment that failed.
         x: The last state tried.
         solution: How that ended.
-        state: The last state found.
-        beyond: A state that was found past a loss of stability, while smaller increments located that.
-        ceiling: The load factors at which nothing was found.
+        control: The control of the increments.
         work: The work of the stage.
     """
     if work.over:
-        return f"{work.over}; {MORE}{_search(state, beyond)}"
-    if solution.motion is not None or not solution.retry:
+        return f"{work.over}; {MORE}{_search(control)}"
+    if solution.motion is not None or not solution.outcome.retry:
         return solution.reason
-    fallen = swung_masts(problem, problem.discretization.to_petsc(state.displacement), OVER, "found")
-    words = fallen or ceiling.words(state.factor)
+    fallen = swung_masts(problem, problem.discretization.to_petsc(control.state.displacement), OVER, "found")
+    words = fallen or _largest_load(control.ceiling, control.state.factor)
     if not words:
         return solution.reason
     # Its advice is for loads that the structure bears.
@@ -46,7 +43,21 @@ def reason(
     return f"{words} {tried}{unlikely_units(problem, x)}"
 
 
-def _search(state: Progress, beyond: Progress | None) -> str:
+def _largest_load(ceiling: Ceiling, start: Fraction) -> str:
+    """Sentence that the structure likely carries no more than the ceiling; empty far below it."""
+    if not start or not ceiling.near(start):
+        return ""
+    return (
+        f"from load factor {float(start):.6g} on no equilibrium was found, in however small increments, and likely "
+        "there is none: it is the largest load that the structure bears (as fabric with a free edge, which flies "
+        "off where a pressure exceeds what holds it down). More increments will not help; stay below that load, or "
+        "add supports, members, weight or prestress. On fine meshes of slack fabric iterations may be too few; "
+        "Newton(max_iterations=...) allows more."
+    )
+
+
+def _search(control: IncrementControl) -> str:
+    state, beyond = control.state, control.bracket.beyond
     if not beyond:
         return ""
     return (

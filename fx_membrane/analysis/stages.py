@@ -1,9 +1,9 @@
 """Stages: load increments, load cases that branch from a common state, and results that survive failures."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from mpi4py import MPI
@@ -30,10 +30,11 @@ from ..solvers.base import Solution
 from ..solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
 from ..solvers.curvature import wrinkling_threshold
 from ..solvers.newton import Newton
+from ..solvers.outcome import Outcome
 from ..solvers.progress import Report
 from . import checkpoint
 from .checkpoint_file import Progress
-from .increments import HALVINGS, Ceiling
+from .increments import IncrementControl, Verdict
 from .reasons import MORE, reason
 from .work import Work, WorkDone, WorkLimit
 
@@ -65,6 +66,26 @@ class ConvergenceError(RuntimeError):
     ):
         super().__init__(message)
         self.results, self.last, self.failed, self.motion = results, last, failed, motion
+
+
+class _Course(NamedTuple):
+    """A stage between its actions.
+
+    Attributes:
+        stage: The stage.
+        start: Actions at the load factor 0.
+        end: Actions at the load factor 1.
+        shape: Displacement at its start, shape (n, 3) [m].
+    """
+
+    stage: Stage
+    start: Actions
+    end: Actions
+    shape: NDArray[np.float64]
+
+    def actions(self, factor: Fraction | float) -> Actions:
+        """Actions at a load factor."""
+        return between(self.start, self.end, float(factor))
 
 
 class Analysis:
@@ -163,10 +184,11 @@ class Analysis:
                 ends[stage.name] = end = self.problem.actions(stage, ends[stage.after])
                 shape = results[stage.after].displacement if stage.after else np.zeros(self.structure.points.shape)
                 start = with_constraints_of(ends[stage.after], end, shape)
+                course = _Course(stage, start, end, shape)
                 state = saved.progress.get(stage.name) or Progress(
                     shape, Fraction(0), Fraction(1, stage.increments), ()
                 )
-                results[stage.name] = remarked(self._run(stage, start, end, state, results, saved.save), shape)
+                results[stage.name] = remarked(self._run(course, state, results, saved.save), shape)
                 with together(self._comm):
                     warn_of_remarks(results[stage.name], self._comm, stacklevel=3)
         return results
@@ -179,64 +201,29 @@ class Analysis:
             check_supports(self.structure, held[stage.name])
 
     def _run(
-        self,
-        stage: Stage,
-        start: Actions,
-        end: Actions,
-        state: Progress,
-        results: StageResults,
-        save: Callable[[str, Progress], None],
+        self, course: _Course, state: Progress, results: StageResults, save: Callable[[str, Progress], None]
     ) -> StageResult:
-        """Run the load increments of a stage from a converged state, between the actions at its start and its end."""
-        full = Fraction(1, stage.increments)
+        """Run the load increments of a stage from a converged state."""
+        stage = course.stage
         balanced = stage.after is not None or not self.problem.magnitudes.prestress_forces
-        beyond: Progress | None = None  # a state beyond a loss of stability, while smaller increments bracket it
-        x = self.problem.to_petsc(state.displacement)
+        control = IncrementControl(stage, state, balanced)
+        x = self.problem.create_vector()
         with Report(stage.name, float(state.factor), shown=self._progress and self._comm.rank == 0) as report:
-            ceiling = Ceiling()
             work = Work(self._limit, self._comm, report.iteration)
-            while state.factor < 1:
-                factor = ceiling.next(state.factor, state.size)
+            while control.state.factor < 1:
                 _dolfinx.free_dropped(self._comm)
-                loaded = self.problem.under(between(start, end, float(factor)))
-                solution = self._solved(loaded, x, work, ceiling.smooth and beyond is None)
-                judged = (balanced or state.factor > 0) and not any(entry.snapped for entry in state.increments)
-                snapped = solution.converged and solution.lost_stability and judged
-                remarks = (solution.stabilized, solution.unstable, solution.extra_iterations, snapped)
-                increment = Increment(float(factor), solution.iterations, *remarks)
-                found = None
-                if solution.converged:
-                    size = full if snapped else min(2 * state.size, full)
-                    shape = self.problem.to_numpy(x)
-                    found = Progress(shape, factor, size, (*state.increments, increment))
-                else:
-                    ceiling.failed(factor, len(work.iterates))
-                beyond = found if snapped else beyond
-                divisible = bool(stage.loads or stage.displacements) and state.size > full / 2**HALVINGS
-                divisible = divisible and (snapped or not ceiling.reached(state.factor))
-                if divisible and (snapped or (not solution.converged and solution.retry)):
-                    state = replace(state, size=(factor - state.factor) / 2)
-                    self.problem.to_petsc(state.displacement).copy(x)
+                self.problem.discretization.to_petsc(control.state.displacement, x)
+                loaded = self.problem.under(course.actions(control.next()))
+                solution = self._solved(loaded, x, work, control.thorough)
+                shape = self.problem.to_numpy(x) if solution.converged else None
+                verdict = control.judge(solution, shape, len(work.iterates))
+                if verdict is Verdict.HALVE:
                     continue
-                reached = self._located(stage, start, end, state, found or beyond, work)
-                if not reached:
-                    shape = results[stage.after].displacement if stage.after else np.zeros(self.structure.points.shape)
-                    slack = self._slack(stage, loaded, x)
-                    last = remarked(self._result(stage, start, end, state), shape)
-                    warn_of_remarks(last, self._comm, stacklevel=4)
-                    words = reason(loaded, x, solution, state, beyond, ceiling, work) + slack
-                    message = (
-                        f"Stage {stage.name!r} found no equilibrium at load factor {float(factor):.6g} "
-                        f"(the last found is at {float(state.factor):.6g}): {words}"
-                    )
-                    failed = increment._replace(snapped=False)  # that is not known yet
-                    raise ConvergenceError(message, results, last, failed, solution.motion)
-                state, beyond = reached, None
-                ceiling.found(state.factor)
-                self.problem.to_petsc(state.displacement).copy(x)
-                save(stage.name, state)
-                report.increment(float(state.factor), state.increments[-1].iterations[-1].residual)
-        return self._result(stage, start, end, state)
+                if verdict is Verdict.STOP or work.over or not self._located(course, control, work):
+                    raise self._failure(course, control, loaded, x, solution, work, results)
+                save(stage.name, control.accept())
+                report.increment(float(control.state.factor), control.state.increments[-1].iterations[-1].residual)
+        return self._result(course, control.state)
 
     def _solved(self, loaded: LoadedProblem, x: PETSc.Vec, work: Work, thorough: bool) -> Solution:
         """Solve an increment; once the limit of work is used up, allow no retry."""
@@ -244,42 +231,53 @@ class Analysis:
         try:
             return self._solve(loaded, x, work, thorough)
         except WorkDone as done:
-            return Solution(False, f"{done}; {MORE}", tuple(work.iterates), retry=False)
+            return Solution(Outcome.WORK_LIMIT, f"{done}; {MORE}", tuple(work.iterates))
 
-    def _located(
-        self, stage: Stage, start: Actions, end: Actions, state: Progress, reached: Progress | None, work: Work
-    ) -> Progress | None:
-        """Choose the state that follows another; None without one, or if the limit of work ended its search."""
-        if reached and not work.over and reached.increments[-1].snapped:
-            reached = self._fallen(stage, start, end, state, reached, work)
-        return None if work.over else reached
-
-    def _fallen(
-        self, stage: Stage, start: Actions, end: Actions, state: Progress, reached: Progress, work: Work
-    ) -> Progress:
-        """Note with an increment that snapped the parts that only slack parts held before.
+    def _located(self, course: _Course, control: IncrementControl, work: Work) -> bool:
+        """Note the parts that only slack parts held before a loss of stability; False if the limit of work ended that.
 
         At the start of a stage forces may not show that yet: a small fraction of the increment makes them visible.
         """
-        if not wrinkling_threshold(self.structure):
-            return reached  # no part can be slack
-        factor = float(state.factor) or PROBE * float(reached.factor)
-        loaded = self.problem.under(between(start, end, factor))
-        x = self.problem.to_petsc(state.displacement)
-        if state.factor == 0 and not self._solved(loaded, x, work, thorough=False).converged:
-            return reached
-        *others, snap = reached.increments
-        words = held_by_slack_parts(self._record(stage.name, loaded, x, ()))
-        return replace(reached, increments=(*others, snap._replace(fallen=words)))
+        reached = control.lost
+        if not reached or not wrinkling_threshold(self.structure):  # without it, no part can be slack
+            return True
+        factor = float(control.state.factor) or PROBE * float(reached.factor)
+        loaded = self.problem.under(course.actions(factor))
+        x = self.problem.to_petsc(control.state.displacement)
+        if control.state.factor == 0 and not self._solved(loaded, x, work, thorough=False).converged:
+            return not work.over
+        control.note_fallen(held_by_slack_parts(self._record(course.stage.name, loaded, x, ())))
+        return True
 
-    def _slack(self, stage: Stage, loaded: LoadedProblem, x: PETSc.Vec) -> str:
+    def _failure(
+        self,
+        course: _Course,
+        control: IncrementControl,
+        loaded: LoadedProblem,
+        x: PETSc.Vec,
+        solution: Solution,
+        work: Work,
+        results: StageResults,
+    ) -> ConvergenceError:
+        """Warn of the last state, and return the exception that ends the stage after it."""
+        slack = self._slack(course, loaded, x)
+        last = remarked(self._result(course, control.state), course.shape)
+        warn_of_remarks(last, self._comm, stacklevel=5)
+        words = reason(loaded, x, solution, control, work) + slack
+        message = (
+            f"Stage {course.stage.name!r} found no equilibrium at load factor {float(control.factor):.6g} "
+            f"(the last found is at {float(control.state.factor):.6g}): {words}"
+        )
+        return ConvergenceError(message, results, last, control.failed(solution), solution.motion)
+
+    def _slack(self, course: _Course, loaded: LoadedProblem, x: PETSc.Vec) -> str:
         """Sentence on slack parts and free cable ends in a state that is no equilibrium."""
         if not np.isfinite(x.norm()):
             return ""
-        state = self._record(stage.name, loaded, x, ())
+        state = self._record(course.stage.name, loaded, x, ())
         return slack_parts(state) + hanging_ends(state)
 
-    def _result(self, stage: Stage, start: Actions, end: Actions, state: Progress) -> StageResult:
-        loaded = self.problem.under(between(start, end, float(state.factor)))
+    def _result(self, course: _Course, state: Progress) -> StageResult:
+        loaded = self.problem.under(course.actions(state.factor))
         x = self.problem.to_petsc(state.displacement)
-        return self._record(stage.name, loaded, x, state.increments)
+        return self._record(course.stage.name, loaded, x, state.increments)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..model.parts import Cable, Mast, Membrane
 from ..model.structure import Structure
+from ..solvers.outcome import Outcome
 from .balance import UnbalancedStateWarning, balance_remarks
 from .loose_masts import Loose, loose_masts
 from .motions import Motion, motion_of
@@ -62,7 +63,7 @@ def held_by_slack_parts(result: StageResult) -> str:
 
 
 def _remarks(result: StageResult, start: NDArray[np.float64] | None) -> Iterator[Remark]:
-    factors = [increment.load_factor for increment in result.increments if increment.unstable]
+    factors = [entry.load_factor for entry in result.increments if entry.outcome is Outcome.UNSTABLE]
     if factors:
         shown = ", ".join(f"{factor:.6g}" for factor in factors[:SHOWN]) + ", ..." * (len(factors) > SHOWN)
         yield Remark(
@@ -71,7 +72,7 @@ def _remarks(result: StageResult, start: NDArray[np.float64] | None) -> Iterator
         )
     motion = motion_of(result, start)
     told = [*_snapped(result, motion), *_carried(result)]
-    if str(motion) and not any(increment.snapped for increment in result.increments):
+    if str(motion) and not any(increment.outcome.lost_stability for increment in result.increments):
         told.insert(0, Remark(_far(result, motion)))
     yield from told
     lost = [name for name in result.parts if _has_lost_its_prestress(result, name)]
@@ -92,13 +93,13 @@ def _far(result: StageResult, motion: Motion) -> str:
 def _snapped(result: StageResult, motion: Motion) -> Iterator[Remark]:
     before = 0.0
     for increment in result.increments:
-        if increment.fallen:
+        if increment.outcome is Outcome.FALLEN:
             yield Remark(
                 f"{increment.fallen}, falls{str(motion) and f': {motion}'}. It carries nothing but by the small "
                 "stiffness that slack parts keep (compression_stiffness): no load is safe. Add cables, masts or "
                 "supports that hold it."
             )
-        elif increment.snapped:
+        elif increment.outcome is Outcome.SNAPPED:
             yield Remark(
                 f"between load factors {before:.6g} and {increment.load_factor:.6g} the structure lost its stability: "
                 f"it has snapped or buckled into another shape{motion.tilted and f' ({motion.tilted})'}. Stay below "

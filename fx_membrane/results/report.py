@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from ..checks import validation
 from ..model.parts import Cable, Membrane
 from ..model.restraint import loose_ends
+from ..solvers.outcome import Outcome
 from .states import MembraneResult, StageResult
 from .strain_limits import elastic_strain
 
@@ -47,8 +48,9 @@ def report(
     force_unit, length_unit = validation.text("force_unit", force_unit), validation.text("length_unit", length_unit)
     iterations = [len(increment.iterations) - 1 for increment in result.increments]
     more = sum(increment.extra_iterations for increment in result.increments)
-    remarks = f", drawn smooth first ({more} iterates more)" * any(entry.stabilized for entry in result.increments)
-    remarks += ", not stable" * any(increment.unstable for increment in result.increments)
+    outcomes = {increment.outcome for increment in result.increments}
+    remarks = ", stabilized first" * (Outcome.STABILIZED in outcomes) + f" ({more} iterates more)" * bool(more)
+    remarks += ", not stable" * (Outcome.UNSTABLE in outcomes)
     units = f"units as given: {force_unit}, {length_unit}"
     lines = [f"WARNING: {remark}" for remark in result.remarks]
     lines += [f"Stage {result.name!r}, iterations per increment: {iterations}{remarks}; {units}"]

@@ -14,6 +14,7 @@ from ..assembly.problem import Problem
 from ..model.parts import Cable, Mast, Membrane
 from ..model.structure import Structure
 from ..solvers.base import Iteration
+from ..solvers.outcome import Outcome
 from .owner import problem_of, without_owner
 
 Array = NDArray[np.float64]
@@ -43,20 +44,15 @@ class Increment(NamedTuple):
     Attributes:
         load_factor: Fraction of the stage's own loads and displacements, in (0, 1].
         iterations: The iterates of the solver, the start first.
-        stabilized: True if the iterations follow a homotopy in a fading stabilization, since the solver failed from
-            the last increment.
-        unstable: True if the equilibrium is unstable, as far as the solver looked (see `stability`).
+        outcome: Outcome, the gravest of those that apply.
         extra_iterations: Number of iterates missing from `iterations`: those of rejected attempts and of the homotopy.
-        snapped: True if the structure lost its stability, and has snapped through or buckled into another shape.
-        fallen: Sentence on the parts that only slack parts held before it snapped; empty if it buckled.
+        fallen: Sentence on the parts that only slack parts held before; empty unless the outcome is FALLEN.
     """
 
     load_factor: float
     iterations: tuple[Iteration, ...]
-    stabilized: bool = False
-    unstable: bool = False
+    outcome: Outcome = Outcome.CONVERGED
     extra_iterations: int = 0
-    snapped: bool = False
     fallen: str = ""
 
 

@@ -11,6 +11,7 @@ from petsc4py import PETSc
 
 from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
+from .outcome import Outcome
 
 ROUNDING = 1e-14
 MOST = 1e3  # maximum force scale of a relative tolerance, as a multiple of the loads
@@ -26,28 +27,24 @@ class Iteration(NamedTuple):
         residual: Largest unbalanced nodal force [N], infinity norm; at constrained components short of their prescribed
             displacement, the error times a typical stiffness.
         step: Length of the step that led here, in (0, 1]; 0 at the start.
-        tension: Shift of the tangent for that step: an artificial tension, as a strain, times the stiffness of each
-            part; 0 without a shift.
+        shift: Shift of the tangent for that step, lambda in K + lambda T with the stabilization matrix T: the stiffness
+            of a tension of strain one in all parts [-]; 0 without a shift.
     """
 
     energy: float
     residual: float
     step: float
-    tension: float = 0.0
+    shift: float = 0.0
 
 
 @dataclass(frozen=True)
 class Solution:
-    """Outcome of a solve; the state itself is in the vector given to it.
+    """End of a solve; the state itself is in the vector given to it.
 
     Attributes:
-        converged: True if the residual met the tolerance.
+        outcome: Outcome.
         reason: Sentence on why the solve stopped and, after a failure, on the remedy.
         iterations: The iterates, the start first.
-        retry: True if a smaller load increment may succeed after this failure.
-        stabilized: True if the iterates start from the result of the homotopy in a fading stabilization, not from the
-            given start.
-        unstable: True if the equilibrium is unstable and no stable one was found from there.
         extra_iterations: Number of iterates missing from `iterations`: those of rejected attempts and of the homotopy.
         lost_stability: True if the start was stable, but negative curvature appeared during the iteration, beyond that
             of wrinkled and slack cells: that of masts or a pressure. Iterates can be far off, so smaller load
@@ -55,15 +52,17 @@ class Solution:
         motion: Free motion of a mechanism that made the solve fail, its largest displacement of size one, shape (n, 3).
     """
 
-    converged: bool
+    outcome: Outcome
     reason: str
     iterations: tuple[Iteration, ...]
-    retry: bool = False
-    stabilized: bool = False
-    unstable: bool = False
     extra_iterations: int = 0
     lost_stability: bool = False
     motion: NDArray[np.float64] | None = None
+
+    @property
+    def converged(self) -> bool:
+        """True if the state is an equilibrium."""
+        return self.outcome.converged
 
 
 Monitor = Callable[[int, Iteration], None]

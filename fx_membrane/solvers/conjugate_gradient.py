@@ -16,16 +16,13 @@ from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from ..checks import validation
 from .base import ROUNDING, Iteration, Monitor, Solution, Solve, diverged, no_monitor, tolerance
-from .diagnosis import stagnation_message
+from .diagnosis import first_order_advice, stagnation_message
 from .line_search import Point, line, rounding, search
+from .outcome import Outcome
 from .preconditioners import Kind, preconditioner
 
 FLATNESS = 0.1  # accepted slope at the end of a step: conjugate directions need line searches close to the minimum
 STUCK = 0.5  # stagnation: residual above this fraction of its earlier minimum
-INDEFINITE = (
-    "the tangent at the start cannot be made positive definite, not even by artificial tension, and is no "
-    "preconditioner; do without (preconditioner=None)."
-)
 DIFFERENCE = 1e-7  # displacement, in sizes of the structure, for the difference quotient of the curvature
 
 
@@ -42,7 +39,7 @@ class SteepestDescent:
     Args:
         preconditioner: Divisor of the unbalanced forces: None, no preconditioner; "jacobi", the diagonal of the tangent
             at the start of each load increment; "tangent", that tangent, factored once. A tangent that is not positive
-            definite is shifted by an artificial tension; with pressure, its symmetric part is used. The diagonal helps
+            definite is shifted by a stabilization matrix; with pressure, its symmetric part is used. The diagonal helps
             where stiffness differs from node to node, as in graded meshes or with stiff cables in soft fabric. The
             tangent helps where it changes little. Neither always helps: on an inflated flat disc the diagonal took two
             to four times as many iterations as none.
@@ -162,20 +159,20 @@ class _Descent:
         self.restart = self.free_components()
         self.problem.constraints.impose(x)
         if self.arrived(x, 0.0, monitor):
-            return Solution(True, "converged", tuple(self.history))
+            return Solution(Outcome.CONVERGED, Outcome.CONVERGED.value, tuple(self.history))
         divide = self.preconditioner(problem, x)
         if divide is None:
-            return Solution(False, INDEFINITE, tuple(self.history))
+            return Solution(Outcome.INDEFINITE, Outcome.INDEFINITE.value, tuple(self.history))
         for _ in range(self.settings.max_iterations):
             divide(*self.now)
             length = self.step(x)
             if length is None:
-                return self.failure(x, slow=False)
+                return self.failure(x, Outcome.NO_DESCENT)
             if self.arrived(x, length, monitor):
-                return Solution(True, "converged", tuple(self.history))
+                return Solution(Outcome.CONVERGED, Outcome.CONVERGED.value, tuple(self.history))
             if diverged(self.problem, x, self.history[-1].residual):
-                return self.failure(x, slow=False)
-        return self.failure(x, slow=True)
+                return self.failure(x, Outcome.DIVERGED)
+        return self.failure(x, Outcome.SLOW)
 
     def arrived(self, x: PETSc.Vec, length: float, monitor: Monitor) -> bool:
         """Record an iterate and its gradient; return True if it is the solution."""
@@ -255,21 +252,15 @@ class _Descent:
         before, after = (min(entry.residual for entry in part) for part in (self.history[:half], self.history[half:]))
         return fallen <= self.noise * (len(self.history) - half) and after > STUCK * before
 
-    def failure(self, x: PETSc.Vec, slow: bool) -> Solution:
-        """Outcome of a failure after the last iterate; slow if the iterations ran out.
+    def failure(self, x: PETSc.Vec, outcome: Outcome) -> Solution:
+        """End of a failure after the last iterate.
 
         Smaller load increments would hardly need fewer iterations, so they are no remedy for slow convergence.
         """
         name, last = type(self.settings).__name__, self.history[-1].residual
-        at_rounding = slow and self.stands_still()
+        at_rounding = outcome is Outcome.SLOW and self.stands_still()
         reason = stagnation_message(self.problem, x, len(self.history) - 1, last, at_rounding, solver=name)
-        if at_rounding:
-            reason += " The energy, which first-order methods go by, falls by rounding only; Newton() may get closer."
-        elif slow:
-            steepest = ["ConjugateGradient()"] * isinstance(self.settings, SteepestDescent)
-            divided = ['preconditioner="tangent"'] * (self.settings.preconditioner != "tangent")
-            perhaps = " or ".join([*steepest, *divided])
-            reason += " First-order methods are slow; Newton() needs fewer iterations as a rule" + (
-                f", and {perhaps} may." if perhaps else "."
-            )
-        return Solution(False, reason, tuple(self.history), retry=not slow)
+        if outcome is Outcome.SLOW:
+            steepest = isinstance(self.settings, SteepestDescent)
+            reason += first_order_advice(at_rounding, steepest, divided=self.settings.preconditioner == "tangent")
+        return Solution(outcome, reason, tuple(self.history))

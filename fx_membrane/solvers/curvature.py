@@ -26,8 +26,7 @@ class Mode(NamedTuple):
         negative: Number of negative eigenvalues of the shifted tangent; of its symmetric part if a pressure makes it
             unsymmetric.
         motion: The displacement, of 2-norm 1; zero at constrained components.
-        stiffness: Rayleigh quotient: work against the tangent over work against an artificial tension of strain one
-            [-].
+        stiffness: Rayleigh quotient v . K v / v . T v with the stabilization matrix T, a strain [-].
     """
 
     negative: int
@@ -35,13 +34,13 @@ class Mode(NamedTuple):
     stiffness: float
 
 
-def lowest_mode(problem: LoadedProblem, x: PETSc.Vec, tension: float, moving: NDArray[np.bool_] | None = None) -> Mode:
-    """Mode motion in a state.
+def lowest_mode(problem: LoadedProblem, x: PETSc.Vec, shift: float, moving: NDArray[np.bool_] | None = None) -> Mode:
+    """Lowest mode of a state, by inverse iteration on K + shift T.
 
     Args:
         problem: The problem.
         x: The state.
-        tension: Artificial tension that is added to the tangent, as a strain: what is softer counts as free.
+        shift: Shift of the tangent, as a strain: what is softer counts as free.
         moving: Nodes that move, shape (n,); those of them without any stiffness, as where all cells are slack and keep
             none, stand still too. None: all nodes move.
     """
@@ -55,7 +54,7 @@ def lowest_mode(problem: LoadedProblem, x: PETSc.Vec, tension: float, moving: ND
     with problem.discretization.work(1) as (b,):
         problem.constraints.constrain_tangent(x, A, b)
         K = factorization.symmetric_part(A)
-        problem.stiffen(x, A, b, tension)
+        problem.stiffen(x, A, b, shift)
     if moving is not None:
         A.zeroRowsColumns(still, diag=problem.magnitudes.stiffness)
     stiffened = factorization.symmetric_part(A)
@@ -73,8 +72,8 @@ def lowest_mode(problem: LoadedProblem, x: PETSc.Vec, tension: float, moving: ND
             w.copy(v)
         K.mult(v, w)
         work = float(v.dot(w))
-    artificial = problem.stabilizer.work(v)
-    found = Mode(factorization.pivots(solver).negative, v, work / artificial if artificial else np.inf)
+    scale = problem.stabilizer.work(v)
+    found = Mode(factorization.pivots(solver).negative, v, work / scale if scale else np.inf)
     for matrix in (A, K, stiffened):
         matrix.destroy()
     solver.destroy()
@@ -88,13 +87,13 @@ def negative_curvature_direction(problem: LoadedProblem, x: PETSc.Vec) -> Mode:
     instability of the structure, so it is left out.
     """
     problem = problem.without_compression_stiffness()
-    found = lowest_mode(problem, x, tension := WEAK)
+    found = lowest_mode(problem, x, shift := WEAK)
     negative = found.negative
-    # Inverse iteration finds the mode nearest to -tension: the lowest, once the shift is below all.
-    while found.negative and tension < LARGEST:
-        tension *= 4
+    # Inverse iteration finds the mode nearest to -shift: the lowest, once the shift is below all.
+    while found.negative and shift < LARGEST:
+        shift *= 4
         found.motion.destroy()
-        found = lowest_mode(problem, x, tension)
+        found = lowest_mode(problem, x, shift)
     return found._replace(negative=negative)
 
 

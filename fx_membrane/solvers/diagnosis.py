@@ -188,6 +188,22 @@ def stagnation_message(
     return f"{swung} A{after[1:]}" if swung else after
 
 
+def first_order_advice(at_rounding: bool, steepest: bool, divided: bool) -> str:
+    """Sentence on what may converge where a first-order method ran out of iterations.
+
+    Args:
+        at_rounding: True if the energy no longer changes but by rounding.
+        steepest: True for steepest descent.
+        divided: True with the tangent as preconditioner.
+    """
+    if at_rounding:
+        return " The energy, which first-order methods go by, falls by rounding only; Newton() may get closer."
+    perhaps = " or ".join(["ConjugateGradient()"] * steepest + ['preconditioner="tangent"'] * (not divided))
+    return " First-order methods are slow; Newton() needs fewer iterations as a rule" + (
+        f", and {perhaps} may." if perhaps else "."
+    )
+
+
 def swung_masts(problem: LoadedProblem, x: PETSc.Vec, limit: float, kind: str) -> str:
     """Name the mast that has turned most, in a sentence; empty if none has by more than a limit.
 

@@ -13,8 +13,8 @@ from . import factorization
 Kind = Literal["jacobi", "tangent"] | None
 Divide = Callable[[PETSc.Vec, PETSc.Vec], object]  # writes M^-1 g, for the first argument g, into the second
 
-# Shifts, as artificial tension in strains, tried until the tangent is positive definite.
-TENSIONS = (0.0, *(1e-4 * 8.0**i for i in range(10)))
+# Shifts, as strains, tried until the tangent is positive definite: the schedule of `ShiftControl`.
+SHIFTS = (0.0, *(1e-4 * 8.0**i for i in range(10)))
 ZERO = 1e-13  # fraction of the largest entry below which a diagonal entry is zero
 
 
@@ -34,7 +34,7 @@ def preconditioner(problem: Problem, kind: Kind) -> Callable[[LoadedProblem, PET
             factorization.symmetrize(A)
         problem.constraints.constrain_tangent(x, A, b)
         divide = divide_by(A)
-        for less, more in pairwise(TENSIONS):
+        for less, more in pairwise(SHIFTS):
             if divide is not None:
                 break
             problem.stiffen(x, A, b, more - less)

@@ -38,6 +38,7 @@ from fx_membrane import (
     Membrane,
     Newton,
     OrthotropicFabric,
+    Outcome,
     PlanLoad,
     PointLoad,
     PrescribedDisplacement,
@@ -293,9 +294,9 @@ def measure(make: Callable[[], Case], solver: Newton) -> str:
     counts = (len(increments), len(steps), factorizations() - before, assemblies.total() - assembled)
     line = f"{'NO' if words else 'yes':>7}{error:9.0e}{''.join(f'{count:6}' for count in counts)}{time:8.2f}"
     if solver.line_search:
-        tense, short = sum(step.tension > 0 for step in steps), sum(step.step < 1 for step in steps)
-        line += f"{tense:6}{short:6}{sum(increment.stabilized for increment in increments):6}"
-    return line + " (unstable)" * any(increment.unstable for increment in increments) + words
+        tense, short = sum(step.shift > 0 for step in steps), sum(step.step < 1 for step in steps)
+        line += f"{tense:6}{short:6}{sum(increment.outcome is Outcome.STABILIZED for increment in increments):6}"
+    return line + " (unstable)" * any(increment.outcome is Outcome.UNSTABLE for increment in increments) + words
 
 
 def main() -> None:
@@ -308,8 +309,8 @@ def main() -> None:
     count_assemblies()
     warnings.simplefilter("ignore", LargeStrainWarning)  # a hundred times the snow is intended to strain
     titles = f"{'found':>7}{'balance':>9}{'incr':>6}{'iter':>6}{'fact':>6}{'asm':>6}{'time':>8}"
-    print(f"{'':50}{'     full steps':48}{'     line search, artificial tension'}")
-    print(f"{'case':50}{titles}{titles}{'tense':>6}{'short':>6}{'drawn':>6}")
+    print(f"{'':50}{'     full steps':48}{'     line search, inertia correction'}")
+    print(f"{'case':50}{titles}{titles}{'tense':>6}{'short':>6}{'homot':>6}")
     for name, make in chosen:
         full, searched = (measure(make, way) for way in WAYS)
         print(f"{name:50}{full.partition(chr(10))[0]}{searched}", flush=True)

@@ -94,7 +94,7 @@ def test_newton_is_quadratic(name, load):
 
 
 @pytest.mark.parametrize("name", SADDLES)
-def test_line_search_and_artificial_tension_leave_a_fast_end(name):
+def test_line_search_and_inertia_correction_leave_a_fast_end(name):
     """Ten times the load, with short first steps: at the end each step gains more digits than the previous one."""
     structure = SADDLES[name]
     problem, zero = Problem(structure), np.zeros(structure.points.shape)
@@ -104,7 +104,7 @@ def test_line_search_and_artificial_tension_leave_a_fast_end(name):
     load[CENTRE] = (40.0, 20.0, -150.0)
     steps = solve(problem.under(Actions(load, structure.supported, zero)), x).iterations
     assert any(iteration.step < 1 for iteration in steps[1:])
-    assert (steps[-1].step, steps[-1].tension) == (1, 0)
+    assert (steps[-1].step, steps[-1].shift) == (1, 0)
     residuals = np.array([iteration.residual for iteration in steps])
     residuals = residuals[residuals > 1e-12 * np.abs(load).max()]  # below is rounding
     digits = -np.diff(np.log10(residuals))

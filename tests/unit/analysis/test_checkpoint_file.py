@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fx_membrane import Analysis, Stage, Structure, Support
+from fx_membrane import Analysis, Outcome, Stage, Structure, Support
+from fx_membrane.analysis import checkpoint_file
 from fx_membrane.analysis.checkpoint import opened
 from fx_membrane.analysis.checkpoint_file import Progress
 from fx_membrane.results.states import Increment
@@ -108,7 +109,7 @@ def test_truncated_file_is_refused(path, share):
 def progress(factor=Fraction(1, 3), count=1):
     iterations = (Iteration(0.0, 1e300, 0.0), Iteration(-1.25, 1 / 3, 1.0))
     shape = np.random.default_rng(1).normal(size=POINTS.shape)
-    increments = tuple(Increment(1 / 3 + i, iterations, snapped=True) for i in range(count))
+    increments = tuple(Increment(1 / 3 + i, iterations, Outcome.SNAPPED, 3) for i in range(count))
     return Progress(shape, factor, Fraction(1, 7), increments)
 
 
@@ -189,7 +190,28 @@ def test_increment_costs_its_own_state_however_many_came_before(tmp_path):
     assert (tmp_path / "state").stat().st_size < 1.5 * len(many) * shape.nbytes
 
 
+@pytest.mark.parametrize("outcome", list(Outcome))
+def test_outcome_is_saved_by_its_name(tmp_path, outcome):
+    path = tmp_path / "state"
+    increment = Increment(1.0, (), outcome, 3, "words")
+    saved(path, lift=Progress(POINTS, Fraction(1), Fraction(1), (increment,)))
+    assert loaded(path)["lift"].increments == (increment,)
+    with closing(sqlite3.connect(path)) as database:
+        (document,) = database.execute("SELECT document FROM entry WHERE key LIKE 'increment%'").fetchone()
+    assert f'"outcome": "{outcome.name}"'.encode() in document
+
+
 # Changed files
+
+
+def test_file_of_an_earlier_format_is_refused_in_words(tmp_path, monkeypatch):
+    path = tmp_path / "state"
+    with monkeypatch.context() as earlier:
+        earlier.setattr(checkpoint_file, "FORMAT", 1)
+        saved(path, lift=progress())
+    words = r"is not a checkpoint \(of another version: its format is 1, and this one reads 2\); give another name"
+    with pytest.raises(ValueError, match=words):
+        loaded(path)
 
 
 def edit(path, change):

@@ -1,5 +1,7 @@
 """Length of load increments: halved after a failure, growing back afterwards."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
@@ -7,9 +9,12 @@ from fx_membrane import (
     Analysis,
     ConvergenceError,
     Newton,
+    Outcome,
     PointLoad,
     Stage,
 )
+from fx_membrane.analysis.checkpoint_file import Progress
+from fx_membrane.analysis.increments import IncrementControl, Verdict
 from fx_membrane.solvers.base import Iteration, Solution
 from models import CENTRE, WIND, same_state, sheet
 
@@ -25,7 +30,8 @@ def unwilling(analysis, failing, retry=True):
         if len(tried) - 1 not in failing:
             return solve(loaded, x, *monitor)
         x.set(1e3)
-        return Solution(False, "it is unwilling.", (Iteration(1.0, 2.0, 0.0),), retry=retry)
+        outcome = Outcome.MAX_ITERATIONS if retry else Outcome.SLOW
+        return Solution(outcome, "it is unwilling.", (Iteration(1.0, 2.0, 0.0),))
 
     analysis._solve = wrapped
     return tried
@@ -110,3 +116,68 @@ def test_hard_load_in_one_step_ends_where_many_steps_end(analysis):
     assert [increment.load_factor for increment in many.increments] == [(k + 1) / 40 for k in range(40)]
     assert same_state(short, many)
     assert short.energy == pytest.approx(many.energy, rel=1e-12)
+
+
+SHAPE = np.zeros((1, 3))
+
+
+def control(increments=1, loads=True, state=None, balanced=True):
+    stage = Stage("push", [PointLoad(0, (0, 0, 1.0))] if loads else (), increments=increments)
+    return IncrementControl(stage, state or Progress(SHAPE, Fraction(0), Fraction(1, increments), ()), balanced)
+
+
+def judged(control, outcome, lost=False):
+    """Verdict on the next try."""
+    control.next()
+    solution = Solution(outcome, outcome.value, (Iteration(1.0, 2.0, 0.0),), lost_stability=lost)
+    return control.judge(solution, SHAPE if outcome.converged else None, 10)
+
+
+@pytest.mark.parametrize("outcome", list(Outcome))
+def test_verdict_follows_from_the_outcome(outcome):
+    expected = Verdict.ACCEPT if outcome.converged else Verdict.HALVE if outcome.retry else Verdict.STOP
+    assert judged(control(), outcome) is expected
+    assert judged(control(loads=False), outcome) is (Verdict.ACCEPT if outcome.converged else Verdict.STOP)
+
+
+def test_increments_are_halved_eight_times():
+    control_ = control(4)
+    verdicts = [judged(control_, Outcome.DIVERGED) for _ in range(9)]
+    assert verdicts == [Verdict.HALVE] * 8 + [Verdict.STOP]
+    assert control_.factor == Fraction(1, 4 * 2**8)
+    assert control_.failed(Solution(Outcome.DIVERGED, "", ())).outcome is Outcome.DIVERGED
+
+
+@pytest.mark.parametrize("critical", [Fraction(1, 3), Fraction(1, 512)])
+def test_critical_load_is_bracketed(critical):
+    control_, found = control(), []
+    while control_.state.factor < 1:
+        beyond = control_.state.factor < critical < control_.next()
+        if judged(control_, Outcome.CONVERGED, beyond) is Verdict.ACCEPT:
+            assert bool(control_.lost) == beyond
+            found.append(control_.accept().increments[-1])
+    snapped = [number for number, entry in enumerate(found) if entry.outcome is Outcome.SNAPPED]
+    assert len(snapped) == 1
+    low = found[snapped[0] - 1].load_factor if snapped[0] else 0.0
+    assert low < critical < found[snapped[0]].load_factor <= low + 1 / 2**8
+
+
+@pytest.mark.parametrize("balanced", [True, False])
+def test_stability_is_judged_from_a_balanced_start_on(balanced):
+    verdict = judged(control(balanced=balanced), Outcome.CONVERGED, lost=True)
+    assert verdict is (Verdict.HALVE if balanced else Verdict.ACCEPT)
+
+
+def test_unstable_state_is_graver_than_a_loss_of_stability():
+    control_ = control()
+    while judged(control_, Outcome.UNSTABLE, lost=True) is Verdict.HALVE:
+        assert not control_.thorough
+    assert control_.lost.increments[-1].outcome is Outcome.UNSTABLE
+    control_.note_fallen("mast 'm' is held by slack parts alone")
+    assert control_.accept().increments[-1].outcome is Outcome.FALLEN
+
+
+def test_search_for_a_critical_load_that_was_cut_off_is_a_limit_of_work():
+    control_ = control()
+    judged(control_, Outcome.CONVERGED, lost=True)
+    assert control_.failed(Solution(Outcome.CONVERGED, "", ())).outcome is Outcome.WORK_LIMIT

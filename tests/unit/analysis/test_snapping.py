@@ -12,6 +12,7 @@ from fx_membrane import (
     Fabric,
     Mast,
     Membrane,
+    Outcome,
     PointLoad,
     PrescribedDisplacement,
     Pressure,
@@ -55,7 +56,7 @@ def tent():
 def snapped(result):
     """Load factors between which it snapped: none, or two."""
     factors = [0.0, *(increment.load_factor for increment in result.increments)]
-    where = [number for number, increment in enumerate(result.increments) if increment.snapped]
+    where = [number for number, increment in enumerate(result.increments) if increment.outcome.lost_stability]
     return [bound for number in where for bound in factors[number : number + 2]]
 
 
@@ -145,7 +146,7 @@ def test_a_state_that_smaller_increments_do_not_reach_is_kept(monkeypatch):
 
     def only_the_first(*arguments):
         tried.append(solve(*arguments))
-        return tried[-1] if len(tried) == 1 else type(tried[0])(False, "it is unwilling.", (), retry=True)
+        return tried[-1] if len(tried) == 1 else type(tried[0])(Outcome.MAX_ITERATIONS, "it is unwilling.", ())
 
     monkeypatch.setattr(analysis, "_solve", only_the_first)
     with pytest.warns(UnstableStateWarning, match="between load factors 0 and 1 "):

@@ -15,6 +15,7 @@ from fx_membrane import (
     Mast,
     Membrane,
     Newton,
+    Outcome,
     PointLoad,
     PrescribedDisplacement,
     Stage,
@@ -75,7 +76,7 @@ def test_mast_that_is_pushed_towards_its_only_guys_is_reported(kept, load, prest
     words = " ".join(result.remarks)
     assert "guys" in words
     assert "load factors" not in words  # no load is safe: a reported buckling load would be wrong
-    if not any(increment.fallen for increment in result.increments):
+    if not any(increment.outcome is Outcome.FALLEN for increment in result.increments):
         assert CARRY in words
         assert f"'guys' is compressed by {-result.cable('guys').force.min():.3g} in cell" in words
         assert not stability(result).stable
@@ -89,7 +90,7 @@ def test_mast_that_is_pushed_towards_its_only_guys_is_reported(kept, load, prest
 def test_mast_that_falls_is_said_to_fall(kept, load):
     with pytest.warns(UnstableStateWarning, match=HELD_BY_SLACK):
         result = Analysis(guyed(kept)).run([push(-load, 0, 0)])["push"]
-    assert any(increment.fallen for increment in result.increments)
+    assert any(increment.outcome is Outcome.FALLEN for increment in result.increments)
 
 
 def test_mast_that_leans_towards_its_guys_falls():

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from fx_membrane import Iteration
-from fx_membrane.analysis.increments import LONG, Ceiling
-from fx_membrane.solvers.convergence import REST, at_rest, nearer
+from fx_membrane.analysis.increments import LIMITS, Ceiling
+from fx_membrane.analysis.reasons import _largest_load
+from fx_membrane.solvers.convergence import TREND, at_rest, nearer
 
 
 def history(residuals):
@@ -26,11 +27,11 @@ def test_few_residuals_tell_nothing(unknown):
     assert nearer(history(np.ones(49)), 200, unknown) == unknown
 
 
-@pytest.mark.parametrize("length", [REST + 1, 160])
+@pytest.mark.parametrize("length", [TREND.rest + 1, 160])
 def test_residuals_that_stand_still_are_at_rest(length):
     noise = np.random.default_rng(0).uniform(0.8, 1.2, length)
     assert at_rest(history(1e-8 * noise))
-    assert not at_rest(history(1e-8 * noise)[:REST])
+    assert not at_rest(history(1e-8 * noise)[: TREND.rest])
     assert not at_rest(history(0.9 ** np.arange(length)))
 
 
@@ -39,12 +40,12 @@ def test_nothing_near_a_load_that_took_long_is_overshot():
     assert ceiling.next(Fraction(1, 4), Fraction(1, 4)) == Fraction(1, 2)
     ceiling.failed(Fraction(1, 2), 10)
     assert ceiling.next(Fraction(3, 8), Fraction(1, 4)) == Fraction(5, 8)
-    ceiling.failed(Fraction(1, 2), LONG)
+    ceiling.failed(Fraction(1, 2), LIMITS.long)
     assert ceiling.next(Fraction(3, 8), Fraction(1, 4)) == Fraction(1, 2)
     assert not ceiling.smooth
     assert not ceiling.reached(Fraction(3, 8))
-    assert ceiling.words(Fraction(3, 8)) == ""
+    assert _largest_load(ceiling, Fraction(3, 8)) == ""
     assert ceiling.reached(Fraction(99, 200))
-    assert "from load factor 0.495 on no equilibrium was found" in ceiling.words(Fraction(99, 200))
+    assert "from load factor 0.495 on no equilibrium was found" in _largest_load(ceiling, Fraction(99, 200))
     ceiling.found(Fraction(1, 2))
     assert ceiling == Ceiling()

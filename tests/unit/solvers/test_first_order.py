@@ -85,7 +85,7 @@ def test_preconditioners_save_iterations(case):
 
 
 def test_start_from_which_no_preconditioner_can_be_made(monkeypatch):
-    monkeypatch.setattr(preconditioners, "TENSIONS", (0.0,))
+    monkeypatch.setattr(preconditioners, "SHIFTS", (0.0,))
     structure, stages = CASES["no stiffness at the start"]
     for kind in ("jacobi", "tangent"):
         with pytest.raises(ConvergenceError, match=r"cannot be made positive definite.*preconditioner=None"):

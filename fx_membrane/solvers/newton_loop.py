@@ -1,0 +1,197 @@
+"""The iteration of Newton's method: residual, tangent and step as callbacks of dolfinx's NewtonSolver.
+
+Each step solves (K + lambda T) dx = -R, Gil (74), by a direct factorization. A line search on the energy sets its
+length, and an inertia correction the shift lambda.
+"""
+
+import weakref
+from collections.abc import Callable
+from typing import cast
+
+from petsc4py import PETSc
+
+from .. import _dolfinx
+from ..assembly.loaded_problem import LoadedProblem
+from ..assembly.problem import Problem
+from . import factorization
+from .backends import by_dolfinx, by_snes
+from .base import ROUNDING, Iteration, Monitor, Solution, diverged, max_norm, no_monitor, tolerance
+from .convergence import at_rest
+from .curvature import wrinkling_threshold
+from .diagnosis import linear_failure, stagnation_message
+from .inertia_correction import ShiftControl
+from .line_search import step_back
+from .outcome import Outcome
+
+REST = 1e-8  # fraction of all forces below which a stagnant residual is at rounding
+
+Proceed = Callable[[list[Iteration]], bool]  # True to continue an attempt, by its iterates
+
+
+def always(history: list[Iteration]) -> bool:
+    """Continue."""
+    return True
+
+
+class _Stop(Exception):  # noqa: N818  (not an error but a message from callback to caller)
+    """Exception that ends the iteration from inside a callback, with the reason as a sentence."""
+
+    def __init__(self, outcome: Outcome, reason: str):
+        super().__init__(reason)
+        self.outcome = outcome
+
+
+class NewtonLoop:
+    """The iteration: callbacks for residual, tangent and step, and their backend.
+
+    Attributes:
+        problem: The problem of the present attempt.
+        length: Length of the last step.
+        shift: Shift of the tangent for that step, as a strain.
+        left: Number of iterations that remain of the total for the solve.
+        iterates: Number of iterates since the solve began, rejected ones included.
+        first: True in the first attempt of the solve.
+        from_stable: True if the first tangent of the solve had no more negative curvature than slack cells have.
+        lost_stability: True if a later tangent had more.
+    """
+
+    def __init__(self, problem: Problem, line_search: bool, control: ShiftControl):
+        self.line_search, self.control = line_search, control
+        self.A = problem.discretization.create_matrix()
+        self.b = problem.discretization.create_vector()
+        create = problem.discretization.create_vector
+        self.work, self.here = create(), create()
+        self.rtol = self.tolerance = self.length = self.shift = 0.0
+        self.balanced = False
+        self.begin(problem.under(), no_monitor, 0)
+        self.newton = _dolfinx.newton_solver(problem.comm)
+        # The backends hold their callbacks in C and C++, invisible to Python's garbage collector: a weak reference lets
+        # the problem be freed before the program ends.
+        owner = cast(NewtonLoop, weakref.proxy(self))
+        self.iterate, self.ksp = by_snes(owner) if self.newton is None else by_dolfinx(owner)
+        factorization.keep_until_all_are_done(self, problem.comm, self.ksp)
+
+    def begin(self, problem: LoadedProblem, monitor: Monitor, most: int) -> None:
+        """Begin a solve of at most so many iterations."""
+        self.problem, self.monitor, self.left = problem, monitor, most
+        self.history: list[Iteration] = []
+        self.iterates, self.first = 0, True
+        self.symmetric, self.from_stable, self.lost_stability = True, False, False
+
+    def attempt(self, x: PETSc.Vec, rtol: float, most: int, proceed: Proceed = always) -> Solution:
+        """Run the iteration from x.
+
+        Args:
+            x: The start; replaced by the last iterate.
+            rtol: Relative tolerance.
+            most: Maximum number of iterations; never more than remain of the total.
+            proceed: Decision to take one more iteration.
+        """
+        self.history, self.rtol = [], rtol
+        self.most, self.proceed = min(most, self.left), proceed
+        self.first = self.iterates == 0
+        self.length = self.shift = 0.0
+        self.symmetric = self.problem.symmetric or self.conservative(x)
+        factorization.choose(self.ksp, self.A, self.symmetric)
+        try:
+            with _dolfinx.quiet_log():
+                converged = self.iterate(x)
+        except _Stop as stop:
+            return Solution(stop.outcome, str(stop), tuple(self.history))
+        if converged:
+            return Solution(Outcome.CONVERGED, Outcome.CONVERGED.value, tuple(self.history))
+        end = self.without_end(x)
+        return Solution(end.outcome, str(end), tuple(self.history))
+
+    def conservative(self, x: PETSc.Vec) -> bool:
+        """Return True if pressures have a potential here, as within held edges: the tangent is symmetric."""
+        self.problem.tangent(x, self.A)
+        self.problem.constraints.constrain_tangent(x, self.A, self.b)
+        return factorization.is_symmetric(self.A)
+
+    def without_end(self, x: PETSc.Vec) -> _Stop:
+        """Outcome and reason of an iteration whose last iterate is no solution."""
+        last = self.history[-1].residual
+        # Small, and no longer falling.
+        at_rounding = len(self.history) > 2 and self.history[-2].residual < 10 * last < 1e4 * self.tolerance
+        outcome = Outcome.STAGNATED if at_rounding else Outcome.MAX_ITERATIONS
+        return _Stop(outcome, stagnation_message(self.problem, x, len(self.history) - 1, last, at_rounding))
+
+    def residual(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
+        """Residual with constraints; record the iterate and the tolerance for its 2-norm."""
+        self.problem.residual(x, b)
+        self.tolerance = tolerance(self.problem, x, b, self.rtol if self.history else ROUNDING)
+        self.problem.constraints.constrain_residual(x, b)
+        beyond, unbalanced = self.problem.beyond_rounding(x, b), max_norm(b)
+        self.history.append(Iteration(self.problem.energy(x), unbalanced, self.length, self.shift))
+        small = beyond < REST * self.tolerance / self.rtol
+        self.balanced = beyond < self.tolerance or (small and at_rest(self.history))
+        self.iterates += 1
+        self.monitor(len(self.history) - 1, self.history[-1])
+        if diverged(self.problem, x, unbalanced):
+            raise _Stop(Outcome.DIVERGED, str(self.without_end(x)))
+
+    def tangent(self, x: PETSc.Vec, A: PETSc.Mat) -> None:
+        """Tangent and right-hand side with constraints; end an attempt that is not to proceed."""
+        if not self.proceed(self.history):
+            raise self.without_end(x)
+        A.setOption(PETSc.Mat.Option.SYMMETRIC, self.symmetric)
+        self.problem.tangent(x, A)
+        self.problem.constraints.constrain_tangent(x, A, self.b)
+        shift, self.shift = self.control.next(self.length, self.shift, self.history), 0.0
+        if shift:
+            self.set_shift(x, shift)
+
+    def step(self, x: PETSc.Vec, dx: PETSc.Vec) -> None:
+        """Replace the solution dx of the linear system by the step: the next iterate is x - dx."""
+        self.length = 1.0
+        self.left -= 1
+        if not self.line_search:
+            if not factorization.solves(self.A, dx, self.b, self.work):
+                # A tangent that is singular at the start of an increment stays so for any smaller one.
+                outcome = Outcome.SINGULAR if len(self.history) > 1 else Outcome.SINGULAR_START
+                raise _Stop(outcome, linear_failure(self.problem, self.A))
+            return
+        start = x.copy(self.here)
+        moved = self.problem.constraints.impose(start)
+        length = None
+        while length is None:
+            while not self.is_descent(dx):
+                self.correct_inertia(x, dx)
+            self.problem.constraints.zero_constrained(dx)
+            length = step_back(self.problem, self.b, self.history[-1].energy, start, dx, moved)
+            if length is None:
+                self.correct_inertia(x, dx)
+        if self.iterates == 1:
+            # The least shift makes up for slack cells; without slack cells it would hide an unstable start.
+            slack = wrinkling_threshold(self.problem.structure) > 0
+            self.from_stable = self.shift <= (self.control.first if slack else 0.0)
+        self.length = length
+        dx.scale(length)
+        dx.axpy(1.0, x)
+        dx.axpy(-1.0, start)
+
+    def is_descent(self, dx: PETSc.Vec) -> bool:
+        """Return True if dx solves the linear system and -dx is a descent direction, without negative curvature."""
+        if not factorization.solves(self.A, dx, self.b, self.work):
+            return False
+        if self.symmetric:
+            negative, zero = factorization.pivots(self.ksp)
+        else:
+            negative, zero = int(float(self.b.dot(dx)) <= 0), 0
+        # Later attempts begin out of balance.
+        if negative and self.from_stable and self.first:
+            self.lost_stability |= self.shift > wrinkling_threshold(self.problem.structure)
+        return (negative, zero) == (0, 0)
+
+    def correct_inertia(self, x: PETSc.Vec, dx: PETSc.Vec) -> None:
+        """Correct the inertia: increase the shift of the tangent and solve again."""
+        if self.shift > self.control.largest:
+            raise _Stop(Outcome.SINGULAR, linear_failure(self.problem, self.A))
+        self.set_shift(x, self.control.more(self.shift))
+        self.ksp.solve(self.b, dx)
+
+    def set_shift(self, x: PETSc.Vec, shift: float) -> None:
+        """Set the shift of the tangent."""
+        self.problem.stiffen(x, self.A, self.b, shift - self.shift)
+        self.shift = shift
