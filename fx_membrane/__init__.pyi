@@ -41,6 +41,7 @@ from .solvers.base import Iteration
 from .solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
 from .solvers.newton import Newton
 from .solvers.outcome import Outcome
+from .solvers.petsc_options import UnusedOptionWarning
 
 __all__ = [
     "Analysis",
@@ -86,6 +87,7 @@ __all__ = [
     "UnbalancedStateWarning",
     "UnsettledFormWarning",
     "UnstableStateWarning",
+    "UnusedOptionWarning",
     "WorkLimit",
     "boundary_edges",
     "edges_where",
