@@ -37,7 +37,7 @@ from .results.states import (
     UnstableStateWarning,
 )
 from .results.strain_limits import LargeStrainWarning
-from .solvers.base import Iteration
+from .solvers.base import Iteration, Solution, Solve, Solver
 from .solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
 from .solvers.newton import Newton
 from .solvers.outcome import Outcome
@@ -77,6 +77,9 @@ __all__ = [
     "PrescribedDisplacement",
     "Pressure",
     "SliverWarning",
+    "Solution",
+    "Solve",
+    "Solver",
     "Stability",
     "Stage",
     "StageResult",

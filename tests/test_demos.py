@@ -17,6 +17,7 @@ from mpi4py import MPI
 DEMOS = Path(__file__).parent.parent / "demos"
 PICTURES = {
     "forms_alone": [],
+    "own_solver": [],
     "shade_pavilion": [
         "fig12_plan.png",
         "fig13_isometric.png",
