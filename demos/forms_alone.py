@@ -59,7 +59,7 @@ T = kinematics.membrane_frame(ufl.Jacobian(roof), warp)
 E = kinematics.green_lagrange(kinematics.displacement_gradient(u, T), T)
 e = E + elasticity.orthotropic_compliance(sigma0, *moduli)
 full = elasticity.strain_energy(E, sigma0, elasticity.orthotropic(E, *moduli))
-relaxed = wrinkling.orthotropic(E, sigma0, *moduli, angle)
+relaxed = wrinkling.orthotropic(E, sigma0, *[*moduli, angle])
 dx = ufl.Measure("dx", domain=roof, metadata={"quadrature_degree": 1})  # exact: strains are constant per cell
 Pi = (wrinkling.blend(relaxed.energy, full, KEPT) - loads.distributed_load(q, u)) * dx
 R = ufl.derivative(Pi, u)

@@ -6,6 +6,7 @@
 
 # %%
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -37,7 +38,7 @@ def node(row, column):
 
 
 net = [(polyline(node(r, columns)), 10.0 if r in (1, 10, 19) else 1.0) for r in rows]
-net += [(polyline(node(rows, c)), {1: 0.5, 13: 10.0}.get(c, 1.0)) for c in columns]
+net += [(polyline(node(rows, c)), {1: 0.5, 13: 10.0}.get(int(c), 1.0)) for c in columns]
 branches = np.concatenate([segments for segments, _ in net])
 q = np.concatenate([np.full(len(segments), density) for segments, density in net])
 
@@ -50,11 +51,13 @@ found = force_density(corners, branches, q, fixed)
 # %%
 # Hand-over: the net, with the forces found as its prestress, is in equilibrium. Pushed aside and released, it returns
 # to its shape. (The roof below takes over the shape only; its prestress comes from its anchors.)
-cable_net = Structure(found.points, {"net": Cable(branches, axial_stiffness=1.2e4, prestress=found.forces)}, fixed)
+cable_net = Structure(
+    found.points, {"net": Cable(branches, axial_stiffness=1.2e4, prestress=found.forces["net"])}, fixed
+)
 push = Stage("pushed", [PointLoad(node(5, 5), (0, 0, -10.0))])
 let_go = Stage("let go", [PointLoad(node(5, 5), (0, 0, 10.0))], after="pushed")
 as_found, pushed, free = Analysis(cable_net).run([Stage("as found"), push, let_go]).values()
-unbalanced = as_found.history[0][1].residual / found.forces.max()
+unbalanced = as_found.history[0][1].residual / found.forces["net"].max()
 moved, aside, left = (state.largest_displacement / np.ptp(found.points) for state in (as_found, pushed, free))
 say(f"Hand-over of the net: unbalanced forces {unbalanced:.0e} of the largest, displacements {moved:.0e} of the size")
 say(f"  pushed aside by {aside:.0e} of the size and let go, it comes back to within {left:.0e}\n")
@@ -71,14 +74,14 @@ feet, anchors = [247, 248], [249, 250, 251, 252]
 ground = [(5, 3.5, 0), (5, -3.5, 0), (7.042, 10.41, 0), (11.91, 5.542, 0), (11.91, -5.542, 0), (7.042, -10.41, 0)]
 points = np.vstack([found.points, ground])
 perimeter = polyline(np.r_[node(1, columns), node(rows[1:], 13), node(19, columns[-2::-1])])
-cable = {"axial_stiffness": 1.2e4, "prestress": 0.1}
+cable = partial(Cable, axial_stiffness=1.2e4, prestress=0.1)
 structure = Structure(
     points,
     parts={
         "fabric": Membrane(triangles, Fabric(Et=500.0, nu=0.3), prestress=0.01),
-        "edge cables": Cable(perimeter, **cable),
-        "valley cable": Cable(polyline(node(10, columns)), **cable),
-        "stays": Cable(np.column_stack([[north, north, south, south], anchors]), **cable),
+        "edge cables": cable(perimeter),
+        "valley cable": cable(polyline(node(10, columns))),
+        "stays": cable(np.column_stack([[north, north, south, south], anchors])),
         "masts": Mast(np.column_stack([feet, [north, south]]), axial_stiffness=2.0e5),
     },
     supports=[Support(feet), Support(symmetry, "x")],
@@ -113,9 +116,9 @@ if shown and "--no-pictures" not in sys.argv:
         fields = {f"$u_{x}$ [cm]": 100 * result.displacement[:, i] for i, x in enumerate("xyz")}
         picture = folder / f"fig15-17{letter}_displacements.png"
         plot.contours(result, fields, picture, view=iso, mirror="x", antisymmetric=["$u_x$ [cm]"])
-        fields = {rf"$\sigma_{{{k}}}$ [kN/m]": {"fabric": fabric.principal[:, i]} for i, k in enumerate(["I", "II"])}
-        fields["state"] = {"fabric": fabric.state}
-        plot.contours(result, fields, folder / f"fig18-19{letter}_stresses.png", view=iso, mirror="x")
+        stresses = {rf"$\sigma_{{{k}}}$ [kN/m]": {"fabric": fabric.principal[:, i]} for i, k in enumerate(["I", "II"])}
+        picture = folder / f"fig18-19{letter}_stresses.png"
+        plot.contours(result, stresses | {"state": {"fabric": fabric.state}}, picture, view=iso, mirror="x")
     say(f"Pictures are in {folder}/\n")
 
 # %% [markdown]
@@ -134,7 +137,8 @@ mean /= mean.sum(axis=1, keepdims=True)
 numbers, mirrored = {}, np.concatenate([node(20 - r, columns) for r in rows])
 for name, result in results.items():
     fabric, balance, u = result.membrane("fabric"), result.equilibrium, result.displacement
-    forces = np.concatenate([result.parts[part].force for part in list(structure.parts)[1:]])
+    bars = [*map(result.cable, ["edge cables", "valley cable", "stays"]), result.mast("masts")]
+    forces = np.concatenate([part.force for part in bars])
     numbers[f"displacements after {name} [m]"] = u[node(10, columns)].ravel().tolist()
     numbers[f"forces after {name} [kN]"] = forces.tolist()
     assert max(balance.residual, *np.abs(balance.loads + balance.reactions)) < 1e-9 * forces.max()

@@ -87,8 +87,8 @@ for label, (place, levy, paper) in table_1.items():
     rows_1 += [(f"{label} {c}", *row) for c, *row in zip("uvw", levy, paper, ours, strict=True)]
 for label, (place, levy, paper) in table_2.items():
     sigma = stress[element(*place)]
-    ours = (sigma[0, 0], sigma[1, 1], abs(sigma[0, 1]))
-    rows_2 += [(f"{label} {c}", *row) for c, *row in zip(("xx", "yy", "xy"), levy, paper, ours, strict=True)]
+    found = (sigma[0, 0], sigma[1, 1], abs(sigma[0, 1]))
+    rows_2 += [(f"{label} {c}", *row) for c, *row in zip(("xx", "yy", "xy"), levy, paper, found, strict=True)]
 
 
 def print_table(title, rows, digits):

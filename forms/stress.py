@@ -1,6 +1,6 @@
 """Stress measures: 2nd Piola-Kirchhoff, Cauchy and its principal values, Gil (19), (32)."""
 
-from ufl import Identity, as_vector, cross, diff, dot, inner, outer, sqrt, tr
+from ufl import Identity, as_vector, cross, diff, dot, inner, outer, sqrt, sym, tr
 from ufl.core.expr import Expr
 
 from .kinematics import unit
@@ -16,7 +16,7 @@ def second_piola_kirchhoff(w: Expr, E: Expr) -> Expr:
     Source:
         Gil (32): of the energy (40) it is sigma0 + C : E.
     """
-    return diff(w, E)  # Gil (32)
+    return sym(diff(w, E))  # Gil (32); an energy in E12 alone has all of the shear in one place
 
 
 def cauchy(F: Expr, S: Expr, J: Expr) -> Expr:

@@ -8,18 +8,23 @@ from .analysis.path import EquilibriumPath, PathPoint
 from .analysis.stages import Analysis, ConvergenceError
 from .analysis.wave_speed import MassUnitWarning
 from .analysis.work import WorkLimit
+from .assembly.actions import Actions
+from .assembly.loaded_problem import LoadedProblem
+from .assembly.problem import Problem
 from .assembly.wrinkling_direction import tension_direction
 from .files.dolfinx_functions import PartFunctions, to_dolfinx
 from .files.dolfinx_mesh import structure_from_dolfinx
 from .files.gmsh import structure_from_gmsh
-from .form_finding.force_density import Net, force_density
-from .form_finding.updated_reference import Form, UnsettledFormWarning, updated_reference
+from .form_finding.force_density import force_density
+from .form_finding.form import Form, FormStep
+from .form_finding.updated_reference import UnsettledFormWarning, updated_reference
 from .geometry.edges import edges_where
 from .geometry.grids import polyline, rectangle
 from .geometry.topology import boundary_edges
 from .model.coincidence import CoincidentNodesWarning
+from .model.laws import Law
 from .model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
-from .model.materials import Fabric, OrthotropicFabric
+from .model.materials import Axial, Fabric, MooneyRivlin, NeoHooke, OrthotropicFabric
 from .model.parts import Cable, Mast, Membrane
 from .model.stages import PrescribedDisplacement, Stage
 from .model.structure import SliverWarning, Structure
@@ -44,7 +49,9 @@ from .solvers.outcome import Outcome
 from .solvers.petsc_options import UnusedOptionWarning
 
 __all__ = [
+    "Actions",
     "Analysis",
+    "Axial",
     "BarResult",
     "Cable",
     "CheckpointWarning",
@@ -56,16 +63,20 @@ __all__ = [
     "EquilibriumPath",
     "Fabric",
     "Form",
+    "FormStep",
     "Increment",
     "Iteration",
     "LargeStrainWarning",
+    "Law",
+    "LoadedProblem",
     "LostPrestressWarning",
     "MassUnitWarning",
     "Mast",
     "Membrane",
     "MembraneResult",
     "Modes",
-    "Net",
+    "MooneyRivlin",
+    "NeoHooke",
     "Newton",
     "OrthotropicFabric",
     "Outcome",
@@ -76,6 +87,7 @@ __all__ = [
     "PointLoad",
     "PrescribedDisplacement",
     "Pressure",
+    "Problem",
     "SliverWarning",
     "Solution",
     "Solve",

@@ -159,15 +159,22 @@ def form(a: Any) -> Any:
     return _compile(fem.form, a)
 
 
-def cell_expression(expression: Any, msh: Any) -> Callable[[], NDArray[np.float64]]:
-    """Compile a vector-valued UFL expression; a call gives its values at the midpoints of the cells, (cells, size)."""
+def cell_expression(expression: Any, msh: Any) -> Callable[..., NDArray[np.float64]]:
+    """Compile a vector-valued UFL expression; a call gives its values at the midpoints of all or given cells.
+
+    They have the shape (cells, size).
+    """
     dimension = msh.topology.dim
     midpoint = np.full((1, dimension), 1 / (dimension + 1))
     compiled = _compile(fem.Expression, _numbered_variables(expression), midpoint)
-    cells = np.arange(msh.topology.index_map(dimension).size_local, dtype=np.int32)
-    meshes = "mesh" in inspect.signature(compiled.eval).parameters  # 0.9, 0.11; not 0.5
-    arguments = (msh, cells) if meshes else (cells,)
-    return lambda: np.asarray(compiled.eval(*arguments)).reshape(len(cells), -1)
+    every = np.arange(msh.topology.index_map(dimension).size_local, dtype=np.int32)
+    meshes = (msh,) if "mesh" in inspect.signature(compiled.eval).parameters else ()  # 0.9, 0.11; not 0.5
+
+    def values(cells: NDArray[np.integer[Any]] = every) -> NDArray[np.float64]:
+        found = compiled.eval(*meshes, np.asarray(cells, dtype=np.int32))
+        return np.asarray(found).reshape(len(cells), expression.ufl_shape[0])
+
+    return values
 
 
 def _numbered_variables(expression: Any) -> Any:

@@ -4,10 +4,11 @@ import datetime
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-VALUES = {
+VALUES: dict[str, list[Any]] = {
     "none": [None],
     "truth": [True, False, np.True_, np.array(True)],
     "truths": [

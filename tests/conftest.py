@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from mpi4py import MPI
 
-pytest.register_assert_rewrite("interrupted", "models", "wrinkled")
+pytest.register_assert_rewrite("interrupted", "models", "pictures", "wrinkled")
 
 TESTS = Path(__file__).parent
 
@@ -19,7 +19,9 @@ TESTS = Path(__file__).parent
 ONE_PROCESS = {
     "forms/test_dccf.py",
     "forms/test_equations.py",
+    "forms/test_hyperelasticity.py",
     "forms/test_tension_direction.py",
+    "forms/test_tension_field.py",
     "forms/test_wrinkled_cells.py",
     "forms/test_wrinkling.py",
     "unit/analysis/test_reasons.py",
@@ -30,6 +32,7 @@ ONE_PROCESS = {
     "unit/form_finding/test_forms_of_masts.py",
     "unit/geometry/test_geometry.py",
     "unit/model/test_derived_classes.py",
+    "unit/model/test_laws.py",
     "unit/model/test_loads.py",
     "unit/model/test_material.py",
     "unit/model/test_parts.py",

@@ -54,7 +54,7 @@ WORK = {
     "preconditioned ones": lambda: Analysis(sheet(1e3), ConjugateGradient(preconditioner="tangent")).run(SNOW[:1]),
     "stages": lambda: taut.run(SNOW),
     "stages with pressure": lambda: [taut.run([AIR]) for _ in range(2)],
-    "stages that are drawn smooth or damped": lambda: flat.run(SNOW[:4]),
+    "stages that are stabilized or shifted": lambda: flat.run(SNOW[:4]),
     "analyses": lambda: [Analysis(sheet(1e3)).run(SNOW[:1]) for _ in range(6)],
     "stability": lambda: [stability(state, count=2) for _ in range(5)],
     "paths": lambda: equilibrium_path(sheet(1e3), Stage("path", SNOW[2].loads, increments=8)),

@@ -89,4 +89,4 @@ def same_state(a, b):
 
 def end(problem, *loads, start=None):
     """Actions at the end of a stage with these loads."""
-    return problem.actions(Stage("loads", loads), start)
+    return problem.actions_of(Stage("loads", loads), start)

@@ -15,8 +15,9 @@ import pytest
 from mpi4py import MPI
 
 DEMOS = Path(__file__).parent.parent / "demos"
-PICTURES = {
+PICTURES: dict[str, list[str]] = {
     "forms_alone": [],
+    "own_law": [],
     "own_solver": [],
     "shade_pavilion": [
         "fig12_plan.png",

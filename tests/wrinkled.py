@@ -5,11 +5,13 @@ import itertools
 import numpy as np
 import ufl
 from dolfinx import fem
+from mpi4py import MPI
 from scipy.spatial.transform import Rotation
 
-from fx_membrane import Fabric, OrthotropicFabric, _dolfinx
+from fx_membrane import Analysis, Fabric, OrthotropicFabric, PrescribedDisplacement, Stage, Structure, _dolfinx
 from fx_membrane.assembly import wrinkling_direction
 from fx_membrane.forms import wrinkling
+from fx_membrane.geometry.measures import normals
 
 FABRICS = {
     "isotropic": Fabric(5000.0, 0.3),
@@ -88,6 +90,29 @@ def cells_in_space(count, seed):
     return (turned + rng.normal(size=(count, 1, 3))).reshape(-1, 3), np.arange(3 * count).reshape(-1, 3)
 
 
+def shapes(E, seed):
+    """Points, cells, warps and displacements of cells with the strains E, in random orientation."""
+    points, cells = cells_in_space(len(E), seed)
+    rng = np.random.default_rng(seed)
+    warp = rng.normal(size=(len(E), 3))
+    n = normals(points, cells)
+    t = warp - np.sum(warp * n, axis=1, keepdims=True) * n
+    t /= np.linalg.norm(t, axis=1, keepdims=True)
+    T = np.stack([t, np.cross(n, t)], axis=-1)
+    values, vectors = np.linalg.eigh(np.eye(2) + 2 * E)
+    U = np.einsum("nij,nj,nkj->nik", vectors, np.sqrt(values), vectors)
+    F = Rotation.random(len(E), random_state=seed + 1).as_matrix() @ T @ U
+    X = points[cells] - points[cells[:, :1]]
+    x = np.einsum("nij,njk,nlk->nli", F, T.swapaxes(1, 2), X)
+    return points, cells, warp, (x - X).reshape(-1, 3)
+
+
+def run(part, points, u):
+    structure = Structure(points, {"part": part})
+    hold = PrescribedDisplacement(np.arange(len(points)), u)
+    return Analysis(structure, comm=MPI.COMM_SELF).run([Stage("moved", displacements=[hold])])["moved"]
+
+
 class Formula:
     """Energy, state, stress and tangent of a fabric as the formulas give them, for strains cell by cell."""
 
@@ -101,8 +126,8 @@ class Formula:
         if isinstance(fabric, Fabric):
             relaxed = wrinkling.isotropic(E, sigma0, ufl.as_ufl(fabric.Et), ufl.as_ufl(fabric.nu))
         else:
-            moduli = [ufl.as_ufl(v) for v in (fabric.Et_warp, fabric.Et_weft, fabric.nu, fabric.Gt)]
-            relaxed = wrinkling.orthotropic(E, sigma0, *moduli, self.angle[0])
+            warp, weft, nu, Gt = map(ufl.as_ufl, (fabric.Et_warp, fabric.Et_weft, fabric.nu, fabric.Gt))
+            relaxed = wrinkling.orthotropic(E, sigma0, warp, weft, nu, Gt, self.angle[0])
         S = ufl.variable(ufl.diff(relaxed.energy, E))
         C = ufl.diff(S, E)
         pairs = list(itertools.product(range(2), repeat=2))

@@ -118,7 +118,7 @@ def equilibrium_path(
     shape = np.zeros(structure.points.shape) if isinstance(start, Structure) else start.displacement
     before = unloaded(structure) if isinstance(start, Structure) else start.actions
     problem = Problem(structure, comm) if isinstance(start, Structure) else problem_of(start, comm)
-    after = problem.actions(stage, before)
+    after = problem.actions_of(stage, before)
     check_supports(structure, after.held)
     begin = with_constraints_of(before, after, shape)
     fixed = after.held & (after.displacement == begin.displacement)

@@ -5,10 +5,10 @@ from numpy.typing import NDArray
 
 from ..assembly.problem import Problem
 from ..checks import validation
-from ..solvers.bordered_newton import FAR, Plane, Point
+from ..solvers.base import LIMITS
+from ..solvers.bordered_newton import Plane, Point
 
 NEAR = 1e-9  # of the distance from the last point: a point this close before an end is the end
-ROUNDING = 1e-14  # of the size: displacements this close are equal
 LARGEST = 1e9  # load factor, or its reciprocal
 
 
@@ -63,13 +63,13 @@ def ends(
         chosen[node, component] = 1.0
         value = validation.number("equilibrium_path displacement value", displacement[2])
         size = structure.size
-        if abs(value) > FAR * size:
+        if abs(value) > LIMITS.far * size:
             raise ValueError(
-                f"equilibrium_path displacement value is {value:g}, more than {FAR:g} times the size of the structure, "
-                f"{size:g}; give a displacement that it can reach."
+                f"equilibrium_path displacement value is {value:g}, more than {LIMITS.far:g} times the size of the "
+                f"structure, {size:g}; give a displacement that it can reach."
             )
         begin = float(shape[node, component].item())
-        here = abs(value - begin) <= ROUNDING * size  # start of the path: it ends on return to that displacement
+        here = abs(value - begin) <= LIMITS.rounding * size  # start of the path: it ends on return to that displacement
         found.append(Plane(problem.discretization.to_petsc(chosen), 0.0, begin if here else value))
     return found
 

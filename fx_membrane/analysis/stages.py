@@ -180,7 +180,7 @@ class Analysis:
             results = StageResults()
             ends: dict[str | None, Actions] = {None: unloaded(self.structure)}
             for stage in stages:
-                ends[stage.name] = end = self.problem.actions(stage, ends[stage.after])
+                ends[stage.name] = end = self.problem.actions_of(stage, ends[stage.after])
                 shape = results[stage.after].displacement if stage.after else np.zeros(self.structure.points.shape)
                 start = with_constraints_of(ends[stage.after], end, shape)
                 course = _Course(stage, start, end, shape)

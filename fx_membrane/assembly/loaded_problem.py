@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -11,21 +12,24 @@ from petsc4py import PETSc
 
 from ..model.structure import Structure
 from . import parameters
-from .actions import Actions
+from .actions import Actions, change
 from .assembler import Assembler, CellData
-from .constraints import Constraints
+from .constraints import Constraints, constraints
 from .discretization import Discretization
 from .rounding import UNIT, Magnitudes
 from .stabilization import Stabilization
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class LoadedProblem:
     """Energy, residual and tangent of a structure under given actions; made by `Problem.under`.
 
     It is a frozen view: results depend on the displacement x alone, a PETSc vector in the numbering of the `Problem`.
-    All methods are collective. Residual, tangent and derivatives are those of the free structure: rows of constrained
-    components hold reactions and their derivatives. `constraints` closes them.
+    Methods are collective.
+
+    Residual, tangent and derivatives are those of the structure without its constraints: rows of constrained components
+    hold reactions and their derivatives. For a linear system, `constraints` replaces these rows: those of a right-hand
+    side by `zero_constrained` or `constrain_residual`, those of the tangent, and its columns, by `constrain_tangent`.
 
     Attributes:
         actions: The actions.
@@ -50,6 +54,9 @@ class LoadedProblem:
     cells: CellData
     shift: float = 0.0
 
+    def __repr__(self) -> str:
+        return f"LoadedProblem({self.structure}, {np.count_nonzero(self.actions.held)} constrained components)"
+
     @property
     def discretization(self) -> Discretization:
         """The meshes and their common numbering."""
@@ -64,6 +71,10 @@ class LoadedProblem:
     def comm(self) -> MPI.Intracomm:
         """The processes that share the work."""
         return self.discretization.comm
+
+    def under(self, actions: Actions) -> "LoadedProblem":
+        """View of the same problem under other actions; not collective."""
+        return replace(self, **_of_actions(self.assembler, self.magnitudes, actions, self.cells.compression))
 
     def with_stabilization(self, shift: float) -> "LoadedProblem":
         """View of the problem under the same actions with a stabilization, given as a strain."""
@@ -180,19 +191,22 @@ class LoadedProblem:
         self._update(x)
         return self.assembler.vector(given.form, b)
 
-    def load_derivative(
-        self, x: PETSc.Vec, rate: "LoadedProblem | None" = None, b: PETSc.Vec | None = None
-    ) -> PETSc.Vec:
+    def load_derivative(self, x: PETSc.Vec, start: Actions | None = None, b: PETSc.Vec | None = None) -> PETSc.Vec:
         """Differentiate the residual by a load factor, at a fixed displacement [N].
+
+        Prescribed displacements of the stage grow with the factor too, but a residual does not depend on them: with
+        `rate = loaded.under(change(start, loaded.actions))` and the zero vector,
+        `rate.constraints.constrain_tangent(zero, K, dR)` moves their effect into dR, and K du = -dR.
 
         Args:
             x: Displacement [m].
-            rate: The problem under the actions that the factor multiplies, such as `change(start, end)` of a stage;
-                None for all those of this problem.
+            start: Actions at the load factor 0, those of this problem being at 1; None for none at all, so that the
+                factor multiplies all loads and pressures.
             b: Vector for the result; a new one if None.
         """
         b = self.discretization.create_vector() if b is None else b
-        (rate or self).loads(x, b)
+        rate = self if start is None else self.under(change(start, self.actions))
+        rate.loads(x, b)
         b.scale(-1.0)
         return b
 
@@ -210,7 +224,7 @@ class LoadedProblem:
 
     def load_norm(self, x: PETSc.Vec) -> float:
         """2-norm of the nodal loads in the shape x, dead loads and pressures [N]."""
-        dead = math.sqrt(self.comm.allreduce(float(self.own_loads @ self.own_loads)))
+        dead = self._norm(self.own_loads)
         if self.symmetric:
             return dead
         with self.discretization.work(1) as (total,):
@@ -227,7 +241,13 @@ class LoadedProblem:
         rounding = self.magnitudes.scales.rounding(displacement)
         rounding[self.constraints.rows] = UNIT * self.magnitudes.stiffness * displacement
         beyond = np.maximum(np.abs(b.array_r) - rounding, 0.0)
-        return math.sqrt(self.comm.allreduce(float(beyond @ beyond)))
+        return self._norm(beyond)
+
+    def _norm(self, own: NDArray[np.float64]) -> float:
+        """2-norm of a vector from the entries of this process."""
+        with np.errstate(all="ignore"):  # of an iterate that diverges
+            square = float(own @ own)
+        return math.sqrt(self.comm.allreduce(square))
 
     def _update(self, x: PETSc.Vec) -> None:
         self.assembler.update(x, self.cells)
@@ -235,3 +255,30 @@ class LoadedProblem:
     def _pressure_forces(self, x: PETSc.Vec, total: PETSc.Vec) -> PETSc.Vec:
         self._update(x)
         return self.assembler.vector(lambda part: part.pressure, total)
+
+
+def loaded_problem(
+    assembler: Assembler, stabilizer: Stabilization, magnitudes: Magnitudes, actions: Actions
+) -> LoadedProblem:
+    """View of a problem under actions."""
+    given = _of_actions(assembler, magnitudes, actions)
+    return LoadedProblem(assembler=assembler, stabilizer=stabilizer, magnitudes=magnitudes, **given)
+
+
+def _of_actions(
+    assembler: Assembler, magnitudes: Magnitudes, actions: Actions, compression: float = 1.0
+) -> dict[str, Any]:
+    """Fields of a view that belong to its actions, copied from them."""
+    discretization = assembler.discretization
+    pressures = {
+        name: actions.pressures[name][part.mesh.cell_rows].astype(np.float64)
+        for name, part in assembler.parts.items()
+        if name in actions.pressures
+    }
+    return {
+        "actions": actions,
+        "constraints": constraints(discretization, actions, magnitudes.stiffness),
+        "symmetric": not any(pressure.any() for pressure in actions.pressures.values()),
+        "own_loads": actions.loads[discretization.owned_nodes].ravel(),
+        "cells": CellData(pressures, compression),
+    }

@@ -10,10 +10,10 @@ from dolfinx import fem
 
 from .. import _dolfinx
 from ..forms import elasticity, inertia, kinematics, loads, stress, wrinkling
-from ..model.materials import Fabric
-from ..model.parts import Cable, Mast, Membrane, Part
+from ..model import laws
+from ..model.parts import Mast, Membrane, Part
 from ..model.structure import Structure
-from . import wrinkling_direction
+from . import relaxation
 from .discretization import PartMesh
 
 
@@ -89,7 +89,7 @@ def part_forms(mesh: PartMesh, structure: Structure, elastic: bool) -> PartForms
     E = ufl.variable(kinematics.green_lagrange(G, T))
     prestress = mesh.cell_field(part.prestress_tensors())
     sigma0 = ufl.as_matrix([[prestress[d * i + j] for j in range(d)] for i in range(d)])
-    w = _strain_energy(mesh, E, sigma0) if elastic else _prescribed_stress(E, sigma0)
+    w = _strain_energy(mesh, E, sigma0, prestress) if elastic else _prescribed_stress(E, sigma0)
 
     q, p = mesh.cell_field(np.zeros((len(part.cells), 3))), mesh.cell_field(np.zeros(len(part.cells)))
     v = ufl.TestFunction(u.function_space)
@@ -177,56 +177,27 @@ def by_prestress(part: PartForms) -> DirectedForm:
 
 
 def stiffness(part: Part) -> float:
-    """Stiffness of a part: for fabric the larger Et [N/m]; for cables and masts EA [N]."""
-    if not isinstance(part, Membrane):
-        return part.axial_stiffness
-    material = part.material
-    return material.Et if isinstance(material, Fabric) else max(material.Et_warp, material.Et_weft)
-
-
-def _nothing() -> None:
-    pass
+    """Typical stiffness of a part: for fabric the larger Et [N/m]; for cables and masts EA [N]."""
+    return float(part.material.stiffness)
 
 
 def _prescribed_stress(E: Any, sigma0: Any) -> _Energy:
-    return _Energy(elasticity.strain_energy(E, sigma0, 0 * E), ufl.as_ufl(wrinkling.TAUT), _nothing)
+    return _Energy(elasticity.strain_energy(E, sigma0, 0 * E), ufl.as_ufl(wrinkling.TAUT), relaxation.nothing)
 
 
 def moduli(part: Part) -> dict[str, float]:
-    """Numbers of the material of a part, by the name of their attribute."""
-    if not isinstance(part, Membrane):
-        return {"axial_stiffness": part.axial_stiffness}
-    names = ("Et", "nu") if isinstance(part.material, Fabric) else ("Et_warp", "Et_weft", "nu", "Gt")
-    return {name: getattr(part.material, name) for name in names}
+    """Numbers of the material of a part, by name."""
+    return dict(laws.parameters(part.material, float)._asdict())
 
 
-def _strain_energy(mesh: PartMesh, E: Any, sigma0: Any) -> _Energy:
-    def constant(value: float) -> fem.Constant:
-        return fem.Constant(mesh.mesh, np.float64(value))
-
-    part, follow = mesh.part, _nothing
-    constants = {name: constant(value) for name, value in moduli(part).items()}
-    numbers = list(constants.values())
-    if isinstance(part, Mast):
-        density = elasticity.strain_energy(E, sigma0, elasticity.axial(E, *numbers))
-        return _Energy(density, ufl.as_ufl(wrinkling.TAUT), follow, moduli=constants)
-    if isinstance(part, Cable):
-        CE, relaxed = elasticity.axial(E, *numbers), wrinkling.cable(E, sigma0, *numbers)
-    elif isinstance(part.material, Fabric):
-        CE, relaxed = elasticity.isotropic(E, *numbers), wrinkling.isotropic(E, sigma0, *numbers)
-    else:
-        fabric = part.material
-        angle = mesh.cell_field(np.zeros(len(part.cells)))
-        CE, relaxed = elasticity.orthotropic(E, *numbers), wrinkling.orthotropic(E, sigma0, *(*numbers, angle[0]))
-        e = E + elasticity.orthotropic_compliance(sigma0, *numbers)
-        strains = _dolfinx.cell_expression(ufl.as_vector([e[0, 0], e[1, 1], e[0, 1]]), mesh.mesh)
-
-        def follow() -> None:
-            values = strains()
-            cells = np.flatnonzero(wrinkling_direction.may_wrinkle(values, fabric))
-            angle.x.array[cells] = wrinkling_direction.direction(values[cells], fabric)
-
-    eta = constant(part.compression_stiffness)
-    full = elasticity.strain_energy(E, sigma0, CE)
+def _strain_energy(mesh: PartMesh, E: Any, sigma0: Any, prestress: fem.Function) -> _Energy:
+    part, law = mesh.part, mesh.part.material
+    parameters = laws.parameters(law, lambda value: fem.Constant(mesh.mesh, np.float64(value)))
+    constants = parameters._asdict()
+    full = law.energy(E, sigma0, parameters)
+    if isinstance(part, Mast) or laws.carries_compression(law, part.dimension):
+        return _Energy(full, ufl.as_ufl(wrinkling.TAUT), relaxation.nothing, moduli=constants)
+    relaxed, follow = relaxation.relaxed(mesh, E, sigma0, prestress, parameters)
+    eta = fem.Constant(mesh.mesh, np.float64(part.compression_stiffness))
     state = ufl.conditional(ufl.lt(eta, 1), relaxed.state, wrinkling.TAUT)
     return _Energy(wrinkling.blend(relaxed.energy, full, eta), state, follow, eta, constants)

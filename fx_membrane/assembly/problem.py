@@ -8,6 +8,7 @@ displacements change from stage to stage as data: nothing is compiled twice.
 
 from dataclasses import replace
 from itertools import count
+from typing import NoReturn
 
 import numpy as np
 from mpi4py import MPI
@@ -23,10 +24,9 @@ from ..model.structure import Structure
 from ..runtime.processes import refuse_differences, together
 from . import load_cases
 from .actions import Actions, unloaded
-from .assembler import Assembler, CellData
-from .constraints import constraints
+from .assembler import Assembler
 from .discretization import Discretization
-from .loaded_problem import LoadedProblem
+from .loaded_problem import LoadedProblem, loaded_problem
 from .part_forms import PartForms, mass_form, part_forms
 from .rounding import magnitudes
 from .stabilization import Stabilization
@@ -40,16 +40,18 @@ class Problem:
     One problem serves an analysis, its states, paths and modes, and a researcher's own use. All methods are collective,
     but for those that say so.
 
-    PETSc objects have three entries for each node that a part uses, x, y, z; `block_of_node` gives the place of a node.
-    `to_petsc` and `to_numpy` translate. Matrices are sparse, with the pattern of all parts together.
+    A PETSc vector or matrix has three rows, x, y and z, for each node that a part uses: component c of a node is row
+    3 block_of_node[node] + c. `to_petsc` and `to_numpy` translate vectors. Matrices are sparse (AIJ, block size 3),
+    with the pattern of all parts together. Processes own consecutive rows.
 
     Example: derivative of the displacement by the stiffness of a fabric, at a state.
 
-        problem, state = analysis.problem, results["snow"]
+        state = results["snow"]
+        problem = state.problem
         loaded, x = problem.under(state.actions), problem.to_petsc(state.displacement)
         K, dR = loaded.tangent(x), loaded.derivative(x, "fabric", "Et")
         loaded.constraints.zero_constrained(dR)
-        loaded.constraints.constrain_tangent(x, K, dR)     # K du = -dR is left to any linear solver
+        loaded.constraints.constrain_tangent(x, K, dR)  # K du = -dR
 
     Args:
         structure: The structure.
@@ -90,30 +92,17 @@ class Problem:
         It copies the actions, and stays as it is whatever else is asked of this problem.
 
         Args:
-            actions: As of `StageResult.actions` or `actions`; the same on all processes.
+            actions: As of `StageResult.actions` or `actions_of`; the same on all processes.
 
         Raises:
             ValueError: An array of the actions does not have the shape of the structure.
         """
         actions = unloaded(self.structure) if actions is None else actions
+        validation.instance("actions", actions, Actions)
         self._check(actions)
-        pressures = {
-            name: actions.pressures[name][part.mesh.cell_rows].astype(np.float64)
-            for name, part in self.parts.items()
-            if name in actions.pressures
-        }
-        return LoadedProblem(
-            actions=actions,
-            constraints=constraints(self.discretization, actions, self.magnitudes.stiffness),
-            assembler=self._assembler,
-            stabilizer=self._stabilizer,
-            magnitudes=self.magnitudes,
-            symmetric=not any(pressure.any() for pressure in actions.pressures.values()),
-            own_loads=actions.loads[self.discretization.owned_nodes].ravel(),
-            cells=CellData(pressures),
-        )
+        return loaded_problem(self._assembler, self._stabilizer, self.magnitudes, actions)
 
-    def actions(self, stage: Stage, start: Actions | None = None) -> Actions:
+    def actions_of(self, stage: Stage, start: Actions | None = None) -> Actions:
         """Actions at the end of a stage.
 
         Args:
@@ -158,6 +147,13 @@ class Problem:
     def create_matrix(self) -> PETSc.Mat:
         """Matrix with the sparsity pattern of all parts together, exactly preallocated."""
         return self.discretization.create_matrix()
+
+    def __deepcopy__(self, memo: object) -> "Problem":
+        """Return the same problem: meshes and PETSc objects have no copies."""
+        return self
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError("A Problem cannot be pickled; send its structure, and make the problem again from that.")
 
     def _check(self, actions: Actions) -> None:
         shape = self.structure.points.shape

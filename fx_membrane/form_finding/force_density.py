@@ -1,7 +1,6 @@
 """Shapes in equilibrium under prestress alone: the force density method."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,26 +10,9 @@ from scipy.sparse.linalg import splu
 
 from ..checks import validation
 from ..model.supports import Support
+from .form import Form
 
 FAR = 1e3  # distance, in sizes of the fixed nodes, that counts as no shape
-
-
-@dataclass(frozen=True, eq=False)
-class Net:
-    """Shape found, with its forces.
-
-    Cables with the forces as prestress are in equilibrium in this shape, under the loads of its form finding:
-    `Structure(net.points, {"net": Cable(branches, EA, prestress=net.forces)}, fixed)`.
-
-    Attributes:
-        points: Positions of the nodes, shape (n, 3) [m].
-        forces: Force in each branch, force density times length, shape (branches,) [N].
-        reactions: Forces on the fixed components, shape (n, 3) [N]; zero where free.
-    """
-
-    points: NDArray[np.float64]
-    forces: NDArray[np.float64]
-    reactions: NDArray[np.float64]
 
 
 def force_density(
@@ -39,7 +21,7 @@ def force_density(
     q: ArrayLike,
     fixed: Sequence[Support],
     loads: ArrayLike | None = None,
-) -> Net:
+) -> Form:
     """Shape of a net whose branches have given force densities: ratios of force to length.
 
     At the nodes the branch forces, q times their vectors, balance the loads. This is a linear system for each
@@ -57,7 +39,8 @@ def force_density(
         loads: Dead loads on the nodes, shape (n, 3) [N]; none if not given.
 
     Returns:
-        The shape, the branch forces and the reactions.
+        The form. Cables with its forces as prestress are in equilibrium under the same loads:
+        `Structure(form.points, {"net": Cable(branches, EA, prestress=form.forces["net"])}, fixed)`.
 
     Raises:
         ValueError: Force densities of both signs throw a node a thousand times farther than the fixed nodes are apart;
@@ -106,7 +89,8 @@ def force_density(
             raise ValueError(_not_unique(densities, branches))
     _check_size(shape, densities, branches, held, force)
     lengths = np.linalg.norm(shape[a] - shape[b], axis=1)
-    return Net(shape, densities * lengths, np.where(held & used[:, None], laplacian @ shape - force, 0.0))
+    reactions = np.where(held & used[:, None], laplacian @ shape - force, 0.0)
+    return Form(shape, {"net": densities * lengths}, reactions)
 
 
 def _check_size(

@@ -18,8 +18,7 @@ minimal surfaces and their conjugates, Experimental Mathematics 2 (1993) 15-36.
 
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from dataclasses import replace
 
 import numpy as np
 from mpi4py import MPI
@@ -43,6 +42,7 @@ from ..solvers.base import Iteration, Solution
 from ..solvers.newton import Newton
 from ..solvers.progress import Pulse
 from .bar_balance import balanced_points, has_free_masts
+from .form import Form, FormStep
 from .shape_change import change_of_shape, check_collapse, collapse
 
 SAME = 1e-12  # relative change of the loads that counts as none
@@ -53,41 +53,6 @@ STRAY_LOADED = 0.5  # the same with dead loads along lines and surfaces, which n
 
 class UnsettledFormWarning(UserWarning):
     """Form whose shape still changed in the last step: it is in equilibrium, but its stress is not settled."""
-
-
-class Step(NamedTuple):
-    """One step of form finding.
-
-    Attributes:
-        area: Area of all membranes [m2].
-        change: Largest displacement of the step across the surface or the lines, over the mean length of the edges; for
-            cables and masts between nodes that do not slide, the relative change of length if it is larger [-].
-        stress_error: Largest difference of the stress in the shape from the prescribed one, relative to the latter.
-    """
-
-    area: float
-    change: float
-    stress_error: float
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Form:
-    """Shape found, with the steps to it.
-
-    Attributes:
-        structure: The structure in this shape, in equilibrium with the loads of the form. Its prestress is the stress
-            found in each cell: the prescribed one, as far as the steps have converged and the loads allow.
-        steps: The steps.
-        converged: True if the change of shape fell below the tolerance, with an error of the stress below 10 %; below
-            50 % if the form carries dead or point loads, which may leave no constant stress.
-    """
-
-    structure: Structure
-    steps: tuple[Step, ...]
-    converged: bool
-
-    def __repr__(self) -> str:
-        return f"Form({self.structure}, {len(self.steps)} steps, converged={self.converged})"
 
 
 def updated_reference(
@@ -109,12 +74,14 @@ def updated_reference(
         structure: Initial shape with the intended prestress and the supports of the form.
         loads: Loads that the form balances, such as an inner pressure; dead loads are per area or length of the
             form.
-        tolerance: Accepted change of shape in a step, `Step.change` [-].
+        tolerance: Accepted change of shape in a step, `FormStep.change` [-].
         max_iterations: Maximum number of steps.
         comm: The processes that share the work.
 
     Returns:
-        The form, in equilibrium even if the steps were too few.
+        The form, in equilibrium even if the steps were too few. It has converged if the change of shape fell below the
+        tolerance, with an error of the stress below 10 %; below 50 % under loads per area or length or at points, which
+        may leave no constant stress.
 
     Raises:
         ValueError: The structure has no prestress at all, or a compressive one in a membrane or a cable; it is not
@@ -140,8 +107,10 @@ def updated_reference(
     problem = Problem(structure, comm, elastic=False)
     solve, record = Newton(line_search=False).prepare(problem), StateEvaluator(problem)
     points = structure.points
-    steps: list[Step] = []
-    parts: dict[str, Part] = dict(structure.parts)
+    steps: list[FormStep] = []
+    parts: dict[str, Part] = {}
+    forces: dict[str, NDArray[np.float64]] = {}
+    reactions = np.zeros(points.shape)
     converged = searched = False
     stray = STRAY_LOADED if any(isinstance(load, PointLoad | DistributedLoad) for load in stage.loads) else STRAY
     pulse = Pulse("form finding", comm.rank == 0)
@@ -160,17 +129,18 @@ def updated_reference(
             continue
         change = change_of_shape(structure, points, state.displacement)
         points = points + state.displacement
-        parts, error = {}, 0.0
+        error, reactions = 0.0, state.reactions
         for name in structure.parts:
-            parts[name], deviation = _stressed(structure, name, points, state.parts[name])
+            parts[name], forces[name], deviation = _stressed(structure, name, points, state.parts[name])
             error = max(error, deviation)
         area = sum(measures(points, part.cells).sum() for part in parts.values() if part.dimension == 2)
-        steps.append(Step(float(area), change, error))
+        steps.append(FormStep(float(area), change, error))
         converged = change <= tolerance and error <= stray
     with together(comm):
         if not converged and comm.rank == 0:
             _warn_of_unsettled_form(steps, tolerance)
-    return Form(replace(structure, points=points, parts=parts), tuple(steps), converged)
+    found = replace(structure, points=points, parts=parts)
+    return Form(points, forces, reactions, tuple(steps), converged, found)
 
 
 def _step(
@@ -199,7 +169,7 @@ def _balanced_bars(problem: Problem, stage: Stage, comm: MPI.Intracomm, pulse: P
     structure = problem.structure
     if not has_free_masts(structure) or not all(isinstance(load, PointLoad) for load in stage.loads):
         return None
-    actions = problem.actions(stage)
+    actions = problem.actions_of(stage)
     with together(comm):
         found = balanced_points(structure, actions.loads, pulse) if comm.rank == 0 else None
     balanced: NDArray[np.float64] | None = comm.bcast(found)
@@ -220,7 +190,7 @@ def _equilibrium(
     x, shape, before = problem.create_vector(), reference, None
     for _ in range(REPEATS):
         problem.discretization.move(shape)
-        actions = problem.actions(stage)
+        actions = problem.actions_of(stage)
         problem.discretization.move(reference)
         loaded = problem.under(actions)
         if before is not None and np.abs(actions.loads - before).max() <= SAME * np.abs(actions.loads).max():
@@ -236,7 +206,7 @@ def _equilibrium(
     )
 
 
-def _warn_of_unsettled_form(steps: Sequence[Step], tolerance: float) -> None:
+def _warn_of_unsettled_form(steps: Sequence[FormStep], tolerance: float) -> None:
     last = steps[-1]
     warnings.warn(
         f"The form has not settled: step {len(steps)}, the last, changed it by {last.change:.3g} of the length of an "
@@ -264,8 +234,8 @@ def _check_prestress(structure: Structure) -> None:
 
 def _stressed(
     structure: Structure, name: str, points: NDArray[np.float64], state: MembraneResult | BarResult
-) -> tuple[Part, float]:
-    """Replace the prestress of a part by the stress of a state, in a new shape; return its relative error, too."""
+) -> tuple[Part, NDArray[np.float64], float]:
+    """Replace the prestress of a part by the stress of a state, in a new shape; return that, and its relative error."""
     part = structure.parts[name]
     wanted = part.prestress_tensors()
     if isinstance(state, MembraneResult):
@@ -278,6 +248,6 @@ def _stressed(
         found = (found + found.swapaxes(1, 2)) / 2
         stressed: Part = replace(part, prestress=found, warp=warp)
     else:
-        found = state.force[:, None, None]
-        stressed = replace(part, prestress=state.force)
-    return stressed, float(np.abs(found - wanted).max() / max(np.abs(wanted).max(), np.finfo(float).tiny))
+        found, wanted = state.force, wanted[:, 0, 0]
+        stressed = replace(part, prestress=found)
+    return stressed, found, float(np.abs(found - wanted).max() / max(np.abs(wanted).max(), np.finfo(float).tiny))

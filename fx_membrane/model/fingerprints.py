@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.topology import from_smallest
+from . import laws
+from .materials import SHIPPED
 from .stages import Stage
 from .structure import Structure
 
@@ -22,6 +24,8 @@ def fingerprints(data: Structure | Stage) -> dict[str, str]:
         digests[f"kind of part {name!r}"] = type(part).__name__
         for entry in dataclasses.fields(part):
             digests[f"{entry.name} of part {name!r}"] = fingerprint(getattr(part, entry.name))
+        if type(part.material) not in SHIPPED:
+            digests[f"energy of part {name!r}"] = fingerprint(laws.energies(part.material, part.dimension))
         digests[f"cells of part {name!r}"] = fingerprint(from_smallest(part.cells))
     return digests
 

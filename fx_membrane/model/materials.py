@@ -1,18 +1,22 @@
-"""Materials of membranes, as stiffness per width (modulus times thickness), as in fabric data sheets."""
+"""Material laws of the package. Moduli of membranes are per width (modulus times thickness), as in fabric data sheets.
+
+`laws` has the contract that they keep; the energies are in `forms`.
+"""
 
 from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..checks.validation import number, positive, short_repr, store
+from ..checks.validation import not_negative, number, positive, short_repr, store
+from ..forms import elasticity, hyperelasticity, wrinkling
+from . import laws
 
 
 @dataclass(frozen=True)
 class Fabric:
     """Isotropic Saint Venant-Kirchhoff membrane in plane stress.
-
-    Derived classes cannot add a law: `Membrane` refuses them.
 
     Args:
         Et: Young's modulus times thickness [N/m].
@@ -22,6 +26,9 @@ class Fabric:
         ValueError: A value is out of its range.
     """
 
+    dimension: ClassVar[int] = 2
+    directed: ClassVar[bool] = False
+    strain_limit: ClassVar[float] = 0.05
     Et: float
     nu: float
 
@@ -41,10 +48,23 @@ class Fabric:
         """Green-Lagrange strains of cells under stresses [N/m], both of shape (n, 2, 2)."""
         return _strain(stress, self.Et, self.Et, self.nu, self.Et / (2 * (1 + self.nu)))
 
+    @property
+    def stiffness(self) -> float:
+        """Young's modulus times thickness [N/m]."""
+        return self.Et
+
+    def energy(self, E: Any, sigma0: Any, parameters: Any) -> Any:
+        """Strain energy per reference area in UFL [J/m2]."""
+        return elasticity.strain_energy(E, sigma0, elasticity.isotropic(E, *parameters))
+
+    def relaxed_energy(self, E: Any, sigma0: Any, parameters: Any) -> wrinkling.Relaxed:
+        """Relaxed energy and state in UFL."""
+        return wrinkling.isotropic(E, sigma0, *parameters)
+
 
 @dataclass(frozen=True)
 class OrthotropicFabric:
-    """Woven Saint Venant-Kirchhoff membrane in plane stress, with warp and weft; derived classes are refused.
+    """Woven Saint Venant-Kirchhoff membrane in plane stress, with warp and weft.
 
     Args:
         Et_warp: Modulus times thickness along the warp [N/m].
@@ -57,6 +77,9 @@ class OrthotropicFabric:
         ValueError: A stiffness is not positive, or nu^2 Et_weft / Et_warp >= 1 (the energy would not be positive).
     """
 
+    dimension: ClassVar[int] = 2
+    directed: ClassVar[bool] = True
+    strain_limit: ClassVar[float] = 0.05
     Et_warp: float
     Et_weft: float
     nu: float
@@ -76,6 +99,149 @@ class OrthotropicFabric:
     def strain(self, stress: NDArray[np.float64]) -> NDArray[np.float64]:
         """Green-Lagrange strains of cells under stresses [N/m] in the warp/weft frame, both (n, 2, 2)."""
         return _strain(stress, self.Et_warp, self.Et_weft, self.nu, self.Gt)
+
+    @property
+    def stiffness(self) -> float:
+        """Larger modulus times thickness [N/m]."""
+        return max(self.Et_warp, self.Et_weft)
+
+    def energy(self, E: Any, sigma0: Any, parameters: Any) -> Any:
+        """Strain energy per reference area in UFL [J/m2]."""
+        return elasticity.strain_energy(E, sigma0, elasticity.orthotropic(E, *parameters))
+
+    def elastic_strain(self, sigma0: Any, parameters: Any) -> Any:
+        """Green-Lagrange strain that belongs to a prestress, in UFL, shape (2, 2) [-]."""
+        return elasticity.orthotropic_compliance(sigma0, *parameters)
+
+    def relaxed_energy(self, E: Any, sigma0: Any, parameters: Any, angle: Any = 0.0) -> wrinkling.Relaxed:
+        """Relaxed energy and state in UFL, with the angle of `forms.wrinkling.orthotropic`."""
+        Et_warp, Et_weft, nu, Gt = parameters
+        return wrinkling.orthotropic(E, sigma0, Et_warp, Et_weft, nu, Gt, angle)
+
+
+@dataclass(frozen=True)
+class NeoHooke:
+    """Incompressible neo-Hookean membrane in plane stress, for foils at any strain.
+
+    Without prestress its relaxed energy is that of simple tension, W(l, l^-1/2) with the larger stretch l.
+
+    Args:
+        Gt: Shear modulus times thickness, a third of Young's modulus times thickness [N/m].
+
+    Raises:
+        ValueError: The modulus is not positive.
+
+    Source:
+        `forms.hyperelasticity`; A. C. Pipkin (1986), D. J. Steigmann (1990), see `forms.wrinkling`.
+    """
+
+    dimension: ClassVar[int] = 2
+    directed: ClassVar[bool] = False
+    Gt: float
+
+    def __post_init__(self) -> None:
+        store(self, positive, "Gt")
+
+    @classmethod
+    def from_modulus(cls, E: float, thickness: float) -> "NeoHooke":
+        """Make a foil from Young's modulus E at small strains [Pa] and a thickness [m]."""
+        return cls(positive("NeoHooke E", E) / 3 * positive("NeoHooke thickness", thickness))
+
+    @property
+    def stiffness(self) -> float:
+        """Young's modulus at small strains times thickness [N/m]."""
+        return 3 * self.Gt
+
+    def energy(self, E: Any, sigma0: Any, parameters: Any) -> Any:
+        """Strain energy per reference area in UFL [J/m2]."""
+        return hyperelasticity.neo_hooke(E, sigma0, *parameters)
+
+
+@dataclass(frozen=True)
+class MooneyRivlin:
+    """Incompressible Mooney-Rivlin membrane in plane stress, for foils at any strain.
+
+    Without prestress its relaxed energy is that of simple tension, W(l, l^-1/2) with the larger stretch l.
+
+    Args:
+        C10t: Constant of the first invariant times thickness, C10 in W = C10 (I1 - 3) + C01 (I2 - 3) [N/m].
+        C01t: Constant of the second invariant times thickness, zero or above [N/m]. The shear modulus times thickness
+            is 2 (C10t + C01t).
+
+    Raises:
+        ValueError: C10t is not positive, or C01t is negative.
+
+    Source:
+        `forms.hyperelasticity`; A. C. Pipkin (1986), D. J. Steigmann (1990), see `forms.wrinkling`.
+    """
+
+    dimension: ClassVar[int] = 2
+    directed: ClassVar[bool] = False
+    C10t: float
+    C01t: float
+
+    def __post_init__(self) -> None:
+        store(self, positive, "C10t")
+        store(self, not_negative, "C01t")
+
+    @classmethod
+    def from_moduli(cls, C10: float, C01: float, thickness: float) -> "MooneyRivlin":
+        """Make a foil from the constants C10 and C01 [Pa] and a thickness [m]."""
+        t = positive("MooneyRivlin thickness", thickness)
+        return cls(positive("MooneyRivlin C10", C10) * t, not_negative("MooneyRivlin C01", C01) * t)
+
+    @property
+    def stiffness(self) -> float:
+        """Young's modulus at small strains times thickness [N/m]."""
+        return 6 * (self.C10t + self.C01t)
+
+    def energy(self, E: Any, sigma0: Any, parameters: Any) -> Any:
+        """Strain energy per reference area in UFL [J/m2]."""
+        return hyperelasticity.mooney_rivlin(E, sigma0, *parameters)
+
+
+@dataclass(frozen=True)
+class Axial:
+    """Linear law of cables and masts: 2nd Piola-Kirchhoff force EA E at the Green-Lagrange strain E.
+
+    Args:
+        axial_stiffness: Young's modulus times cross-section [N].
+
+    Raises:
+        ValueError: The stiffness is not positive.
+    """
+
+    dimension: ClassVar[int] = 1
+    strain_limit: ClassVar[float] = 0.05
+    axial_stiffness: float
+
+    def __post_init__(self) -> None:
+        store(self, positive, "axial_stiffness")
+
+    @property
+    def stiffness(self) -> float:
+        """Young's modulus times cross-section [N]."""
+        return self.axial_stiffness
+
+    def strain(self, stress: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Green-Lagrange strains of cells under forces [N], both of shape (n, 1, 1)."""
+        return np.divide(stress, self.axial_stiffness)
+
+    def energy(self, E: Any, sigma0: Any, parameters: Any) -> Any:
+        """Strain energy per reference length in UFL [J/m]."""
+        return elasticity.strain_energy(E, sigma0, elasticity.axial(E, *parameters))
+
+    def relaxed_energy(self, E: Any, sigma0: Any, parameters: Any) -> wrinkling.Relaxed:
+        """Relaxed energy and state in UFL."""
+        return wrinkling.cable(E, sigma0, *parameters)
+
+
+SHIPPED = (Fabric, OrthotropicFabric, NeoHooke, MooneyRivlin, Axial)
+
+
+def check(what: str, material: Any, dimension: int) -> None:
+    """Refuse what is no law for cells of a dimension; the energy of a law that is not `SHIPPED` is tried."""
+    laws.check(what, material, dimension, own=type(material) not in SHIPPED)
 
 
 def _strain(stress: NDArray[np.float64], Et_warp: float, Et_weft: float, nu: float, Gt: float) -> NDArray[np.float64]:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import ClassVar, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
-from .materials import Fabric, OrthotropicFabric
+from . import laws, materials
+from .laws import Law
+from .materials import Axial
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,7 +21,8 @@ class Membrane:
 
     Args:
         cells: Triangles as rows of node numbers, shape (n, 3), in either order; see `Structure`.
-        material: The fabric, a `Fabric` or an `OrthotropicFabric` itself: derived classes are refused.
+        material: The law: `Fabric`, `OrthotropicFabric`, `NeoHooke`, `MooneyRivlin`, or one of your own that keeps to
+            `Law`. A law without a relaxed energy, by its own word, carries compression.
         prestress: Cauchy stress times thickness in the reference shape [N/m]: a number (isotropic), a pair (warp,
             weft), or a tensor (2, 2) in the warp/weft frame; or one of these per cell, shape (n, 1), (n, 2) or (n, 2,
             2). Shape (2, 2) is always one tensor. A negative prestress is an excess of cloth: the cloth is larger than
@@ -37,14 +41,13 @@ class Membrane:
             is a load, `DistributedLoad((0, 0, -9.81 * mass), part)`.
 
     Raises:
-        ValueError: Cells, prestress or warp have a wrong shape or values that are not finite; the material is of
-            another class, also of a derived one; the material or the prestress has a direction and there is no warp;
-            the mass is negative.
+        ValueError: Cells, prestress or warp have a wrong shape or values that are not finite; the material is no law
+            for membranes; the material or the prestress has a direction and there is no warp; the mass is negative.
     """
 
     dimension: ClassVar[int] = 2
     cells: NDArray[np.int64]
-    material: Fabric | OrthotropicFabric
+    material: Law
     prestress: ArrayLike = 0.0
     warp: ArrayLike | None = None
     compression_stiffness: float = 1e-4
@@ -52,7 +55,7 @@ class Membrane:
 
     def __post_init__(self) -> None:
         validation.keep(self, cells=validation.cells("Membrane cells", self.cells, 3))
-        validation.plain("Membrane material", self.material, Fabric | OrthotropicFabric)
+        materials.check("Membrane material", self.material, self.dimension)
         validation.store(self, validation.finite, "prestress")
         validation.store(self, validation.fraction, "compression_stiffness")
         validation.store(self, validation.not_negative, "mass")
@@ -63,13 +66,18 @@ class Membrane:
             validation.keep(self, warp=warp)
             if warp.shape not in ((3,), (len(self.cells), 3)):
                 raise ValueError(f"Membrane warp has shape {warp.shape}; give (3,) or ({len(self.cells)}, 3).")
-        elif directed or isinstance(self.material, OrthotropicFabric):
+        elif directed or laws.is_directed(self.material):
             what = f"material is {validation.short_repr(self.material)}"
-            if not isinstance(self.material, OrthotropicFabric):
+            if not laws.is_directed(self.material):
                 what = f"prestress is {validation.short_repr(self.prestress)}"
             raise ValueError(
                 f"Membrane {what}, which has a warp and a weft; give the warp as a vector, warp=(x, y, z)."
             )
+
+    @cached_property
+    def carries_compression(self) -> bool:
+        """True if no cell wrinkles: all stiffness is kept, or the law has no relaxed energy."""
+        return self.compression_stiffness >= 1 or laws.carries_compression(self.material, self.dimension)
 
     def prestress_tensors(self) -> NDArray[np.float64]:
         """Prestress of every cell in the warp/weft frame, shape (n, 2, 2) [N/m]."""
@@ -97,16 +105,33 @@ class Bar:
 
     dimension: ClassVar[int] = 1
     cells: NDArray[np.int64]
-    axial_stiffness: float
+    axial_stiffness: float = None  # type: ignore[assignment]  # that of the material, if not given
     prestress: ArrayLike = 0.0
     mass: float = field(default=0.0, kw_only=True)
+    material: Law = field(default=None, kw_only=True)  # type: ignore[assignment]  # Axial(axial_stiffness)
 
     def __post_init__(self) -> None:
         validation.keep(self, cells=validation.cells(f"{type(self).__name__} cells", self.cells, 2))
-        validation.store(self, validation.positive, "axial_stiffness")
+        self._store_material()
         validation.store(self, validation.not_negative, "mass")
         validation.store(self, validation.finite, "prestress")
         self.prestress_tensors()
+
+    def _store_material(self) -> None:
+        """Store the law and its stiffness, of which one is given, or both as by `dataclasses.replace`."""
+        given = self.axial_stiffness
+        if given is not None or self.material is None:
+            validation.store(self, validation.positive, "axial_stiffness")
+        if self.material is None:
+            validation.keep(self, material=Axial(self.axial_stiffness))
+        materials.check(f"{type(self).__name__} material", self.material, self.dimension)
+        stiffness = float(self.material.stiffness)
+        if given is not None and self.axial_stiffness != stiffness:
+            raise ValueError(
+                f"{type(self).__name__} axial_stiffness is {validation.short_repr(given)}, and that of its material "
+                f"{validation.short_repr(self.material)} is {stiffness:g}; give one of the two."
+            )
+        validation.keep(self, axial_stiffness=stiffness)
 
     @classmethod
     def from_modulus(
@@ -131,7 +156,7 @@ class Cable(Bar):
 
     Args:
         cells: Segments as rows of node numbers, shape (n, 2).
-        axial_stiffness: Young's modulus times cross-section [N].
+        axial_stiffness: Young's modulus times cross-section [N], for the linear law `Axial`.
         prestress: Axial force in the reference shape [N], a number or one per cell, shape (n,). A negative prestress is
             an excess of length: the cable is slack up to the Green-Lagrange strain -prestress / axial_stiffness, about
             its relative excess length. Keep the excess small: stiffness and loads are per length of the reference
@@ -143,10 +168,12 @@ class Cable(Bar):
             never called slack.
         mass: Mass per length of the reference shape [kg/m], for `natural_frequencies`. Its unit follows from the other
             data, force unit times s2 over length unit, per length: t/m with kN and m. It adds no weight.
+        material: A law of your own that keeps to `Law`, in the place of axial_stiffness; that is its `stiffness` then.
+            It goes slack like the linear law, unless it has no relaxed energy by its own word.
 
     Raises:
-        ValueError: Cells or prestress have a wrong shape or values that are not finite; a stiffness is not positive;
-            the mass is negative.
+        ValueError: Cells or prestress have a wrong shape or values that are not finite; a stiffness is not positive, or
+            not that of the material; the material is no law for bars; the mass is negative.
     """
 
     compression_stiffness: float = 1e-4
@@ -155,6 +182,11 @@ class Cable(Bar):
         super().__post_init__()
         validation.store(self, validation.fraction, "compression_stiffness")
 
+    @cached_property
+    def carries_compression(self) -> bool:
+        """True if no cell goes slack: all stiffness is kept, or the law has no relaxed energy."""
+        return self.compression_stiffness >= 1 or laws.carries_compression(self.material, self.dimension)
+
 
 @dataclass(frozen=True, eq=False)  # repeated so that Python's TypeError names Mast
 class Mast(Bar):
@@ -162,6 +194,8 @@ class Mast(Bar):
 
     Args and Raises as for `Cable`, without `compression_stiffness`; a negative prestress is a compression.
     """
+
+    carries_compression: ClassVar[bool] = True
 
 
 Part = Membrane | Cable | Mast

@@ -1,6 +1,8 @@
 """Pictures of structures and results."""
 
 from .colours import STATES
-from .pictures import compare_convergence, contours, convergence, wireframe
+from .contour_maps import contours
+from .curves import compare_convergence, convergence
+from .wireframes import wireframe
 
 __all__ = ["STATES", "compare_convergence", "contours", "convergence", "wireframe"]

@@ -13,8 +13,8 @@ from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.part_forms import PartForms
 from ..assembly.problem import Problem
 from ..forms import kinematics, stress
-from ..model.parts import Cable, Membrane
-from ..solvers.base import ROUNDING
+from ..model.parts import Membrane
+from ..solvers.base import LIMITS
 from .states import BarResult, Equilibrium, Increment, MembraneResult, StageResult
 
 STATES = np.array(["taut", "wrinkled", "slack"])  # in the order of `forms.wrinkling`
@@ -90,8 +90,8 @@ class StateEvaluator:
         if membrane:
             return MembraneResult(**fields, state=state)
         slack = state == "slack"
-        if isinstance(part, Cable) and part.compression_stiffness < 1:  # cables without force, or with rounding
-            slack |= fields["force"] <= ROUNDING * (part.axial_stiffness + np.abs(part.prestress))
+        if not part.carries_compression:  # cables without force, or with rounding
+            slack |= fields["force"] <= LIMITS.rounding * (part.material.stiffness + np.abs(part.prestress))
         return BarResult(**fields, slack=slack)
 
 

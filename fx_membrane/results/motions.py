@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..model.parts import Mast
 from ..model.structure import Structure
-from ..solvers.base import FALLEN
+from ..solvers.base import LIMITS
 from .pieces import Pieces
 from .states import StageResult
 
@@ -24,7 +24,7 @@ class Motion(NamedTuple):
     """Motion that no structure makes which is held, in words; empty where there is none.
 
     Attributes:
-        moved: The node that moved by more than `FALLEN` of the size of the piece that is connected with it.
+        moved: The node that moved by more than `LIMITS.fallen` of the size of the piece that is connected with it.
         tilted: The masts whose axes have turned by more than `TILTED`.
     """
 
@@ -50,7 +50,7 @@ def _moved(result: StageResult, start: Array) -> str:
     structure, held, motion = result.structure, result.actions.held, result.displacement - start
     moved, given = (np.linalg.norm(np.where(where, motion, 0.0), axis=1) for where in (~held, held))
     pieces = Pieces(structure, held.all(axis=1))
-    far = (FALLEN * _sizes(structure, pieces) + _largest(given, structure, pieces))[pieces.nodes]
+    far = (LIMITS.fallen * _sizes(structure, pieces) + _largest(given, structure, pieces))[pieces.nodes]
     beyond = np.where(structure.used & ~held.all(axis=1), moved - far, -np.inf)
     node = int(beyond.argmax())
     return f"node {node} moved by {moved[node]:.3g}" if beyond[node] > 0 else ""

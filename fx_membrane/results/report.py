@@ -21,9 +21,10 @@ def report(
 
     It begins with the remarks on the state, if any. For each part it gives the minimum and maximum: forces of cables
     and masts, principal stresses of membranes and, with a given warp, stresses along warp and weft. Then follow the
-    largest strain, from the reference shape and with the elastic strain of the prestress. The number of slack or
-    wrinkled cells and free cable ends come last. Largest values (in masts of either sign) come with their cell, a row
-    of the part's cells, and its centroid in the reference shape. The largest displacement is the length of a vector.
+    largest strain, from the reference shape and, if the law has a compliance, with the elastic strain of the prestress.
+    The number of slack or wrinkled cells and free cable ends come last. Largest values (in masts of either sign) come
+    with their cell, a row of the part's cells, and its centroid in the reference shape. The largest displacement is the
+    length of a vector.
 
     No number is converted: a structure in kN and m gives a report in kN and m, labelled by the names of the units.
 
@@ -76,13 +77,18 @@ def _part(result: StageResult, name: str, first: int, force_unit: str, length_un
         hanging = (
             [f"ends in the air: {len(ends)}, first cell {ends[0][0]} at node {ends[0][1] + first}"] if ends else []
         )
-        total = part.strain + before[:, 0, 0]
+        total = part.strain + (0.0 if before is None else before[:, 0, 0])
         size = total if cable else np.abs(total)
-        strained = f"largest strain with that of the prestress {total[size.argmax()]:.5f} {_where(result, name, size)}"
+        kind = "strain from the reference shape" if before is None else "strain with that of the prestress"
+        strained = f"largest {kind} {total[size.argmax()]:.5f} {_where(result, name, size)}"
         return [f"{_range(part.force)} {force_unit}, largest {where}{slack}", strained, *hanging]
     states = ", ".join(f"{(part.state == state).sum()} {state}" for state in ("taut", "wrinkled", "slack"))
     strain = np.linalg.eigvalsh(part.strain)[:, 1]
-    largest = np.linalg.eigvalsh(part.strain + before)[:, 1]
+    whole = []
+    if before is not None:
+        largest = np.linalg.eigvalsh(part.strain + before)[:, 1]
+        where = _where(result, name, largest)
+        whole = [f"largest principal strain with that of the prestress {largest.max():.5f} {where}"]
     stress, unit = part.principal[:, 0], f"{force_unit}/{length_unit}"
     directed = isinstance(given, Membrane) and given.warp is not None
     threads = zip(("warp", "weft"), part.warp_weft_stress.T, strict=True) if directed else ()
@@ -94,7 +100,7 @@ def _part(result: StageResult, name: str, first: int, force_unit: str, length_un
             for thread, force in threads
         ),
         f"largest principal strain {strain.max():.5f} {_where(result, name, strain)}; cells: {states}",
-        f"largest principal strain with that of the prestress {largest.max():.5f} {_where(result, name, largest)}",
+        *whole,
     ]
 
 

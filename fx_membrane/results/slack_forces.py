@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.part_forms import stiffness
-from ..model.parts import Cable, Mast, Membrane
+from ..model.parts import Mast
 from ..model.structure import Structure
 from .pieces import Pieces
 from .states import BarResult, MembraneResult, StageResult
@@ -129,7 +129,7 @@ def _sizes(result: StageResult, name: str) -> Array:
 def rounding(result: StageResult, name: str) -> float:
     """Compression that is rounding [N or N/m]."""
     part = result.structure.parts[name]
-    kept = part.compression_stiffness if isinstance(part, Cable | Membrane) else 1.0
+    kept = 1.0 if isinstance(part, Mast) or part.carries_compression else part.compression_stiffness
     return SEEN * kept * stiffness(part)
 
 

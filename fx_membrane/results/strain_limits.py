@@ -6,21 +6,22 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.parts import Mast, Membrane, Part
+from ..model import laws
+from ..model.parts import Mast, Part
 from ..model.structure import Structure
 from .states import BarResult, MembraneResult, Remark, StageResult
 
-MODERATE = 0.05
 ABSURD = 1.0  # strain that no fabric or cable bears
 
 
 class LargeStrainWarning(UserWarning):
-    """Strains above 5 %, beyond the range of the Saint Venant-Kirchhoff law.
+    """Strains beyond the range of the material law: above 5 % in that of Saint Venant-Kirchhoff.
 
     A relative change of length e has the Green-Lagrange strain E = e + e^2 / 2. The force EA E (1 + e) differs from EA
     e by the fraction 3 e / 2: 8 % at e = 5 %.
 
-    For a prestress it is the elastic strain of the reference shape, prestress over stiffness.
+    For a prestress it is the elastic strain of the reference shape, prestress over stiffness. Laws for large strains
+    have no limit of their own; for their prestress it is 100 %.
     """
 
 
@@ -30,11 +31,12 @@ class _Strained(Remark):
 
 def warn_of_large_prestress(structure: Structure, stacklevel: int) -> None:
     """Warn once, of the part with the largest strain of its prestress, in tension, compression or excess."""
-    strains = {name: _largest(elastic_strain(part, part.prestress_tensors())) for name, part in structure.parts.items()}
-    name = max(strains, key=lambda name: np.abs(strains[name]).max())
+    strains = {name: _largest(_prestrain(part)) for name, part in structure.parts.items()}
+    limits = {name: min(laws.strain_limit(part.material), ABSURD) for name, part in structure.parts.items()}
+    name = max(strains, key=lambda name: np.abs(strains[name]).max() / limits[name])
     cell = int(np.abs(strains[name]).argmax())
     strain = strains[name][cell]
-    if not abs(strain) > MODERATE:
+    if not abs(strain) > limits[name]:
         return
     if abs(strain) > ABSURD:
         advice = "Units are probably mixed: check that prestress, stiffness and lengths are in the same system."
@@ -47,8 +49,7 @@ def warn_of_large_prestress(structure: Structure, stacklevel: int) -> None:
         advice = "Check prestress, stiffness and units; if they are right, take stiffness there for a rough value."
     warnings.warn(
         f"Part {name!r} is prestressed by {100 * strain:.3g} %, the strain that belongs to the prestress by the "
-        f"stiffness (cell {cell}); the Saint Venant-Kirchhoff law is meant for less than {100 * MODERATE:g} %. "
-        f"{advice}",
+        f"stiffness (cell {cell}); {_meant(structure.parts[name], limits[name])}. {advice}",
         LargeStrainWarning,
         stacklevel=stacklevel,
     )
@@ -56,26 +57,29 @@ def warn_of_large_prestress(structure: Structure, stacklevel: int) -> None:
 
 def strain_remarks(result: StageResult) -> Iterator[Remark]:
     """At most one, on the most strained part; strains that wrinkling, slackness or an excess takes up do not count."""
-    sizes = {name: _sizes(result.structure.parts[name], part) for name, part in result.parts.items()}
-    name = max(sizes, key=lambda name: sizes[name].max())
-    cell = int(sizes[name].argmax())
-    if not sizes[name][cell] > MODERATE:
+    limits = {name: laws.strain_limit(result.structure.parts[name].material) for name in result.parts}
+    limits = {name: limit for name, limit in limits.items() if np.isfinite(limit)}
+    if not limits:
         return
-    also = sum(int((size > MODERATE).sum()) for size in sizes.values()) - 1
-    strain = f"{100 * sizes[name][cell]:.3g} %" + (f" ({also} more cells by over {100 * MODERATE:g} %)" if also else "")
+    sizes = {name: _sizes(result.structure.parts[name], result.parts[name]) for name in limits}
+    name = max(sizes, key=lambda name: sizes[name].max() / limits[name])
+    cell, limit = int(sizes[name].argmax()), limits[name]
+    if not sizes[name][cell] > limit:
+        return
+    also = sum(int((size > limits[other]).sum()) for other, size in sizes.items()) - 1
+    strain = f"{100 * sizes[name][cell]:.3g} %" + (f" ({also} more cells by over {100 * limit:g} %)" if also else "")
     if sizes[name][cell] > ABSURD:
         advice = "Units are probably mixed: check that loads, prestress, stiffness and lengths are in the same system."
     else:
         advice = "Check stiffness, loads and units; if they are right, take forces and stresses there for rough values."
     yield _Strained(
-        f"cell {cell} of part {name!r} is strained by {strain}; the Saint Venant-Kirchhoff law is meant for less than "
-        f"{100 * MODERATE:g} %. {advice}"
+        f"cell {cell} of part {name!r} is strained by {strain}; {_meant(result.structure.parts[name], limit)}. {advice}"
     )
 
 
 def _sizes(part: Part, result: MembraneResult | BarResult) -> NDArray[np.float64]:
     """Largest strain that each cell resists, in tension or compression, shape (cells,) [-]."""
-    excess = elastic_strain(part, _compression(part.prestress_tensors()))
+    excess = _elastic(part, _compression(part.prestress_tensors()))
     if isinstance(result, BarResult):
         stretched = result.strain + excess[:, 0, 0]
         return np.where(result.slack, 0.0, np.maximum(stretched, -result.strain))
@@ -85,9 +89,25 @@ def _sizes(part: Part, result: MembraneResult | BarResult) -> NDArray[np.float64
     return np.where(result.state == "slack", 0.0, sizes)
 
 
-def elastic_strain(part: Part, stress: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Elastic strains of cells under stresses, both of shape (cells, d, d)."""
-    return part.material.strain(stress) if isinstance(part, Membrane) else np.divide(stress, part.axial_stiffness)
+def elastic_strain(part: Part, stress: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    """Elastic strains of cells under stresses, both (cells, d, d); None for a law without a compliance."""
+    return laws.strain(part.material, stress)
+
+
+def _elastic(part: Part, stress: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Elastic strains as above; without a compliance, stress over stiffness."""
+    strain = elastic_strain(part, stress)
+    return stress / part.material.stiffness if strain is None else strain
+
+
+def _prestrain(part: Part) -> NDArray[np.float64]:
+    return _elastic(part, part.prestress_tensors())
+
+
+def _meant(part: Part, limit: float) -> str:
+    kinds = {"Fabric": "Saint Venant-Kirchhoff", "OrthotropicFabric": "Saint Venant-Kirchhoff", "Axial": "linear"}
+    kind = type(part.material).__name__
+    return f"the {kinds.get(kind, kind)} law is meant for less than {100 * limit:g} %"
 
 
 def _compression(stress: NDArray[np.float64]) -> NDArray[np.float64]:

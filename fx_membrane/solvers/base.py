@@ -13,10 +13,25 @@ from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from .outcome import Outcome
 
-ROUNDING = 1e-14
-MOST = 1e3  # maximum force scale of a relative tolerance, as a multiple of the loads
-FALLEN = 0.5  # displacement, in sizes of the structure, that leaves the original shape
-FAR = 1e3  # displacement, in sizes of the structure, that counts as divergence
+
+@dataclass(frozen=True)
+class SolverLimits:
+    """Limits that all solvers share.
+
+    Attributes:
+        rounding: Relative error of a sum by rounding.
+        scale: Largest force scale of a relative tolerance, as a multiple of the loads.
+        fallen: Displacement, in sizes of the structure, that leaves the original shape.
+        far: Displacement, in sizes of the structure, that counts as divergence.
+    """
+
+    rounding: float = 1e-14
+    scale: float = 1e3
+    fallen: float = 0.5
+    far: float = 1e3
+
+
+LIMITS = SolverLimits()
 
 
 class Iteration(NamedTuple):
@@ -115,17 +130,17 @@ def tolerance(problem: LoadedProblem, x: PETSc.Vec, b: PETSc.Vec, rtol: float) -
         problem: The problem.
         x: The iterate.
         b: Its residual, with the reactions at constrained components.
-        rtol: Fraction of the norm of all nodal forces, or of `MOST` times that of the loads if smaller. At the start
-            pass `ROUNDING`, so that loads far below the prestress take their step too.
+        rtol: Fraction of the norm of all nodal forces, or of `scale` times that of the loads if smaller. At the start
+            pass `rounding`, so that loads far below the prestress take their step too.
     """
     loads = problem.load_norm(x)
     forces = float(b.norm()) + loads
-    return max(rtol * min(forces, MOST * loads or forces), 1e-300)
+    return max(rtol * min(forces, LIMITS.scale * loads or forces), 1e-300)
 
 
 def diverged(problem: LoadedProblem, x: PETSc.Vec, residual: float) -> bool:
     """Return True if the iterate has diverged or is not a number."""
-    return not (math.isfinite(residual) and max_norm(x) <= FAR * problem.structure.size)
+    return not (math.isfinite(residual) and max_norm(x) <= LIMITS.far * problem.structure.size)
 
 
 def max_norm(vector: PETSc.Vec) -> float:

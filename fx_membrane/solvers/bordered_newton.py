@@ -12,6 +12,7 @@ K.-J. Bathe (eds.), Nonlinear finite element analysis in structural mechanics, S
 
 import copy
 import math
+from dataclasses import dataclass
 from typing import NamedTuple
 
 from petsc4py import PETSc
@@ -20,12 +21,24 @@ from ..assembly.actions import Actions, between, change
 from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from . import factorization, petsc_options
-from .base import Iteration, Monitor, no_monitor, tolerance
+from .base import LIMITS, Iteration, Monitor, no_monitor, tolerance
 from .progress import Pulse
 
-MOST = 12  # maximum number of iterations
-SOLVED = 1e-3  # error of a linear solution: few digits remain near a limit point, none in a singular system
-FAR = 1e3  # displacement, in sizes of the structure, that counts as divergence
+
+@dataclass(frozen=True)
+class CorrectorLimits:
+    """Limits of the corrector.
+
+    Attributes:
+        iterations: Maximum number of iterations.
+        solved: Relative error of a linear solution: few digits remain near a limit point, none in a singular system.
+    """
+
+    iterations: int = 12
+    solved: float = 1e-3
+
+
+CORRECTOR = CorrectorLimits()
 
 
 class Step(NamedTuple):
@@ -85,7 +98,7 @@ class BorderedNewton:
         self.rate = problem.under(change(start, end))
         self.compression = 1.0
         self.monitor: Monitor = no_monitor
-        self.pulse = Pulse("trace", problem.comm.rank == 0)
+        self.pulse = Pulse("equilibrium path", problem.comm.rank == 0)
         self.A = problem.discretization.create_matrix()
         create = problem.discretization.create_vector
         self.b, self.du_residual, self.du_load, self.work, self.zero = create(), create(), create(), create(), create()
@@ -137,8 +150,8 @@ class BorderedNewton:
             self.monitor(len(iterations) - 1, iterations[-1])
             if balanced:
                 return Point(x, factor, tuple(iterations))
-            diverged = not (math.isfinite(max_norm) and x.norm(PETSc.NormType.NORM_INFINITY) <= FAR * self.size)
-            if diverged or len(iterations) > MOST or not self.linearize(x, factor):
+            diverged = not (math.isfinite(max_norm) and x.norm(PETSc.NormType.NORM_INFINITY) <= LIMITS.far * self.size)
+            if diverged or len(iterations) > CORRECTOR.iterations or not self.linearize(x, factor):
                 return None
             move = self.correction(Point(x, factor), plane)
             if move is None:
@@ -182,7 +195,7 @@ class BorderedNewton:
         self.ksp.solve(b, x)
         self.A.mult(x, self.work)
         self.work.axpy(-1.0, b)
-        return bool(self.work.norm() <= SOLVED * b.norm())
+        return bool(self.work.norm() <= CORRECTOR.solved * b.norm())
 
     def negative_pivots(self) -> int | None:
         """Count of negative eigenvalues of the tangent factored last; None if it is not symmetric."""

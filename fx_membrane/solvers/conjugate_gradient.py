@@ -16,15 +16,30 @@ from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from ..checks import validation
 from . import petsc_options
-from .base import ROUNDING, Iteration, Monitor, Solution, Solve, diverged, no_monitor, tolerance
+from .base import LIMITS, Iteration, Monitor, Solution, Solve, diverged, no_monitor, tolerance
 from .diagnosis import first_order_advice, stagnation_message
 from .line_search import Point, line, rounding, search
 from .outcome import Outcome
 from .preconditioners import Kind, preconditioner
 
-FLATNESS = 0.1  # accepted slope at the end of a step: conjugate directions need line searches close to the minimum
-STUCK = 0.5  # stagnation: residual above this fraction of its earlier minimum
-DIFFERENCE = 1e-7  # displacement, in sizes of the structure, for the difference quotient of the curvature
+
+@dataclass(frozen=True)
+class DescentControl:
+    """Limits of a first-order method.
+
+    Attributes:
+        flatness: Accepted slope at the end of a step, as a fraction of that at its start: conjugate directions need
+            line searches close to the minimum.
+        stagnation: Fraction of its earlier minimum above which the residual stands still.
+        difference: Displacement, in sizes of the structure, for the difference quotient of the curvature.
+    """
+
+    flatness: float = 0.1
+    stagnation: float = 0.5
+    difference: float = 1e-7
+
+
+CONTROL = DescentControl()
 
 
 @dataclass(frozen=True)
@@ -181,7 +196,7 @@ class _Descent:
         """Record an iterate and its gradient; return True if it is the solution."""
         b = self.now.g
         self.problem.residual(x, b)
-        accepted = tolerance(self.problem, x, b, self.settings.rtol if self.history else ROUNDING)
+        accepted = tolerance(self.problem, x, b, self.settings.rtol if self.history else LIMITS.rounding)
         self.problem.constraints.zero_constrained(b)
         max_norm = b.norm(PETSc.NormType.NORM_INFINITY)
         self.history.append(Iteration(self.problem.energy(x), max_norm, length))
@@ -224,7 +239,7 @@ class _Descent:
             step.scale(self.full(x, d))
             first = Point(0.0, self.history[-1].energy, float(self.now.g.dot(step)))
             self.noise = rounding(self.problem, first, x, step)
-            alpha = search(line(self.problem, x, step, first), self.noise, FLATNESS)
+            alpha = search(line(self.problem, x, step, first), self.noise, CONTROL.flatness)
             if alpha is not None:
                 x.axpy(alpha, step)  # Gil (72)
         return alpha
@@ -232,7 +247,7 @@ class _Descent:
     def full(self, x: PETSc.Vec, d: PETSc.Vec) -> float:
         """Factor that scales a direction to the full step, limited to displacements of the structure's size."""
         max_norm = d.norm(PETSc.NormType.NORM_INFINITY)
-        difference = DIFFERENCE * self.size / max_norm
+        difference = CONTROL.difference * self.size / max_norm
         slope = float(self.now.g.dot(d))
         with self.problem.discretization.work(2) as (near, b):
             near.waxpy(difference, d, x)
@@ -253,7 +268,7 @@ class _Descent:
         half = len(self.history) // 2
         fallen = abs(self.history[half].energy - self.history[-1].energy)
         before, after = (min(entry.residual for entry in part) for part in (self.history[:half], self.history[half:]))
-        return fallen <= self.noise * (len(self.history) - half) and after > STUCK * before
+        return fallen <= self.noise * (len(self.history) - half) and after > CONTROL.stagnation * before
 
     def failure(self, x: PETSc.Vec, outcome: Outcome) -> Solution:
         """End of a failure after the last iterate.

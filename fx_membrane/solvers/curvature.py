@@ -9,10 +9,11 @@ from petsc4py import PETSc
 from ..assembly.loaded_problem import LoadedProblem
 from ..model.parts import Mast
 from ..model.structure import Structure
-from . import factorization
+from . import eigenvalues, factorization
 
 WEAK = 1e-9  # stiffness of a mode, as a strain, below which it is a free motion
-LARGEST = 1e4  # upper bound of the negative curvature, as a strain
+BELOW = 1e-3  # distance of the shift from the lowest eigenvalue, as a fraction
+FIRST = 100 * WEAK  # first bound of the negative curvature to try, as a strain
 CRUSHED = 0.5  # Green's strain of a cell that has shrunk to nothing
 LEAST = 1e-4  # negative curvature, as a strain, that is ignored between two states
 SECANTS = 8  # number of secants between two states
@@ -84,17 +85,31 @@ def negative_curvature_direction(problem: LoadedProblem, x: PETSc.Vec) -> Mode:
     """Direction of the most negative curvature; its `negative` is 0 if there is none.
 
     The small compression stiffness of wrinkled and slack cells lets them buckle from node to node. That is no
-    instability of the structure, so it is left out.
+    instability of the structure, so it is left out. One factorization tells stable states. The direction of others
+    is that of the lowest eigenvalue of K v = lambda T v.
     """
     problem = problem.without_compression_stiffness()
-    found = lowest_mode(problem, x, shift := WEAK)
-    negative = found.negative
-    # Inverse iteration finds the mode nearest to -shift: the lowest, once the shift is below all.
-    while found.negative and shift < LARGEST:
-        shift *= 4
-        found.motion.destroy()
-        found = lowest_mode(problem, x, shift)
-    return found._replace(negative=negative)
+    found = lowest_mode(problem, x, WEAK)
+    if not found.negative:
+        return found
+    found.motion.destroy()
+    # The vector of a multiple eigenvalue is that of inverse iteration: equal for any number of processes.
+    direction = lowest_mode(problem, x, -(1 + BELOW) * _lowest(problem, x))
+    return direction._replace(negative=found.negative)
+
+
+def _lowest(problem: LoadedProblem, x: PETSc.Vec) -> float:
+    """Lowest eigenvalue of K v = lambda T v, known to be below -WEAK, with its Sturm sequence check."""
+    K, T = problem.tangent(x), problem.stabilizer.matrix.copy()
+    with problem.discretization.work(1) as (b,):
+        problem.constraints.constrain_tangent(x, K, b)
+    for matrix in (K, T):  # T, too, for an equal pattern
+        factorization.symmetrize(matrix)
+    T.zeroRowsColumns(problem.constraints.constrained, diag=0.0)
+    (pair, *_), _ = eigenvalues.lowest(K, T, 1, FIRST)
+    for matrix in (K, T):
+        matrix.destroy()
+    return pair.value.real
 
 
 def wrinkling_threshold(structure: Structure) -> float:
@@ -105,11 +120,15 @@ def wrinkling_threshold(structure: Structure) -> float:
 def negative_between(problem: LoadedProblem, start: PETSc.Vec, end: PETSc.Vec) -> bool:
     """Return True if the energy is concave somewhere on the straight line between two states.
 
-    Hill's second-order work on the chord, by differences of the residual. Negative curvature of wrinkled and slack
-    cells is ignored; without masts and pressures there is none. Constrained components keep their end values.
+    It is if Hill's second-order work on the chord is negative, by differences of the residual. Both ends of a snap are
+    stable, so that their inertia does not show it. Negative curvature of wrinkled and slack cells is ignored; without
+    masts and pressures there is none. Constrained components keep their end values.
+
+    Source: R. Hill, A general theory of uniqueness and stability in elastic-plastic solids, J. Mech. Phys. Solids 6
+    (1958) 236-249.
     """
     parts = problem.structure.parts.values()
-    if problem.symmetric and not any(isinstance(part, Mast) or part.compression_stiffness >= 1 for part in parts):
+    if problem.symmetric and not any(part.carries_compression for part in parts):
         return False
     forces = []
     with problem.discretization.work(3) as (at, way, b):
@@ -127,5 +146,5 @@ def negative_between(problem: LoadedProblem, start: PETSc.Vec, end: PETSc.Vec) -
 def _kept(structure: Structure) -> float:
     """Largest compression stiffness of a part, as a fraction of its stiffness; 0 if none can wrinkle or slacken."""
     parts = structure.parts.values()
-    kept = [part.compression_stiffness for part in parts if not isinstance(part, Mast)]
-    return max([share for share in kept if share < 1], default=0.0)
+    kept = [part.compression_stiffness for part in parts if not (isinstance(part, Mast) or part.carries_compression)]
+    return max(kept, default=0.0)

@@ -1,5 +1,6 @@
 """Diagnosis of a failed solve: sentences on its cause and remedy."""
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -14,10 +15,27 @@ from ..model.structure import Structure
 from .base import max_norm
 from .curvature import WEAK, lowest_mode
 
-NOTHING = 1e-6  # fraction of its size to which a collapsed cell has shrunk
-SHARE = 0.1  # of the largest displacement in a motion, above which a node moves with it
-SWUNG, FAR_OVER = 0.1, 0.5  # angles by which a mast has swung far, without loads and with [rad]
-SHOWN = 3  # masts and parts that are named
+
+@dataclass(frozen=True)
+class DiagnosisLimits:
+    """Limits of a diagnosis.
+
+    Attributes:
+        collapsed: Fraction of its size to which a cell has shrunk that has collapsed.
+        moving: Fraction of the largest displacement in a motion, above which a node moves with it.
+        swung: Angle by which a mast has swung far without loads [rad].
+        swung_loaded: Angle by which a mast has swung far with loads [rad].
+        named: Number of masts and parts that are named.
+    """
+
+    collapsed: float = 1e-6
+    moving: float = 0.1
+    swung: float = 0.1
+    swung_loaded: float = 0.5
+    named: int = 3
+
+
+LIMITS = DiagnosisLimits()
 
 
 def linear_failure(problem: LoadedProblem, A: PETSc.Mat) -> str:
@@ -97,7 +115,7 @@ def slack_mechanism(problem: LoadedProblem, x: PETSc.Vec) -> Mechanism | None:
 
 def _slack_mechanism(structure: Structure, found: Mechanism) -> Mechanism:
     """Describe a mechanism of masts: those that fall, and the parts that meet them."""
-    moving = np.linalg.norm(found.motion, axis=1) > SHARE
+    moving = np.linalg.norm(found.motion, axis=1) > LIMITS.moving
     falling, beside = [], []
     for name, part in structure.parts.items():
         cells = np.flatnonzero(moving[part.cells].any(axis=1))
@@ -105,11 +123,11 @@ def _slack_mechanism(structure: Structure, found: Mechanism) -> Mechanism:
             falling += [f"mast {name!r} (cell {cell})" for cell in cells]
         elif len(cells):
             beside.append(repr(name))
-    more = f" and {len(falling) - SHOWN} more" * (len(falling) > SHOWN)
-    tension = f" by the tension of {' or '.join(beside[:SHOWN])}" if beside else ""
+    more = f" and {len(falling) - LIMITS.named} more" * (len(falling) > LIMITS.named)
+    tension = f" by the tension of {' or '.join(beside[: LIMITS.named])}" if beside else ""
     words = (
-        f"{found.words} Nothing holds {', '.join(falling[:SHOWN])}{more}{tension}: no load is safe. Add cables, masts "
-        "or supports that hold it by tension, or prestress that balances."
+        f"{found.words} Nothing holds {', '.join(falling[: LIMITS.named])}{more}{tension}: no load is safe. Add "
+        "cables, masts or supports that hold it by tension, or prestress that balances."
     )
     return found._replace(words=words)
 
@@ -120,7 +138,7 @@ def _mechanism(motion: NDArray[np.float64], but: str = "") -> Mechanism:
     most = int(sizes.argmax())
     motion /= sizes[most]
     direction = ", ".join(f"{component + 0.0:.3g}" for component in motion[most])
-    also = int((sizes > SHARE * sizes[most]).sum()) - 1
+    also = int((sizes > LIMITS.moving * sizes[most]).sum()) - 1
     words = f"the structure is a mechanism{but}: node {most} moves freely in the direction ({direction})" + (
         f", and {also} more nodes with it." if also else "."
     )
@@ -132,7 +150,7 @@ def collapsed(problem: LoadedProblem, x: PETSc.Vec) -> bool:
     structure = problem.structure
     shape = structure.points + problem.discretization.to_numpy(x)
     cells = [part.cells for part in structure.parts.values()]
-    return any((measures(shape, c) < NOTHING * measures(structure.points, c)).any() for c in cells)
+    return any((measures(shape, c) < LIMITS.collapsed * measures(structure.points, c)).any() for c in cells)
 
 
 def unlikely_units(problem: LoadedProblem, x: PETSc.Vec) -> str:
@@ -167,7 +185,7 @@ def stagnation_message(
         )
     size = problem.structure.size
     displacement = max_norm(x)
-    swung = swung_masts(problem, x, SWUNG if problem.unloaded() else FAR_OVER, "tried")
+    swung = swung_masts(problem, x, LIMITS.swung if problem.unloaded() else LIMITS.swung_loaded, "tried")
     if problem.unloaded():
         advice = (
             "nothing is applied that could come in more increments: give a prestress that the shape and its supports "

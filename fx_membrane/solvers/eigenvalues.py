@@ -15,7 +15,7 @@ from petsc4py import PETSc
 from slepc4py import SLEPc
 
 from . import factorization, petsc_options
-from .base import ROUNDING
+from .base import LIMITS
 
 PREFIX = "fxm_eigenvalues_"  # of our own options; that of the user's is in `petsc_options`
 FIRST_SHIFT, LAST_SHIFT = 1e-12, 1e8  # below zero, as fractions of a typical eigenvalue
@@ -35,19 +35,23 @@ class Eigenpair(NamedTuple):
     imaginary: PETSc.Vec
 
 
-def lowest(K: PETSc.Mat, M: PETSc.Mat | None, count: int) -> tuple[list[Eigenpair], int]:
+def lowest(K: PETSc.Mat, M: PETSc.Mat | None, count: int, first: float | None = None) -> tuple[list[Eigenpair], int]:
     """Lowest eigenvalues of a symmetric K, ascending, and the number of negative ones, found or not.
 
     Args:
         K: Symmetric.
         M: Symmetric and positive semi-definite; the identity if None.
         count: Number of eigenvalues; at most the rank of M.
+        first: First shift below zero to try, for eigenvalues that are known to be negative; the number of negative ones
+            is then that of those below it.
 
     Raises:
         ValueError: K is singular or negative where M is zero.
         RuntimeError: SLEPc did not converge.
     """
     with _solver(K, M, symmetric=True) as eps:
+        if first is not None:
+            eps.setTarget(-first)
         shift, negative = _below_all(eps)
         found = _solve(eps, count)
         low, high = found[0].value.real, found[-1].value.real
@@ -100,11 +104,16 @@ def _solver(K: PETSc.Mat, M: PETSc.Mat | None, symmetric: bool) -> Iterator[SLEP
         eps.setOperators(K, M)
         eps.setProblemType((kinds.HEP if M is None else kinds.GHEP) if symmetric else kinds.GNHEP)
         eps.setWhichEigenpairs(SLEPc.EPS.Which.TARGET_MAGNITUDE)
-        eps.setTarget(-FIRST_SHIFT * K.norm() / (K.getSize()[0] ** 0.5 if M is None else M.norm()))
+        eps.setTarget(-FIRST_SHIFT * _typical(K, M))
         _factorize_by_mumps(eps, "cholesky" if symmetric else "lu")
         yield eps
     finally:
         eps.destroy()
+
+
+def _typical(K: PETSc.Mat, M: PETSc.Mat | None) -> float:
+    """Typical eigenvalue."""
+    return float(K.norm() / (K.getSize()[0] ** 0.5 if M is None else M.norm()))
 
 
 def _factorize_by_mumps(eps: SLEPc.EPS, kind: str) -> None:
@@ -130,10 +139,11 @@ def _factorize_by_mumps(eps: SLEPc.EPS, kind: str) -> None:
 def _below_all(eps: SLEPc.EPS) -> tuple[float, int]:
     """Move the shift below all eigenvalues; return it and the number of negative eigenvalues."""
     eps.setUp()
-    first = shift = eps.getTarget()
+    shift = eps.getTarget()
+    last = LAST_SHIFT * _typical(*eps.getOperators())
     negative, null = _inertia(eps)
     below = negative
-    while below and not null and shift > first / FIRST_SHIFT * LAST_SHIFT:
+    while (below or null) and shift > -last:  # an eigenvalue may be equal to the shift
         shift *= 100
         _move(eps, shift)
         below, null = _inertia(eps)
@@ -183,7 +193,7 @@ def _pair(eps: SLEPc.EPS, i: int) -> Eigenpair:
     for part in (real, imaginary):
         part.scale(square**-0.5)
     # Rounding of K phi where there is no stiffness; its sign is meaningless.
-    if abs(value) <= ROUNDING * K.norm(PETSc.NormType.INFINITY) * (real.norm() ** 2 + imaginary.norm() ** 2):
+    if abs(value) <= LIMITS.rounding * K.norm(PETSc.NormType.INFINITY) * (real.norm() ** 2 + imaginary.norm() ** 2):
         value = 0j
     return Eigenpair(value, real, imaginary)
 

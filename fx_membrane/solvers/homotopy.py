@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from petsc4py import PETSc
 
-from .base import FAR, max_norm
+from .base import LIMITS, max_norm
 from .newton_loop import NewtonLoop
 
 
@@ -39,7 +39,7 @@ def stabilized_start(loop: NewtonLoop, x: PETSc.Vec, control: HomotopyControl) -
                 loop.problem = given.with_stabilization(level)
                 x.copy(before)
                 loop.attempt(x, control.rtol, control.iterations)
-                if not max_norm(x) <= FAR * given.structure.size:
+                if not max_norm(x) <= LIMITS.far * given.structure.size:
                     before.copy(x)
                     return
         finally:

@@ -17,13 +17,13 @@ from .base import Iteration
 
 @dataclass(frozen=True)
 class ShiftControl:
-    """Schedule of the shift, as strains; `first`, `growth` and `decay` are those of Ipopt.
+    """Schedule of the shift, as strains: `first`, `growth` and `decay` of Ipopt, `least` of TAONLS.
 
     Attributes:
         first: First shift above zero.
         growth: Factor after a tangent that is not positive definite, and after a short step.
         decay: Largest factor after a full step; that of the residual, if smaller, replaces it.
-        least: Shift below which it is dropped, so that the last steps converge quadratically.
+        least: Shift below which it is dropped.
         largest: Shift above which the tangent counts as singular.
         short: Length of a step that is short: its quadratic model was poor.
     """
@@ -31,7 +31,7 @@ class ShiftControl:
     first: float = 1e-4
     growth: float = 8.0
     decay: float = 1 / 3
-    least: float = 1e-8
+    least: float = 1e-12
     largest: float = 1e4
     short: float = 0.3
 

@@ -16,7 +16,7 @@ from typing import NamedTuple
 from petsc4py import PETSc
 
 from ..assembly.loaded_problem import LoadedProblem
-from .base import ROUNDING
+from .base import LIMITS
 
 DECREASE = 1e-4  # minimum fraction of the linearly predicted decrease
 MARGIN = 0.05  # fraction of an interval, at both ends, without trials
@@ -91,7 +91,7 @@ def line(
 def rounding(problem: LoadedProblem, first: Point, start: PETSc.Vec, step: PETSc.Vec) -> float:
     """Error of energy differences by rounding along a step [J]: the prestress works over the whole displacement."""
     way = float(start.norm() + step.norm())
-    return 10 * ROUNDING * (abs(first.energy) + problem.magnitudes.prestress_forces * way)
+    return 10 * LIMITS.rounding * (abs(first.energy) + problem.magnitudes.prestress_forces * way)
 
 
 def step_back(

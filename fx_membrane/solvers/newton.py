@@ -18,9 +18,9 @@ from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from ..checks import validation
 from . import petsc_options
-from .base import FALLEN, Iteration, Monitor, Solution, Solve, max_norm, no_monitor
+from .base import LIMITS, Iteration, Monitor, Solution, Solve, max_norm, no_monitor
 from .convergence import Patience, nearer
-from .curvature import negative_between
+from .curvature import WEAK, negative_between
 from .diagnosis import collapsed, mechanism, slack_mechanism, unlikely_units
 from .homotopy import HomotopyControl, stabilized_start
 from .inertia_correction import ShiftControl
@@ -123,7 +123,7 @@ class _Globalized:
             return not self.due(history) or (thorough and self.falling(history, False) and not has_fallen())
 
         def has_fallen() -> bool:
-            return bool(free()) and self.distance(start, x) > FALLEN * self.problem.structure.size
+            return bool(free()) and self.distance(start, x) > LIMITS.fallen * self.problem.structure.size
 
         solution = self.attempt(x, proceed)
         if not self.settings.line_search:
@@ -165,11 +165,11 @@ class _Globalized:
     def escape_saddle(self, x: PETSc.Vec, solution: Solution) -> Solution:
         """Escape from an unstable equilibrium to a stable one.
 
-        A last tangent without shift had no negative curvature, so that the equilibrium is stable.
+        A last tangent with hardly a shift had no negative curvature, so that the equilibrium is stable.
         """
         loop = self.loop
         for _ in range(self.saddle.attempts):
-            if len(solution.iterations) == 1 or (loop.counts_pivots and loop.shift == 0):
+            if len(solution.iterations) == 1 or (loop.counts_pivots and loop.shift <= WEAK):
                 return solution
             x.copy(self.before)
             if not leave_saddle(self.problem, x, self.saddle):

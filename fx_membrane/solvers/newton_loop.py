@@ -15,7 +15,7 @@ from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from . import factorization, petsc_options
 from .backends import by_dolfinx, by_snes
-from .base import ROUNDING, Iteration, Monitor, Solution, diverged, max_norm, no_monitor, tolerance
+from .base import LIMITS, Iteration, Monitor, Solution, diverged, max_norm, no_monitor, tolerance
 from .convergence import at_rest
 from .curvature import wrinkling_threshold
 from .diagnosis import linear_failure, stagnation_message
@@ -122,7 +122,7 @@ class NewtonLoop:
     def residual(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
         """Residual with constraints; record the iterate and the tolerance for its 2-norm."""
         self.problem.residual(x, b)
-        self.tolerance = tolerance(self.problem, x, b, self.rtol if self.history else ROUNDING)
+        self.tolerance = tolerance(self.problem, x, b, self.rtol if self.history else LIMITS.rounding)
         self.problem.constraints.constrain_residual(x, b)
         beyond, unbalanced = self.problem.beyond_rounding(x, b), max_norm(b)
         self.history.append(Iteration(self.problem.energy(x), unbalanced, self.length, self.shift))

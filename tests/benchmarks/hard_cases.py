@@ -272,8 +272,8 @@ def count_assemblies() -> None:
 
         return call
 
-    LoadedProblem.residual = counted(LoadedProblem.residual)
-    LoadedProblem.tangent = counted(LoadedProblem.tangent)
+    for name in ("residual", "tangent"):
+        setattr(LoadedProblem, name, counted(getattr(LoadedProblem, name)))
 
 
 def measure(make: Callable[[], Case], solver: Newton) -> str:

@@ -53,7 +53,7 @@ def case(name, rng):
         isotropic, woven = (5000.0, 0.3), (8000.0, 3000.0, 0.4, 700.0)
         material = Fabric(*isotropic) if name == "isotropic" else OrthotropicFabric(*woven)
         C = dccf.isotropic(*isotropic) if name == "isotropic" else dccf.orthotropic(*woven)
-        part = Membrane(cells, material, tensors, warp, compression_stiffness=1.0)
+        part: Membrane | Cable | Mast = Membrane(cells, material, tensors, warp, compression_stiffness=1.0)
     else:
         s0 = rng.normal(size=(COUNT, 1)) * 300.0
         C = dccf.axial(7000.0)

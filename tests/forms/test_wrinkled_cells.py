@@ -10,15 +10,11 @@ from mpi4py import MPI
 from scipy.spatial.transform import Rotation
 
 from fx_membrane import (
-    Analysis,
     Cable,
     Membrane,
-    PrescribedDisplacement,
-    Stage,
     Structure,
 )
 from fx_membrane.assembly.problem import Problem
-from fx_membrane.geometry.measures import normals
 from taylor import remainders
 from wrinkled import (
     COLUMN,
@@ -27,37 +23,15 @@ from wrinkled import (
     PAIR,
     ROW,
     STATES,
-    cells_in_space,
     compliance,
     inner,
+    run,
+    shapes,
     state_of,
     strains,
     stress,
     tensor,
 )
-
-
-def shapes(E, seed):
-    """Points, cells, warps and displacements of cells with the strains E, in random orientation."""
-    points, cells = cells_in_space(len(E), seed)
-    rng = np.random.default_rng(seed)
-    warp = rng.normal(size=(len(E), 3))
-    n = normals(points, cells)
-    t = warp - np.sum(warp * n, axis=1, keepdims=True) * n
-    t /= np.linalg.norm(t, axis=1, keepdims=True)
-    T = np.stack([t, np.cross(n, t)], axis=-1)
-    values, vectors = np.linalg.eigh(np.eye(2) + 2 * E)
-    U = np.einsum("nij,nj,nkj->nik", vectors, np.sqrt(values), vectors)
-    F = Rotation.random(len(E), random_state=seed + 1).as_matrix() @ T @ U
-    X = points[cells] - points[cells[:, :1]]
-    x = np.einsum("nij,njk,nlk->nli", F, T.swapaxes(1, 2), X)
-    return points, cells, warp, (x - X).reshape(-1, 3)
-
-
-def run(part, points, u):
-    structure = Structure(points, {"part": part})
-    hold = PrescribedDisplacement(np.arange(len(points)), u)
-    return Analysis(structure, comm=MPI.COMM_SELF).run([Stage("moved", displacements=[hold])])["moved"]
 
 
 @pytest.mark.parametrize("eta", [1e-4, 0.2])

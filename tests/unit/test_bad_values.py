@@ -12,12 +12,15 @@ import fx_membrane
 from bad_values import scalars, values
 from fx_membrane import (
     Analysis,
+    Axial,
     Cable,
     ConjugateGradient,
     DistributedLoad,
     Fabric,
     Mast,
     Membrane,
+    MooneyRivlin,
+    NeoHooke,
     Newton,
     OrthotropicFabric,
     PlanLoad,
@@ -56,8 +59,8 @@ STATE = Analysis(ARCH, comm=MPI.COMM_SELF).run([LOAD])["load"]
 HISTORY = STATE.increments[0].iterations
 SQUARE, TRIANGLES = rectangle(1.0, 1.0, 1, 1)
 SHEET = Structure(SQUARE, {"sheet": Membrane(TRIANGLES, Fabric(1e5, 0.3), 1e3)}, [Support(range(4))])
-BAR = {"cells": [[0, 1], [1, 2]], "axial_stiffness": 1e6, "prestress": [1.0, 2.0], "mass": 1.0}
-BARS = {"cells": "rows", "axial_stiffness": "number", "prestress": "array", "mass": "number"}
+BAR = {"cells": [[0, 1], [1, 2]], "axial_stiffness": 1e6, "prestress": [1.0, 2.0], "mass": 1.0, "material": None}
+BARS = {"cells": "rows", "axial_stiffness": "number", "prestress": "array", "mass": "number", "material": "object?"}
 MODULUS = {"cells": [[0, 1]], "E": 1e9, "area": 1e-4, "prestress": 0.0, "density": 1.0}
 MODULI = {"cells": "rows", "E": "number", "area": "number", "prestress": "array", "density": "number"}
 SPREAD = {"load": [0.0, 0.0, 1.0], "part": "sheet", "cells": [0]}, {"load": "array", "part": "text", "cells": "rows?"}
@@ -76,6 +79,13 @@ CASES = {
         {"Et_warp": 2e5, "Et_weft": 1e5, "nu": 0.2, "Gt": 1e4},
         dict.fromkeys(("Et_warp", "Et_weft", "nu", "Gt"), "number"),
     ),
+    NeoHooke: ({"Gt": 1e5}, {"Gt": "number"}),
+    NeoHooke.from_modulus: ({"E": 1e6, "thickness": 1e-3}, dict.fromkeys(("E", "thickness"), "number")),
+    MooneyRivlin: ({"C10t": 1e5, "C01t": 1e4}, {"C10t": "number", "C01t": "number"}),
+    MooneyRivlin.from_moduli: (
+        {"C10": 1e6, "C01": 1e5, "thickness": 1e-3}, dict.fromkeys(("C10", "C01", "thickness"), "number"),
+    ),
+    Axial: ({"axial_stiffness": 1e5}, {"axial_stiffness": "number"}),
     Membrane: (
         {"cells": [[0, 1, 2], [0, 2, 3]], "material": Fabric(1e5, 0.3), "prestress": [1.0, 2.0], "warp": [1.0, 0, 0],
          "compression_stiffness": 1e-3, "mass": 1.0},
@@ -187,8 +197,8 @@ CASES = {
     ),
 }  # fmt: skip
 NO_INPUT = {  # made by the package
-    "BarResult", "Equilibrium", "EquilibriumPath",
-    "Form", "Increment", "Iteration", "MembraneResult", "Modes", "Net", "Outcome", "PartFunctions", "PathPoint",
+    "Actions", "BarResult", "Equilibrium", "EquilibriumPath", "LoadedProblem", "Outcome", "Problem",
+    "Form", "FormStep", "Increment", "Iteration", "Law", "MembraneResult", "Modes", "PartFunctions", "PathPoint",
     "Solution", "Solve", "Solver", "Stability", "StageResult", "StageResults", "plot",
 }  # fmt: skip
 NOT_RIGHT = structure_from_gmsh, type(STATE).cable, type(STATE).membrane  # their arguments are refused, too
@@ -232,7 +242,7 @@ def faults(function, given, tries):
         if refusal is None and not allowed:
             found.append(f"{shown} is taken")
         stored = getattr(result, argument, None) if isinstance(function, type) else None
-        if stored is not None and not kept(stored, value):
+        if stored is not None and value is not None and not kept(stored, value):  # None stands for a default
             found.append(f"{shown} is kept as {stored!r}")
     return found
 

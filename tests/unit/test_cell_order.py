@@ -27,8 +27,8 @@ from fx_membrane import (
     structure_from_gmsh,
     updated_reference,
 )
-from fx_membrane.analysis.checkpoint import fingerprints
 from fx_membrane.geometry.measures import normals
+from fx_membrane.model.fingerprints import fingerprints
 
 SEEDS = [1, 2]
 FABRIC = Fabric(Et=1e5, nu=0.3)

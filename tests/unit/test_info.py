@@ -27,7 +27,7 @@ def test_all_that_computes_is_listed():
 def test_vtk_without_metadata_is_found(monkeypatch):
     """Debian's python3-vtk9 is a module without metadata of a distribution."""
     debian = types.ModuleType("vtkmodules")
-    debian.__version__ = "9.3.0"
+    monkeypatch.setattr(debian, "__version__", "9.3.0", raising=False)
     monkeypatch.setitem(sys.modules, "vtkmodules", debian)
     assert info()["vtk"] == "9.3.0"
 

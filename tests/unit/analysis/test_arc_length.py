@@ -25,7 +25,8 @@ from fx_membrane import (
     equilibrium_path,
     stability,
 )
-from fx_membrane.analysis import arc_length as module
+from fx_membrane.analysis.step_control import StepControl
+from fx_membrane.solvers.bordered_newton import BorderedNewton
 from models import LIFT, LIMIT, POINTS, SNOW, arch, close, inclined_sheet, same_state, sheet
 
 PUSH = Stage("push", [PointLoad(1, (0, 0, -1.2 * LIMIT))], increments=8)
@@ -38,7 +39,7 @@ PART = Pressure(400.0, "fabric", range(9))  # not uniform: it has no potential
     ids=["dead", "pressure", "pressure without potential", "all", "displacement"],
 )
 def test_ends_where_an_analysis_does(loads):
-    structure, stage = inclined_sheet(), Stage("load", *loads, increments=3, after="rest")
+    structure, stage = inclined_sheet(), Stage("load", loads[0], loads[1], increments=3, after="rest")
     rest = Stage("rest")
     results = Analysis(structure, Newton(rtol=1e-13)).run([rest, stage])
     path = equilibrium_path(results["rest"], stage, rtol=1e-13)
@@ -251,19 +252,19 @@ def test_start_that_is_not_in_equilibrium():
 
 
 def test_path_that_is_lost_is_kept(monkeypatch):
-    find, calls = module.BorderedNewton.find, []
+    find, calls = BorderedNewton.find, []
 
     def only_some(self, guess, plane):
         calls.append(guess)
         return find(self, guess, plane) if len(calls) < 5 else None
 
-    monkeypatch.setattr(module.BorderedNewton, "find", only_some)
+    monkeypatch.setattr(BorderedNewton, "find", only_some)
     with pytest.raises(
         PathError, match=r"'push' was lost after 4 points, at load factor 0\.36.* more increments"
     ) as error:
         equilibrium_path(arch(), PUSH)
     path = error.value.path
-    assert len(calls) == 4 + module.StepControl().halvings + 1
+    assert len(calls) == 4 + StepControl().halvings + 1
     assert len(path.points) == 4
     assert path.state(-1).equilibrium.residual < 1e-8 * LIMIT
     assert not path.complete
@@ -273,8 +274,8 @@ def test_path_that_is_lost_is_kept(monkeypatch):
 def test_factorizations_are_one_for_each_iteration_and_one_for_each_point(monkeypatch):
     """The tangent of a point gives its pivots and the direction to the next one."""
     count = []
-    linearize = module.BorderedNewton.linearize
-    monkeypatch.setattr(module.BorderedNewton, "linearize", lambda *args: count.append(1) or linearize(*args))
+    linearize = BorderedNewton.linearize
+    monkeypatch.setattr(BorderedNewton, "linearize", lambda *args: count.append(1) or linearize(*args))
     path = equilibrium_path(arch(), Stage("push", PUSH.loads, increments=40), 0.5, max_points=10)
     iterations = sum(len(point.iterations) - 1 for point in path.points)
     assert len(count) == iterations + len(path.points)

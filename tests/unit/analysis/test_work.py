@@ -74,7 +74,7 @@ def test_every_fallback_counts(most, monkeypatch):
         analysis.run([weight, wind])
     assert list(error.value.results) == ["weight"]
     assert most < len(residuals) < 1.2 * most + 40
-    assert analysis._solve.problem.shift == 0
+    assert analysis._solve.problem.shift == 0  # type: ignore[attr-defined]
     assert "weight" in analysis.run([weight])  # the analysis continues normally
 
 

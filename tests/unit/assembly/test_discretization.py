@@ -42,7 +42,7 @@ def test_each_used_node_has_one_owner_and_one_number(structure, discretization):
 
 def test_each_cell_is_in_one_mesh(structure, discretization):
     for name, part in structure.parts.items():
-        share = discretization.parts[name].cells if name in discretization.parts else np.empty(0, dtype=int)
+        share = discretization.parts[name].cell_rows if name in discretization.parts else np.empty(0, dtype=int)
         assert sorted(np.concatenate(discretization.comm.allgather(share))) == list(range(len(part.cells)))
 
 

@@ -129,11 +129,11 @@ def test_clash_of_prescribed_displacements(moves, message):
         held_at(**moves)
 
 
-def test_clash_is_found_before_anything_is_solved():
+def test_clash_is_found_before_anything_is_solved(monkeypatch):
     stages = [Stage("rest"), Stage("lift", displacements=[PrescribedDisplacement(0, (0, 0, 0.1))], after="rest")]
     calls = []
     analysis = Analysis(inclined_sheet())
-    analysis._solve = lambda *arguments: calls.append(arguments)
+    monkeypatch.setattr(analysis, "_solve", lambda *arguments: calls.append(arguments))
     with pytest.raises(ValueError, match=r"^Stage 'lift' moves node 0"):
         analysis.run(stages)
     assert not calls

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fx_membrane import Support, force_density
+from fx_membrane import Analysis, Cable, Stage, Structure, Support, force_density
 from fx_membrane.geometry.grids import rectangle
 
 STAR = np.array([[2.0, 0, 0], [0, 2, 1], [-2, 0, 0], [0, -2, 3], [9, 9, 9]])  # four fixed nodes and a free one
@@ -39,7 +39,7 @@ def test_one_free_node_is_at_the_mean_of_its_neighbours(q):
     assert net.points[4] == pytest.approx(STAR[:4].mean(axis=0), rel=1e-13, abs=1e-13)
     assert np.array_equal(net.points[:4], STAR[:4])
     lengths = np.linalg.norm(STAR[:4] - net.points[4], axis=1)
-    assert net.forces == pytest.approx(q * lengths, rel=1e-13)
+    assert net.forces["net"] == pytest.approx(q * lengths, rel=1e-13)
 
 
 def test_one_free_node_is_at_the_weighted_mean_under_a_load():
@@ -49,7 +49,7 @@ def test_one_free_node_is_at_the_weighted_mean_under_a_load():
     net = force_density(STAR, ARMS, q, FOUR, loads)
     expected = (q @ STAR[:4] + loads[4]) / q.sum()
     assert net.points[4] == pytest.approx(expected, rel=1e-13)
-    assert net.forces == pytest.approx(q * np.linalg.norm(STAR[:4] - expected, axis=1), rel=1e-13)
+    assert net.forces["net"] == pytest.approx(q * np.linalg.norm(STAR[:4] - expected, axis=1), rel=1e-13)
 
 
 def test_positions_of_free_nodes_do_not_matter():
@@ -126,7 +126,7 @@ def test_negative_densities_may_have_an_equilibrium():
     points = [[-1.0, 0, 0], [1, 0, 0], [0, 0, -1], [0, 0, 0]]
     net = force_density(points, [[0, 3], [1, 3], [2, 3]], [2.0, 2.0, -1.0], [Support([0, 1, 2])])
     assert net.points[3] == pytest.approx([0, 0, 1 / 3], abs=1e-14)
-    assert net.forces[2] == pytest.approx(-4 / 3, rel=1e-13)
+    assert net.forces["net"][2] == pytest.approx(-4 / 3, rel=1e-13)
 
 
 def test_negative_densities_throughout_are_the_same_net_in_compression():
@@ -135,7 +135,7 @@ def test_negative_densities_throughout_are_the_same_net_in_compression():
     q = np.random.default_rng(3).uniform(0.5, 2, size=len(branches))
     net, strut = (force_density(points, branches, sign * q, [Support(rim)]) for sign in (1, -1))
     assert strut.points == pytest.approx(net.points, abs=1e-13)
-    assert strut.forces == pytest.approx(-net.forces, rel=1e-12)
+    assert strut.forces["net"] == pytest.approx(-net.forces["net"], rel=1e-12)
     assert strut.reactions == pytest.approx(-net.reactions, abs=1e-12)
 
 
@@ -264,3 +264,14 @@ def test_input_is_not_changed():
     assert np.array_equal(points, STAR)
     assert (loads == 1).all()
     assert not np.shares_memory(net.points, points)
+
+
+def test_form_of_a_net_has_no_structure():
+    form = force_density(STAR, ARMS, 1.0, FOUR)
+    with pytest.raises(ValueError, match=r"no stiffness.*Cable\(branches"):
+        _ = form.structure
+    assert repr(form) == "Form(5 points, 0 steps, converged=True)"
+    net = Structure(form.points, {"net": Cable(ARMS, 1e6, form.forces["net"])}, FOUR)
+    rest = Analysis(net).run([Stage("rest")])["rest"]
+    assert np.abs(rest.displacement).max() < 1e-14
+    assert rest.reactions == pytest.approx(form.reactions, abs=1e-12)

@@ -237,6 +237,19 @@ def test_elasticity_does_not_matter():
     assert forms[1].structure.points == pytest.approx(forms[0].structure.points, abs=1e-9)
 
 
+@pytest.mark.parametrize("make", [film_with_edge_cables, woven, inflated])
+def test_form_tells_its_forces_and_reactions(make):
+    structure, loads = make()
+    form = updated_reference(structure, loads)
+    assert form.points is form.structure.points or np.array_equal(form.points, form.structure.points)
+    rest = Analysis(form.structure).run([Stage("rest", loads)])["rest"]
+    for name, part in form.structure.parts.items():
+        assert np.array_equal(
+            form.forces[name].reshape(len(part.cells), -1), part.prestress_tensors().reshape(len(part.cells), -1)
+        )
+    assert form.reactions == pytest.approx(rest.reactions, abs=1e-7 * np.abs(rest.reactions).max())
+
+
 def test_input_is_not_changed():
     structure, loads = film()
     points = structure.points.copy()

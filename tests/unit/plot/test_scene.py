@@ -51,7 +51,8 @@ def test_picture_that_cannot_be_drawn_is_a_warning_with_the_remedy(lack, monkeyp
     """The script continues: computed results must survive a failed picture."""
     (rest,) = Analysis(sheet()).run([Stage("rest")]).values()
     pyvista = types.ModuleType("pyvista")
-    pyvista.vtk_version_info = (9, 5, 2) if lack == "library" else (9, 3, 0)  # Debian 13's aborts without a screen
+    version = (9, 5, 2) if lack == "library" else (9, 3, 0)  # Debian 13's aborts without a screen
+    monkeypatch.setattr(pyvista, "vtk_version_info", version, raising=False)
     monkeypatch.setattr(screen, "IN_MEMORY", {"vtkOSOpenGLRenderWindow": "libNoSuch.so.8"})
     monkeypatch.setitem(sys.modules, "pyvista", None if lack == "pyvista" else pyvista)
     monkeypatch.delenv("DISPLAY", raising=False)

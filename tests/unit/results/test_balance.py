@@ -30,9 +30,9 @@ strict = pytest.mark.filterwarnings("error::fx_membrane.UnbalancedStateWarning")
 
 
 def hypar(unit=1.0, prestress=2e3, ridge=None, held=RIM):
-    parts = {"fabric": Membrane(TRIANGLES, Fabric(5e5 * unit, 0.3), prestress * unit)}
-    if ridge:
-        parts["ridge"] = Cable(polyline(36 + np.arange(9)), ridge * unit, prestress=2e4 * unit)
+    fabric = Membrane(TRIANGLES, Fabric(5e5 * unit, 0.3), prestress * unit)
+    cable = {"ridge": Cable(polyline(36 + np.arange(9)), ridge * unit, prestress=2e4 * unit)} if ridge else {}
+    parts = {"fabric": fabric, **cable}
     return Structure(POINTS, parts, [Support(held)] if len(held) else [])
 
 

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from mpi4py import MPI
+from petsc4py import PETSc
 
 from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, Support, boundary_edges, rectangle
 from fx_membrane.assembly.actions import Actions
@@ -133,4 +135,37 @@ def test_the_motion_downhill_is_the_steepest_of_several():
     problem = Problem(Structure(points, {"struts": struts}, [Support([0, 2, 3, 5])])).under()
     result = negative_curvature_direction(problem, problem.discretization.create_vector())
     assert result.negative == 4
-    assert -30 / 1e6 <= result.stiffness < -29 / 1e6  # from above, as inverse iteration converges
+    assert result.stiffness == pytest.approx(-30 / 1e6, rel=1e-9)
+    motion = problem.discretization.to_numpy(result.motion)
+    assert np.linalg.norm(motion[4]) == pytest.approx(1, abs=1e-9)
+    assert motion[4, 0] == pytest.approx(0, abs=1e-9)
+
+
+@pytest.mark.parametrize("count", [3, 12])
+def test_direction_of_a_double_mode_is_the_same_on_any_number_of_processes(count):
+    """A straight strut buckles to any side, in a lowest mode of many that are negative."""
+    x = np.linspace(0, 1, count + 1)
+    points = np.column_stack([x, 0 * x, 0 * x])
+    strut = Mast(np.column_stack([np.arange(count), np.arange(1, count + 1)]), 1e6, prestress=-1e4)
+    structure = Structure(points, {"strut": strut}, [Support([0, count])])
+    motions = []
+    for comm in (MPI.COMM_WORLD, MPI.COMM_SELF):
+        problem = Problem(structure, comm).under()
+        result = negative_curvature_direction(problem, problem.discretization.create_vector())
+        assert result.negative == 2 * (count - 1)
+        assert result.stiffness == pytest.approx(-1e-2, rel=1e-9)
+        motions.append(problem.discretization.to_numpy(result.motion))
+    assert np.abs(motions[0][:, 1:]).max(axis=0).min() > 1e-3
+    np.testing.assert_allclose(motions[0], motions[1], rtol=0, atol=1e-6)
+
+
+def test_direction_takes_few_factorizations():
+    """Of a chain of struts with a curvature far from zero: a count of pivots, a search for the value, the direction."""
+    points = np.column_stack([np.linspace(0, 1, 9), np.zeros((9, 2))])
+    strut = Mast(np.column_stack([np.arange(8), np.arange(1, 9)]), 1e6, prestress=-1e4)
+    problem = Problem(Structure(points, {"strut": strut}, [Support([0, 8])])).under()
+    PETSc.Log.begin()
+    event = PETSc.Log.Event("MatCholFctrNum")
+    before = event.getPerfInfo()["count"]
+    negative_curvature_direction(problem, problem.discretization.create_vector())
+    assert event.getPerfInfo()["count"] - before <= 8  # shifts that grow fourfold from 1e-9 would take 13

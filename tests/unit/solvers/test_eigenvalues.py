@@ -22,9 +22,9 @@ def matrix(dense):
 
 def spectrum(*values):
     """Symmetric matrix with these eigenvalues first, then 100, 101, ..."""
-    values = np.concatenate([values, 100.0 + np.arange(N - len(values))])
+    every = np.concatenate([values, 100.0 + np.arange(N - len(values))])
     Q, _ = np.linalg.qr(np.random.default_rng(1).normal(size=(N, N)))
-    A = Q @ np.diag(values) @ Q.T
+    A = Q @ np.diag(every) @ Q.T
     return (A + A.T) / 2
 
 

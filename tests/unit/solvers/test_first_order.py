@@ -23,8 +23,10 @@ from fx_membrane.solvers import preconditioners
 from models import CENTRE, INCLINED, LIFT, SNOW, WIND, arch, inclined_sheet, sheet
 
 KINDS = [None, "jacobi", "tangent"]
-ALL = [ConjugateGradient(beta, kind) for beta in ("FR", "PR") for kind in KINDS]
-ALL += [SteepestDescent(kind, rtol=1e-6, max_iterations=100_000) for kind in KINDS]
+ALL = [
+    *(ConjugateGradient(beta, kind) for beta in ("FR", "PR") for kind in KINDS),
+    *(SteepestDescent(kind, rtol=1e-6, max_iterations=100_000) for kind in KINDS),
+]
 
 
 def name(solver):

@@ -17,7 +17,7 @@ HARD = runpy.run_path(str(Path(__file__).parents[2] / "benchmarks" / "hard_cases
 def iterations(structure, stages, solver):
     """Count the iterations and the iterates of a solve from rest; return them with its solution."""
     problem = Problem(structure)
-    loaded = problem.under(problem.actions(stages[0], unloaded(structure)))
+    loaded = problem.under(problem.actions_of(stages[0], unloaded(structure)))
     numbers = []
     solution = solver.prepare(problem)(loaded, problem.create_vector(), lambda number, _: numbers.append(number))
     return sum(number > 0 for number in numbers), len(numbers), solution
@@ -27,9 +27,8 @@ def iterations(structure, stages, solver):
 @pytest.mark.parametrize("most", [1, 7, 60, 300])
 def test_total_of_all_strategies_is_bounded(most, line_search):
     """A sheet twisted out of its plane: a first attempt, the homotopy and the attempt after it take 600 iterations."""
-    taken, told, solution = iterations(
-        *HARD["pulled"](-0.1, 0.6, 0.0, HARD["FABRIC"]), Newton(1e-10, most, line_search)
-    )
+    structure, stages = HARD["pulled"](-0.1, 0.6, 0.0, HARD["FABRIC"])
+    taken, told, solution = iterations(structure, stages, Newton(1e-10, most, line_search))
     assert not solution.converged
     assert taken <= most
     assert told == len(solution.iterations) + solution.extra_iterations
@@ -38,7 +37,8 @@ def test_total_of_all_strategies_is_bounded(most, line_search):
 
 
 def test_first_attempt_leaves_iterations_to_the_homotopy():
-    taken, _, solution = iterations(*HARD["pulled"](-0.1, 0.6, 0.0, HARD["FABRIC"]), Newton())
+    structure, stages = HARD["pulled"](-0.1, 0.6, 0.0, HARD["FABRIC"])
+    taken, _, solution = iterations(structure, stages, Newton())
     assert solution.converged
     assert 200 < taken <= Newton().max_iterations
 

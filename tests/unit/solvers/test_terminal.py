@@ -125,6 +125,6 @@ def test_form_finding_and_paths_are_not_silent_for_long(capfd, monkeypatch):
     equilibrium_path(sheet(), Stage("snow", [SNOW], increments=3))
     lines = capfd.readouterr().err.splitlines()
     assert re.match(r"form finding: step \d+, iteration \d+, residual \d\.\de[+-]\d\d, \d+\.\d s$", lines[0])
-    step = r"trace: load factor \S+, iteration \d+, residual \d\.\de[+-]\d\d, \d+\.\d s$"
+    step = r"equilibrium path: load factor \S+, iteration \d+, residual \d\.\de[+-]\d\d, \d+\.\d s$"
     assert any(re.match(step, line) for line in lines)
-    assert re.match(r"trace: looking for slack parts at point \d+ of \d+, \d+\.\d s$", lines[-1])
+    assert re.match(r"equilibrium path: looking for slack parts at point \d+ of \d+, \d+\.\d s$", lines[-1])

@@ -1,153 +1,44 @@
-"""Pictures: visible content, a sensible size, and refusal of wrong fields."""
+"""Contours: visible content, a sensible size, and refusal of wrong fields."""
 
 import numpy as np
 import pytest
 
 from fx_membrane import (
     Analysis,
-    Cable,
-    DistributedLoad,
     Fabric,
-    Mast,
     Membrane,
     PrescribedDisplacement,
     Stage,
     Structure,
     Support,
-    boundary_edges,
     plot,
     rectangle,
 )
 from fx_membrane.plot import scene
+from pictures import POINTS, assert_drawn, has_colour, picture
 
 pytestmark = pytest.mark.serial
-image = pytest.importorskip("matplotlib.image")
-
-POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
-POINTS = np.vstack([POINTS, [[0, 0, -0.8]]])
-HALF = np.flatnonzero(POINTS[TRIANGLES].mean(axis=1)[:, 1] < 0)
-FOOT, CENTRE = 25, 12
 
 
-@pytest.fixture(scope="module")
-def result():
-    """Roof of two membranes, a cable on their common line and a mast; one is stretched, one has folds."""
-    rim = np.unique(boundary_edges(TRIANGLES))
-    parts = {
-        "south": Membrane(TRIANGLES[HALF], Fabric(Et=1e5, nu=0.3), prestress=1e3),
-        "north": Membrane(np.delete(TRIANGLES, HALF, axis=0), Fabric(Et=1e5, nu=0.3), prestress=10.0),
-        "ridge": Cable(np.column_stack([range(10, 14), range(11, 15)]), 1e6, 2e3),
-        "mast": Mast([[FOOT, CENTRE]], 1e7),
-    }
-    structure = Structure(POINTS, parts, [Support(rim), Support(FOOT, "xy")])
-    snow = DistributedLoad((0, 0, -100.0), "south")
-    lift = PrescribedDisplacement(FOOT, (0, 0, 0.2), "z")
-    return Analysis(structure).run([Stage("snow", [snow], [lift], increments=4)])["snow"]
-
-
-def picture(path):
-    """Colours of a PNG, in [0, 1], shape (height, width, 3)."""
-    assert path.read_bytes().startswith(b"\x89PNG")
-    return image.imread(path)[:, :, :3]
-
-
-def assert_drawn(path, colours=10):
-    """Check for a picture on white with enough content in many colours; return its width over its height."""
-    pixels = picture(path)
-    height, width, _ = pixels.shape
-    assert 300 < height < 3000
-    assert 300 < width < 6000
-    ink = (pixels < 0.95).any(axis=2)
-    assert ink.mean() > 0.01
-    rows, columns = np.flatnonzero(ink.any(axis=1)), np.flatnonzero(ink.any(axis=0))
-    assert rows[-1] - rows[0] > 0.6 * height
-    assert columns[-1] - columns[0] > 0.6 * width
-    found = np.unique((pixels.reshape(-1, 3) * 15).round().astype(int), axis=0)
-    assert len(found) > colours
-    return width / height
+@pytest.fixture
+def drawing():
+    return pytest.importorskip("pyvista")
 
 
 def states(result):
     return {name: result.membrane(name).state for name in ("south", "north")}
 
 
-def test_comparison_of_solvers(result, tmp_path):
-    histories = {"one": [entry for _, entry in result.history], "other": result.increments[-1].iterations}
-    plot.compare_convergence(histories, {"one": 2.0, "other": 0.1}, tmp_path / "new" / "solvers.png")
-    assert_drawn(tmp_path / "new" / "solvers.png")
-    assert has_colour(tmp_path / "new" / "solvers.png", "#1f77b4")
-    assert has_colour(tmp_path / "new" / "solvers.png", "#ff7f0e")
-
-
-@pytest.mark.parametrize(
-    ("histories", "seconds", "message"),
-    [
-        ({}, {}, "histories is empty"),
-        ({"one": []}, {"one": 1.0}, "without iterates"),
-        ({"one": [1]}, {"other": 1.0}, r"seconds is for \['other'\]; give the time of each of \['one'\]"),
-        ([1], {}, "histories is"),
-    ],
-)
-def test_comparison_of_nothing(histories, seconds, message, tmp_path):
-    with pytest.raises(ValueError, match=message):
-        plot.compare_convergence(histories, seconds, tmp_path / "solvers.png")
-
-
 def cell_values(result):
     return {name: result.membrane(name).principal[:, 0] for name in ("south", "north")}
 
 
-def has_colour(path, colour):
-    wanted = np.array([int(colour[i : i + 2], 16) for i in (1, 3, 5)]) / 255
-    return (np.abs(picture(path) - wanted).max(axis=2) < 0.01).any()
-
-
-# Curves and lines
-
-
-def test_convergence(result, tmp_path):
-    path = tmp_path / "new" / "folder" / "convergence.png"
-    plot.convergence(result, path, force_unit="kN", energy_unit="kJ")
-    assert assert_drawn(path) > 1.5
-
-
-def test_convergence_of_a_state_that_is_exactly_in_equilibrium(result, tmp_path):
-    (rest,) = (
-        Analysis(Structure(result.structure.points, result.structure.parts, [Support(range(26))]))
-        .run([Stage("rest")])
-        .values()
-    )
-    plot.convergence(rest, tmp_path / "rest.png")
-    assert_drawn(tmp_path / "rest.png", colours=3)
-
-
-def test_wireframe_in_plan(result, tmp_path):
-    path = tmp_path / "plan.png"
-    plot.wireframe(result.structure.points, result.structure.parts, path, labels=[0, 12, 24], first=1)
-    assert assert_drawn(path) == pytest.approx(1, rel=0.1)
-
-
-def test_wireframe_from_a_side(result, tmp_path):
-    plan, side = tmp_path / "plan.png", str(tmp_path / "side.png")
-    parts = {name: part.cells for name, part in result.structure.parts.items()}
-    plot.wireframe(result.position, parts, plan)
-    plot.wireframe(result.position.tolist(), parts, side, view=(1, -2, 0.5))
-    assert_drawn(tmp_path / "side.png")
-    assert not np.array_equal(picture(plan), picture(tmp_path / "side.png"))
-
-
-def test_wireframe_from_above(result, tmp_path):
-    path = tmp_path / "above.png"
-    plot.wireframe(result.structure.points, {"south": result.structure.parts["south"].cells}, path, view=(0, 0, 1))
-    assert_drawn(path, colours=3)
-
-
-# Contours
-
-
-@pytest.fixture
-def drawing():
-    return pytest.importorskip("pyvista")
+def half(result):
+    """Part of the roof with y < 0 alone, as a model cut at its plane of symmetry."""
+    parts = {"south": result.structure.parts["south"]}
+    nodes = np.unique(parts["south"].cells)
+    structure = Structure(POINTS, parts, [Support(nodes)])
+    return Analysis(structure).run([Stage("half")])["half"]
 
 
 def test_contours_of_nodal_and_cell_values_and_states(result, tmp_path, drawing):
@@ -218,14 +109,6 @@ def test_values_beyond_limits_have_the_colour_of_the_end(result, tmp_path, drawi
     assert not np.array_equal(picture(tmp_path / "end 0.png"), picture(tmp_path / "end 1.png"))  # <= and >= are written
 
 
-def half(result):
-    """Part of the roof with y < 0 alone, as a model cut at its plane of symmetry."""
-    parts = {"south": result.structure.parts["south"]}
-    nodes = np.unique(parts["south"].cells)
-    structure = Structure(POINTS, parts, [Support(nodes)])
-    return Analysis(structure).run([Stage("half")])["half"]
-
-
 @pytest.mark.parametrize(("mirror", "ratio"), [(None, 2.0), ("y", 1.0)])
 def test_mirror_draws_the_other_half(result, mirror, ratio, drawing):
     # Seen nearly from above the half is twice as wide as deep, the whole as wide as deep.
@@ -236,9 +119,6 @@ def test_mirror_draws_the_other_half(result, mirror, ratio, drawing):
     ink = np.argwhere((drawn < 250).any(axis=2))
     height, width = np.ptp(ink, axis=0)
     assert width / height == pytest.approx(ratio, rel=0.1)
-
-
-# Refusals
 
 
 @pytest.mark.parametrize(
@@ -292,47 +172,6 @@ def test_wrong_options_are_refused(result, tmp_path, options, message):
 def test_limits_of_states_are_refused(result, tmp_path):
     with pytest.raises(ValueError, match=r"^ranges are given for 'state', which shows states; leave"):
         plot.contours(result, {"state": states(result)}, tmp_path / "never.png", ranges={"state": (0, 1)})
-
-
-@pytest.mark.parametrize(
-    ("points", "parts", "options", "message"),
-    [
-        (POINTS[:, :2], {"roof": TRIANGLES}, {}, r"^points has shape \(26, 2\)"),
-        (POINTS, TRIANGLES, {}, "^parts is an array of .*; give a dictionary"),
-        (POINTS, {"roof": TRIANGLES + 9}, {}, "^Part 'roof' names node 26, which does not exist"),
-        (POINTS, {"roof": TRIANGLES}, {"labels": [26]}, "^labels names node 26, which does not exist"),
-        (POINTS, {"roof": TRIANGLES}, {"view": (0, 0, 0)}, "^view is .*give a direction"),
-    ],
-)
-def test_wrong_wireframes_are_refused(tmp_path, points, parts, options, message):
-    with pytest.raises(ValueError, match=message):
-        plot.wireframe(points, parts, tmp_path / "never.png", **options)
-
-
-@pytest.mark.parametrize("name", ["roof.foo", "roof.v2", "roof.xlsx"])
-def test_path_of_no_picture_is_refused(result, tmp_path, name):
-    path = tmp_path / "pictures" / name
-    message = rf"^path is '.*{name}', which ends in no format of pictures; give \.png, or one of \[.*'pdf', .*'png'"
-    for draw in (
-        lambda: plot.wireframe(POINTS, {"roof": TRIANGLES}, path),
-        lambda: plot.contours(result, {"height": POINTS[:, 2]}, path),
-        lambda: plot.convergence(result, path),
-        lambda: plot.compare_convergence({"Newton": [entry for _, entry in result.history]}, {"Newton": 1.0}, path),
-    ):
-        with pytest.raises(ValueError, match=message):
-            draw()
-    assert not path.parent.exists()
-
-
-@pytest.mark.parametrize("name", ["plan", "plan.PNG", "plan.svg"])
-def test_path_of_a_picture(tmp_path, name):
-    plot.wireframe(POINTS, {"roof": TRIANGLES}, str(tmp_path / name))
-    assert len(list(tmp_path.glob("plan*"))) == 1
-
-
-def test_convergence_of_no_result_is_refused(tmp_path):
-    with pytest.raises(ValueError, match=r"^The first argument of convergence is 5; give a StageResult"):
-        plot.convergence(5, tmp_path / "never.png")
 
 
 @pytest.mark.parametrize("mirror", ["xy", "", "w", 0])

@@ -1,0 +1,66 @@
+"""The result of form finding, whichever method found it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..model.structure import Structure
+
+
+class FormStep(NamedTuple):
+    """One step of a method that goes to its form in several.
+
+    Attributes:
+        area: Area of all membranes [m2].
+        change: Largest displacement of the step across the surface or the lines, over the mean length of the edges; for
+            cables and masts between nodes that do not slide, the relative change of length if it is larger [-].
+        stress_error: Largest difference of the stress in the shape from the prescribed one, relative to the latter.
+    """
+
+    area: float
+    change: float
+    stress_error: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Form:
+    """Shape in equilibrium with its forces, under the loads of its form finding.
+
+    Attributes:
+        points: Positions of the nodes, shape (n, 3) [m].
+        forces: By part, axial forces of cables and masts, shape (cells,) [N], and Cauchy stress times thickness of
+            membranes in the warp/weft frame, shape (cells, 2, 2) [N/m]. `force_density` gives those of its branches
+            under "net".
+        reactions: Forces on the constrained components, shape (n, 3) [N]; zero where free.
+        steps: The steps of a method that takes several.
+        converged: True if the form has the forces asked for, within the tolerances of its method.
+        made: As `structure`; None for a net of force densities.
+    """
+
+    points: NDArray[np.float64]
+    forces: Mapping[str, NDArray[np.float64]]
+    reactions: NDArray[np.float64]
+    steps: tuple[FormStep, ...] = ()
+    converged: bool = True
+    made: Structure | None = None
+
+    @property
+    def structure(self) -> Structure:
+        """The structure in this shape, with the forces as prestress.
+
+        Raises:
+            ValueError: The form is that of a net of force densities, without stiffness.
+        """
+        if self.made is None:
+            raise ValueError(
+                "The form of a net has no stiffness; make a Structure from its points, with Cable(branches, "
+                'axial_stiffness, prestress=form.forces["net"]).'
+            )
+        return self.made
+
+    def __repr__(self) -> str:
+        shape = f"{len(self.points)} points" if self.made is None else repr(self.made)
+        return f"Form({shape}, {len(self.steps)} steps, converged={self.converged})"

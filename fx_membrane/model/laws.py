@@ -1,0 +1,245 @@
+"""The contract of a material law, and the check of laws on entry.
+
+A law is a frozen dataclass: its fields are its parameters, finite numbers. It has
+
+    energy(E, sigma0, parameters)            strain energy per reference area or length, a scalar in UFL
+    stiffness                                a typical stiffness [N/m], of bars [N]
+
+and may have
+
+    relaxed_energy(E, sigma0, parameters)    `forms.wrinkling.Relaxed`, or None: the law carries compression. Without
+                                             this method the tension field is found cell by cell from the energy.
+    strain(stress)                           Green-Lagrange strains of cells under stresses, both (n, d, d), or None
+    strain_limit                             strain above which `LargeStrainWarning` warns, none by default [-]
+    dimension                                2 for membranes alone, 1 for bars alone
+    directed                                 True if the law has a warp and a weft; by default the energy tells
+
+E is the Green-Lagrange strain and sigma0 the prestress, both of shape (d, d) in UFL; d is 2 in membranes (warp, weft)
+and 1 in bars. `parameters` has the fields of the law by name, as constants in UFL: another number compiles nothing. The
+stress at E = 0 is the prestress, as by the term inner(sigma0, E).
+
+What a class inherits from one with another energy belongs to that energy, and is not used.
+"""
+
+import dataclasses
+from collections import namedtuple
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any, Protocol, cast
+
+import numpy as np
+import ufl
+from numpy.typing import NDArray
+from ufl.algorithms.apply_algebra_lowering import apply_algebra_lowering
+
+from ..checks import validation
+from ..checks.values import with_article
+
+Array = NDArray[np.float64]
+
+STEP = 1e-4  # strain of difference quotients
+SAMPLES = (-0.2, -0.01, 0.003, 0.05, 0.4, 3.0)  # strains at which energies are compared
+KINDS = {1: "bars", 2: "membranes"}
+
+
+class Law(Protocol):
+    """Material law: an energy in UFL and its parameters. The module says what else it may have.
+
+    A law of your own is a frozen dataclass, derived from this class or from none::
+
+        @dataclass(frozen=True)
+        class Stiffening:
+            EA: float  # [N]
+            k: float  # [N]
+
+            def energy(self, E, sigma0, parameters):
+                e = E[0, 0]
+                return inner(sigma0, E) + parameters.EA * e**2 / 2 + parameters.k * e**4 / 4
+
+            @property
+            def stiffness(self):
+                return self.EA
+
+    Take numbers from `parameters`: one from `self` is compiled into the form, and each value compiles another.
+    """
+
+    def energy(self, E: Any, sigma0: Any, parameters: Any) -> Any:
+        """Strain energy per reference area [J/m2] or length [J/m] in UFL, a scalar."""
+        ...
+
+    @property
+    def stiffness(self) -> float:
+        """Typical stiffness [N/m], of bars [N]."""
+        ...
+
+
+def parameters(law: Law, make: Callable[[float], Any]) -> Any:
+    """Parameters of a law by name, each made from its number."""
+    values = {entry.name: make(float(getattr(law, entry.name))) for entry in dataclasses.fields(cast(Any, law))}
+    return namedtuple("Parameters", values)(**values)
+
+
+def member(law: Law, name: str) -> Any:
+    """Look up an optional member of a law; None if the class has none, or one that belongs to another energy."""
+    return getattr(law, name, None) if _has_own(type(law), name) else None
+
+
+def strain(law: Law, stress: Array) -> Array | None:
+    """Green-Lagrange strains of cells under stresses, both of shape (n, d, d); None if the law has no compliance."""
+    found = member(law, "strain")
+    return None if found is None else found(stress)
+
+
+def strain_limit(law: Law) -> float:
+    """Strain above which the law is not meant to be used [-]."""
+    limit = member(law, "strain_limit")
+    return np.inf if limit is None else float(limit)
+
+
+def is_directed(law: Law) -> bool:
+    """Return True if a membrane law has a warp and a weft."""
+    directed = member(law, "directed")
+    return _differs_by_direction(law) if directed is None else bool(directed)
+
+
+def carries_compression(law: Law, dimension: int) -> bool:
+    """Return True if a law says that it has no relaxed energy."""
+    if not _has_own(type(law), "relaxed_energy"):
+        return False
+    relaxed = member(law, "relaxed_energy")
+    if relaxed is None:
+        return True
+    zero = ufl.as_matrix(np.zeros((dimension, dimension)).tolist())
+    return relaxed(ufl.variable(zero), zero, parameters(law, ufl.as_ufl)) is None
+
+
+def energies(law: Law, dimension: int) -> list[str]:
+    """Values of the energy at some strains, as texts, none beyond its range: another energy has others."""
+    sigma0 = float(law.stiffness) * np.diag([0.02, 0.01])[:dimension, :dimension]
+    shapes = [np.eye(1)] if dimension == 1 else [np.diag([1.0, 0.0]), np.array([[0.3, 0.4], [0.4, 1.0]])]
+    return [_text(law, size * shape, sigma0) for shape in shapes for size in SAMPLES]
+
+
+def check(what: str, law: Any, dimension: int, own: bool) -> None:
+    """Refuse what is no law.
+
+    Args:
+        what: Name of the argument.
+        law: The law.
+        dimension: Dimension of the cells.
+        own: True for a law that the package does not bring; its energy is tried.
+
+    Raises:
+        ValueError: It is a class, or keeps to the contract in the module's docstring not.
+    """
+    if isinstance(law, type) or not callable(getattr(law, "energy", None)):
+        kind = "Fabric, OrthotropicFabric, NeoHooke or MooneyRivlin" if dimension == 2 else "Axial"
+        hint = ", with brackets behind its name" if isinstance(law, type) else ""
+        raise ValueError(
+            f"{what} is {validation.short_repr(law)}; give {with_article(kind)}{hint}, or a law of your own, an object "
+            "with energy(E, sigma0, parameters) and stiffness."
+        )
+    wanted = getattr(law, "dimension", dimension)
+    if wanted != dimension:
+        raise ValueError(f"{what} is {validation.short_repr(law)}, a law of {KINDS.get(wanted, wanted)}; give one of "
+                         f"{KINDS[dimension]}.")  # fmt: skip
+    _check_class(what, type(law))
+    if own:
+        for entry in dataclasses.fields(law):
+            validation.number(f"{what}: {type(law).__name__} {entry.name}", getattr(law, entry.name))
+        validation.positive(f"{what}: {type(law).__name__} stiffness", getattr(law, "stiffness", None))
+        try:
+            fault = _fault(law, dimension)
+        except TypeError:  # its class has no hash
+            fault = _fault.__wrapped__(law, dimension)
+        if fault:
+            raise ValueError(f"{what} is {with_article(type(law).__name__)}, {fault}.")
+
+
+def _check_class(what: str, kind: type) -> None:
+    named = f"{what} is {with_article(kind.__name__)}"
+    home = _home(kind, "energy")
+    if home is not None and home is not kind:
+        raise ValueError(
+            f"{named}, a class derived from {home.__name__}, whose energy would be used; define energy in "
+            f"{kind.__name__} (energy = {home.__name__}.energy if that is meant)."
+        )
+    settings = getattr(kind, "__dataclass_params__", None)
+    if settings is None or not settings.frozen or "__dataclass_fields__" not in vars(kind):
+        raise ValueError(
+            f"{named}, whose class is no frozen dataclass; write @dataclass(frozen=True) before it: its fields are "
+            "the parameters of the law."
+        )
+
+
+@lru_cache(maxsize=64)
+def _fault(law: Law, dimension: int) -> str:
+    """Sentence on a fault in the energy of a law; empty if there is none."""
+    size = float(law.stiffness)
+    sigma0 = size * np.array([[0.02, 0.006], [0.006, 0.01]])[:dimension, :dimension]
+    try:
+        rest = _value(law, 0 * sigma0, sigma0)
+        values = [(_value(law, STEP * D, sigma0), _value(law, -STEP * D, sigma0)) for D in _directions(dimension)]
+    except _UnfitError as fault:
+        return str(fault)
+    except Exception as error:
+        return f"whose energy(E, sigma0, parameters) raises {type(error).__name__}: {error}; mend it"
+    if not np.isfinite([rest, *np.ravel(values)]).all():
+        return "whose energy is not a finite number at E = 0; give one that is, in the reference shape"
+    for D, (above, below) in zip(_directions(dimension), values, strict=True):
+        stress, wanted = (above - below) / (2 * STEP), float(np.sum(sigma0 * D))
+        if not abs(stress - wanted) <= 0.01 * np.abs(sigma0).max():
+            return (
+                f"whose stress at E = 0 is {stress:.3g} under the prestress {wanted:.3g}; they must be equal: add "
+                "inner(sigma0, E) to an energy that has no stress of its own at E = 0"
+            )
+        if not above + below - 2 * rest > 0:
+            return "whose stiffness at E = 0 is not positive; give an energy that grows in all directions from there"
+    return ""
+
+
+def _text(law: Law, E: Array, sigma0: Array) -> str:
+    try:
+        return f"{_value(law, E, sigma0):.9e}"
+    except (ArithmeticError, ValueError):  # as the logarithm of a negative number
+        return "none"
+
+
+class _UnfitError(Exception):
+    """Result of `energy` that is no scalar in UFL."""
+
+
+def _value(law: Law, E: Array, sigma0: Array) -> float:
+    """Energy of a law at a strain under a prestress, both (d, d), by UFL's own evaluation."""
+    w = law.energy(ufl.variable(ufl.as_matrix(E.tolist())), ufl.as_matrix(sigma0.tolist()), parameters(law, ufl.as_ufl))
+    if not isinstance(w, ufl.core.expr.Expr) or w.ufl_shape or w.ufl_free_indices:
+        raise _UnfitError(
+            f"whose energy(E, sigma0, parameters) is {validation.short_repr(w)}; return a scalar in UFL, as "
+            "inner(sigma0, E) + parameters.k * tr(E)**2 / 2"
+        )
+    return float(apply_algebra_lowering(w)(()))
+
+
+def _directions(dimension: int) -> list[Array]:
+    if dimension == 1:
+        return [np.eye(1)]
+    return [np.diag([1.0, 0.0]), np.diag([0.0, 1.0]), np.array([[0.0, 0.5], [0.5, 0.0]]), np.eye(2)]
+
+
+def _differs_by_direction(law: Law) -> bool:
+    """Return True if the energy of a membrane law differs for a strain that is turned in the plane."""
+    c, s = np.cos(0.4), np.sin(0.4)
+    Q, E, none = np.array([[c, -s], [s, c]]), np.diag([0.05, 0.01]), np.zeros((2, 2))
+    rest, along, turned = (_value(law, strain, none) for strain in (none, E, Q @ E @ Q.T))
+    return not abs(turned - along) <= 1e-9 * abs(along - rest)
+
+
+def _has_own(kind: type, name: str) -> bool:
+    """Return True if a class has a member that does not belong to another energy."""
+    home = _home(kind, name)
+    return home is not None and (home is kind or "energy" not in vars(home))
+
+
+def _home(kind: type, name: str) -> type | None:
+    """Class that defines a member, in the order of inheritance."""
+    return next((base for base in kind.__mro__ if base is not Law and name in vars(base)), None)

@@ -1,0 +1,43 @@
+"""Figures of matplotlib and their files: a PNG, or another format by its ending.
+
+Each function of the package writes one picture and makes its folder. An unwritable path is refused before anything is
+drawn. Under MPI call it on all processes. The first one draws its own arguments; the others wait for it, and raise its
+exceptions.
+"""
+
+from pathlib import Path
+from typing import Any
+
+from ..checks import paths
+
+PAPER = {"dpi": 160, "bbox_inches": "tight"}
+
+
+def empty(width: float, height: float) -> Any:
+    """Make a figure without axes, of a size in inches."""
+    import matplotlib.figure  # noqa: PLC0415  (numbers alone must not wait for it)
+
+    return matplotlib.figure.Figure(figsize=(width, height), layout="constrained")
+
+
+def checked_path(path: str | Path) -> Path:
+    """Check the name, the ending and the place of a picture, before anything is drawn."""
+    import matplotlib.backend_bases  # noqa: PLC0415
+
+    file = paths.path("path", path)
+    formats = sorted(matplotlib.backend_bases.FigureCanvasBase.get_supported_filetypes())
+    ending = file.suffix[1:]
+    if ending and ending.lower() not in formats:
+        raise ValueError(f"path is {str(path)!r}, which ends in no format of pictures; give .png, or one of {formats}.")
+    paths.check_writable("path", file)
+    return file
+
+
+def save(figure: Any, file: Path) -> None:
+    """Write a figure, in the format of the ending; make its folder."""
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        figure.savefig(file, **PAPER)
+    except OSError as error:
+        reason = error.strerror or error
+        raise ValueError(f"path is {str(file)!r}, which cannot be written ({reason}); give another place.") from None

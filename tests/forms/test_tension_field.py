@@ -1,0 +1,228 @@
+"""Relaxed energies found from the energy alone, cell by cell.
+
+References: the formulas of Saint Venant-Kirchhoff membranes, isotropic and woven, for the same energy without its
+formula; for a foil with any prestress, a search for the wrinkle strain b = L L^T of least energy; for cables, the
+closed form. Tolerance: rounding, 1e-10 of stresses and energies; 1e-8 of energies found by the search.
+"""
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+from scipy.optimize import minimize
+
+from fx_membrane import Cable, Fabric, Law, Membrane, MooneyRivlin, NeoHooke, OrthotropicFabric, Structure
+from fx_membrane.assembly.problem import Problem
+from taylor import remainders
+from wrinkled import COLUMN, FABRICS, ROW, STATES, compliance, run, shapes, strains, tensor
+
+
+@dataclass(frozen=True)
+class Isotropic(Fabric):
+    energy = Fabric.energy
+
+
+@dataclass(frozen=True)
+class Woven(OrthotropicFabric):
+    energy = OrthotropicFabric.energy
+
+
+def without_formula(fabric):
+    kind = Isotropic if isinstance(fabric, Fabric) else Woven
+    return kind(**asdict(fabric))
+
+
+@pytest.mark.parametrize("name", FABRICS)
+def test_same_as_the_formula(name):
+    fabric = FABRICS[name]
+    e, sigma0 = strains(fabric, 21)
+    points, cells, warp, u = shapes(e - tensor(sigma0[:, ROW, COLUMN] @ compliance(fabric), 0.5), 22)
+    one, other = (run(Membrane(cells, law, sigma0, warp), points, u) for law in (fabric, without_formula(fabric)))
+    expected, found = one.membrane("part"), other.membrane("part")
+    np.testing.assert_array_equal(found.state, expected.state)
+    scale = np.abs(expected.second_piola_kirchhoff).max()
+    np.testing.assert_allclose(
+        found.second_piola_kirchhoff, expected.second_piola_kirchhoff, rtol=0, atol=1e-10 * scale
+    )
+    assert other.energy == pytest.approx(one.energy, rel=1e-10)
+
+
+FOILS: dict[str, Law] = {
+    "neo-Hooke": NeoHooke(500.0),
+    "Mooney-Rivlin": MooneyRivlin(200.0, 50.0),
+}
+
+
+def foil_energy(law, E, sigma0):
+    C = np.eye(2) + 2 * E
+    c10, c01 = (law.Gt / 2, 0.0) if isinstance(law, NeoHooke) else (law.C10t, law.C01t)
+    d, t = np.linalg.det(C), np.trace(C)
+    return np.sum(sigma0 * E) + c10 * (t + 1 / d - 3) + c01 * (t / d + d - 3)
+
+
+def least(law, E, sigma0):
+    """Least energy over all wrinkle strains, from several starts."""
+
+    def energy(v):
+        L = np.array([[v[0], 0], [v[1], v[2]]])
+        return foil_energy(law, E + L @ L.T, sigma0)
+
+    options = {"xatol": 1e-10, "fatol": 1e-12, "maxiter": 20000, "maxfev": 20000}
+    starts = [(0.3, 0.0, 0.3), (0.05, 0.0, 0.6), (0.6, 0.2, 0.05), (0.01, 0.0, 0.01)]
+    found = [minimize(energy, start, method="Nelder-Mead", options=options).fun for start in starts]
+    return min(*found, foil_energy(law, E, sigma0))
+
+
+def foil_strains(seed, count):
+    """Strains from half to double length, and prestresses in tension and compression of any direction."""
+    rng = np.random.default_rng(seed)
+    F = np.eye(2) * rng.uniform(0.6, 1.3, size=(count, 1, 1)) + rng.uniform(-0.35, 0.35, size=(count, 2, 2))
+    E = (F.swapaxes(1, 2) @ F - np.eye(2)) / 2
+    sigma0 = rng.uniform(-40, 90, size=(count, 2, 2))
+    return E, (sigma0 + sigma0.swapaxes(1, 2)) / 2
+
+
+@pytest.mark.filterwarnings("ignore:Stage .* prestress is lost")
+@pytest.mark.parametrize("name", FOILS)
+def test_least_energy_of_prestressed_foils(name):
+    law: Law = FOILS[name]
+    E, sigma0 = foil_strains(31, 40)
+    points, _, warp, u = shapes(E, 32)
+    eta = 1e-9
+    states = set()
+    for i in range(len(E)):
+        rows = slice(3 * i, 3 * i + 3)
+        state = run(Membrane([[0, 1, 2]], law, sigma0[i], warp[i], eta), points[rows], u[rows])
+        a, b = np.diff(points[rows], axis=0)
+        area = np.linalg.norm(np.cross(a, b)) / 2
+        expected = least(law, E[i], sigma0[i])
+        assert state.energy / area == pytest.approx(expected, abs=1e-8 * law.stiffness), (E[i], sigma0[i])
+        states |= set(state.membrane("part").state)
+    assert states == set(STATES)
+
+
+def split(law, E, sigma0, seed):
+    """Cells of each state: points, cells, warps, displacements, prestresses."""
+    points, cells, warp, u = shapes(E, seed)
+    state = run(Membrane(cells, law, sigma0, warp), points, u).membrane("part").state
+    for number in STATES:
+        chosen = np.flatnonzero(state == number)
+        rows = (3 * chosen[:, None] + np.arange(3)).ravel()
+        yield points[rows], np.arange(len(rows)).reshape(-1, 3), warp[chosen], u[rows], sigma0[chosen]
+
+
+@pytest.mark.parametrize("name", FOILS)
+def test_tangent_is_consistent_in_each_state(name):
+    """No cell changes its state within the steps; the next term is smaller by h over the distance to a switch."""
+    E, sigma0 = foil_strains(41, 60)
+    for points, cells, warp, u, prestress in split(FOILS[name], E, sigma0, 42):
+        assert len(cells) >= 5
+        problem = Problem(
+            Structure(points, {"part": Membrane(cells, FOILS[name], prestress, warp)}), MPI.COMM_SELF
+        ).under()
+        d = problem.discretization.to_petsc(np.random.default_rng(43).normal(size=u.shape))
+        norms = remainders(problem, problem.discretization.to_petsc(u), d, 8e-6 / 2.0 ** np.arange(4))
+        np.testing.assert_allclose(np.log2(norms[:-1] / norms[1:]), 2, rtol=0, atol=0.02)
+
+
+@pytest.mark.parametrize("name", FOILS)
+def test_residual_is_continuous_across_switches(name):
+    E, sigma0 = foil_strains(51, 300)
+    points, cells, warp, u = shapes(E, 52)
+    problem = Problem(Structure(points, {"part": Membrane(cells, FOILS[name], sigma0, warp)}), MPI.COMM_SELF).under()
+    d = problem.discretization.to_petsc(np.random.default_rng(53).normal(size=u.shape))
+    norms = remainders(problem, problem.discretization.to_petsc(u), d, 1e-2 / 4.0 ** np.arange(5))
+    assert (norms[:-1] / norms[1:] > 4**0.99).all()
+
+
+def test_energy_and_residual_belong_together():
+    """Differences of the energy along a line through all states, against the work of the residual."""
+    E, sigma0 = foil_strains(61, 200)
+    points, cells, warp, u = shapes(E, 62)
+    law = FOILS["Mooney-Rivlin"]
+    problem = Problem(Structure(points, {"part": Membrane(cells, law, sigma0, warp)}), MPI.COMM_SELF).under()
+    x = problem.discretization.to_petsc(u)
+    d = problem.discretization.to_petsc(np.random.default_rng(63).normal(size=u.shape))
+    b = x.duplicate()
+    problem.residual(x, b)
+    h, values = 1e-5, []
+    for sign in (1, -1):
+        y = x.copy()
+        y.axpy(sign * h, d)
+        values.append(problem.energy(y))
+    assert (values[0] - values[1]) / (2 * h) == pytest.approx(b.dot(d), rel=1e-6)
+
+
+# Equal stretches and the corner of the three states
+
+
+@pytest.mark.parametrize("stretch", [0.5, 0.9, 1 - 1e-9, 1.0, 1 + 1e-9, 1.1, 2.0])
+def test_equal_stretches(stretch):
+    """Finite tangent of full rank but for rigid motion; no stress below one, and equal principal stresses above."""
+    law = NeoHooke(500.0)
+    points, cells, warp, u = shapes(np.eye(2)[None] * (stretch**2 - 1) / 2, 71)
+    result = run(Membrane(cells, law, 0.0, warp, 1e-9), points, u).membrane("part")
+    expected = max(law.Gt * (stretch - stretch**-5), 0.0) / stretch
+    np.testing.assert_allclose(result.principal, [[expected, expected]], rtol=1e-8, atol=1e-7 * law.Gt)
+    if abs(stretch - 1) > 1e-8:
+        assert result.state[0] == ("slack" if stretch < 1 else "taut")
+    problem = Problem(Structure(points, {"part": Membrane(cells, law)}), MPI.COMM_SELF).under()
+    A = problem.discretization.create_matrix()
+    problem.tangent(problem.discretization.to_petsc(u), A)
+    assert np.isfinite(A.getValuesCSR()[2]).all()
+
+
+# Cables
+
+
+@dataclass(frozen=True)
+class Stiffening:
+    EA: float
+    k: float
+
+    def energy(self, E, sigma0, parameters):
+        e = E[0, 0]
+        return sigma0[0, 0] * e + parameters.EA * e**2 / 2 + parameters.k * e**4 / 4
+
+    @property
+    def stiffness(self):
+        return self.EA
+
+
+@pytest.mark.parametrize("eta", [1e-4, 1.0])
+def test_cable(eta):
+    law, rng, count = Stiffening(7000.0, 1e5), np.random.default_rng(3), 40
+    N0, E = 300.0 * rng.normal(size=count), 0.08 * rng.normal(size=count)
+    points = np.zeros((2 * count, 3))
+    points[:, 1], points[1::2, 0] = np.repeat(np.arange(count), 2), 1.0
+    u = np.zeros_like(points)
+    u[1::2, 0] = np.sqrt(1 + 2 * E) - 1
+    cells = np.arange(2 * count).reshape(-1, 2)
+    state = run(Cable(cells, prestress=N0, material=law, compression_stiffness=eta), points, u)
+    S = N0 + law.EA * E + law.k * E**3
+    assert 5 < np.count_nonzero(S < 0) < count - 5
+    cable = state.cable("part")
+    np.testing.assert_array_equal(cable.slack, (S < 0) & (eta < 1))
+    share = np.where((S < 0), eta, 1.0)
+    np.testing.assert_allclose(cable.force, share * S * np.sqrt(1 + 2 * E), rtol=0, atol=1e-10 * np.abs(S).max())
+    natural = np.array([np.roots([law.k, 0, law.EA, n]) for n in N0])
+    natural = natural[np.arange(count), np.abs(natural.imag).argmin(axis=1)].real
+
+    def w(E):
+        return N0 * E + law.EA * E**2 / 2 + law.k * E**4 / 4
+
+    density = (1 - eta) * np.where(S < 0, w(natural), w(E)) + eta * w(E)
+    assert state.energy == pytest.approx(density.sum(), rel=1e-11)
+
+
+@pytest.mark.parametrize("slack", [False, True])
+def test_cable_tangent_is_consistent(slack):
+    rng = np.random.default_rng(4)
+    points = rng.normal(size=(40, 3))
+    part = Cable(np.arange(40).reshape(-1, 2), prestress=100.0, material=Stiffening(7000.0, 1e5))
+    problem = Problem(Structure(points, {"part": part}), MPI.COMM_SELF).under()
+    x = problem.discretization.to_petsc((-0.1 if slack else 0.1) * points)
+    d = problem.discretization.to_petsc(rng.normal(size=points.shape))
+    norms = remainders(problem, x, d, 1e-4 / 2.0 ** np.arange(4))
+    np.testing.assert_allclose(np.log2(norms[:-1] / norms[1:]), 2, rtol=0, atol=0.02)

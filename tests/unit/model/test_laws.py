@@ -1,0 +1,262 @@
+"""The contract of material laws: what is taken, what is refused, and which members count."""
+
+from dataclasses import astuple, dataclass, replace
+from typing import Any
+
+import numpy as np
+import pytest
+import ufl
+
+from fx_membrane import Axial, Cable, Fabric, Law, Mast, Membrane, MooneyRivlin, NeoHooke, OrthotropicFabric
+from fx_membrane.model import laws
+from fx_membrane.model.fingerprints import fingerprints
+from fx_membrane.model.structure import Structure
+from fx_membrane.results.strain_limits import elastic_strain
+from models import POINTS, TRIANGLES
+
+LINE = [[0, 1]]
+
+
+@dataclass(frozen=True)
+class Stiffening:
+    """Force EA E + k E^3, as of a rope."""
+
+    EA: float
+    k: float
+
+    def energy(self, E, sigma0, parameters):
+        e = E[0, 0]
+        return sigma0[0, 0] * e + parameters.EA * e**2 / 2 + parameters.k * e**4 / 4
+
+    @property
+    def stiffness(self):
+        return self.EA
+
+
+@dataclass(frozen=True)
+class Foil(Law):
+    """Isotropic, for membranes."""
+
+    D: float
+
+    def energy(self, E, sigma0, parameters):
+        return ufl.inner(sigma0, E) + parameters.D * (ufl.inner(E, E) + ufl.tr(E) ** 2) / 2
+
+    @property
+    def stiffness(self):
+        return self.D
+
+
+def law(**members):
+    """Instance of a law like Foil with other members."""
+    kind = type("Mine", (), {"__annotations__": {"D": float}, "stiffness": 1.0, "energy": Foil.energy, **members})
+    made: Any = dataclass(frozen=True)(kind)
+    return made(2.0)
+
+
+def membrane(material, **data):
+    return Membrane(TRIANGLES, material, **data)
+
+
+# Taken
+
+
+@pytest.mark.parametrize("material", [Foil(3.0), law(), NeoHooke(2.0), MooneyRivlin(2.0, 1.0), Fabric(1e5, 0.3)])
+def test_law_of_a_membrane(material):
+    assert membrane(material).material is material
+
+
+@pytest.mark.parametrize("part", [Cable, Mast])
+def test_law_of_a_bar(part):
+    material = Stiffening(1e6, 1e8)
+    bar = part(LINE, material=material)
+    assert bar.material is material
+    assert bar.axial_stiffness == 1e6
+    linear = part(LINE, 2e6)
+    assert linear.material == Axial(2e6)
+    assert part(LINE, material=Axial(2e6)).axial_stiffness == 2e6
+    assert part.from_modulus(LINE, 2e11, 1e-4).material == Axial(2e7)
+
+
+def test_replaced_prestress_keeps_the_law():
+    bar = replace(Cable(LINE, material=Stiffening(1e6, 1e8)), prestress=5.0)
+    assert bar.material == Stiffening(1e6, 1e8)
+    assert replace(Cable(LINE, 1e6), prestress=5.0).material == Axial(1e6)
+
+
+@pytest.mark.parametrize(
+    ("make", "expected"),
+    [
+        (lambda: NeoHooke.from_modulus(E=6e6, thickness=1e-3), NeoHooke(2e3)),
+        (lambda: MooneyRivlin.from_moduli(C10=1e6, C01=2e5, thickness=1e-3), MooneyRivlin(1e3, 2e2)),
+    ],
+)
+def test_moduli_times_thickness(make, expected):
+    made = make()
+    assert astuple(made) == pytest.approx(astuple(expected), rel=1e-15)
+    assert made.stiffness == pytest.approx(expected.stiffness)
+
+
+def test_compliance_is_none_without_one():
+    assert elastic_strain(membrane(NeoHooke(2.0)), np.ones((3, 2, 2))) is None
+    assert elastic_strain(Cable(LINE, 2.0), np.ones((3, 1, 1)))[0, 0, 0] == 0.5
+
+
+@pytest.mark.parametrize(
+    ("part", "carries"),
+    [
+        (membrane(Foil(1.0)), False),
+        (membrane(Foil(1.0), compression_stiffness=1), True),
+        (membrane(law(relaxed_energy=None)), True),
+        (membrane(law(relaxed_energy=lambda *_: None)), True),
+        (Cable(LINE, 1.0), False),
+        (Cable(LINE, material=Stiffening(1.0, 1.0)), False),
+        (Mast(LINE, 1.0), True),
+    ],
+)
+def test_law_that_carries_compression(part, carries):
+    assert part.carries_compression == carries
+
+
+# Refused
+
+
+class NotFrozen:
+    def energy(self, E, sigma0, parameters):
+        return ufl.inner(sigma0, E)
+
+    stiffness = 1.0
+
+
+@dataclass(frozen=True)
+class Text(Foil):
+    name: str = "north"
+    energy = Foil.energy
+
+
+def unsymmetric(self, E, sigma0, parameters):
+    return ufl.inner(sigma0, E) + parameters.D * E[0, 0] ** 2 + parameters.D * E[1, 1] ** 2 / 5 + E[0, 1] ** 2
+
+
+REFUSED = [
+    (Foil, "brackets"),
+    (object(), "give a Fabric, .* or a law of your own"),
+    (Axial(1.0), "a law of bars; give one of membranes"),
+    (NotFrozen(), r"a NotFrozen, .*@dataclass\(frozen=True\)"),
+    (Text(1.0), "Text name is the text 'north'; give a number"),
+    (law(stiffness=-1.0), r"Mine stiffness is -1\.0; it must be positive"),
+    (law(stiffness=None), "Mine stiffness must be a number"),
+    (law(energy=lambda self, E, s, p: E), r"energy\(E, sigma0, parameters\) is .*; return a scalar in UFL"),
+    (law(energy=lambda self, E, s, p: 3.0), "return a scalar in UFL"),
+    (law(energy=lambda self, E, s, p: p.EA * E[0, 0]), "raises AttributeError"),
+    (law(energy=lambda self, E: E[0, 0]), "raises TypeError"),
+    (law(energy=lambda self, E, s, p: p.D * ufl.inner(E, E)), r"add inner\(sigma0, E\)"),
+    (law(energy=lambda self, E, s, p: ufl.inner(s, E) + ufl.tr(E)), r"add inner\(sigma0, E\)"),
+    (law(energy=lambda self, E, s, p: ufl.inner(s, E) - p.D * ufl.inner(E, E)), "not positive"),
+    (law(energy=lambda self, E, s, p: ufl.inner(s, E) + p.D * ufl.tr(E) ** 2), "not positive"),
+    (law(energy=lambda self, E, s, p: ufl.inner(s, E) + ufl.ln(ufl.tr(E))), "mend it|not a finite"),
+]
+
+
+@pytest.mark.parametrize(("material", "words"), REFUSED)
+def test_refused_in_a_membrane(material, words):
+    with pytest.raises(ValueError, match=f"^Membrane material.*{words}") as refusal:
+        membrane(material)
+    assert str(refusal.value).endswith(".")
+
+
+@pytest.mark.parametrize(
+    ("data", "words"),
+    [
+        ({"material": Fabric(1.0, 0.3)}, "a law of membranes; give one of bars"),
+        ({"material": Foil}, "give an Axial, with brackets"),
+        ({"material": law(energy=lambda self, E, s, p: ufl.inner(s, E) + E[1, 1] ** 2)}, "energy.* raises"),
+        ({"axial_stiffness": 2e6, "material": Axial(1e6)}, "axial_stiffness is 2000000.0.*give one of the two"),
+        ({}, "axial_stiffness must be a number"),
+    ],
+)
+@pytest.mark.parametrize("part", [Cable, Mast])
+def test_refused_in_a_bar(part, data, words):
+    with pytest.raises(ValueError, match=f"^{part.__name__} .*{words}"):
+        part(LINE, **data)
+
+
+def test_energy_with_a_direction_needs_a_warp():
+    material = law(energy=unsymmetric)
+    with pytest.raises(ValueError, match=r"^Membrane material is .*, which has a warp and a weft"):
+        membrane(material)
+    assert membrane(material, warp=(1, 0, 0)).material is material
+
+
+# Derived classes
+
+
+@dataclass(frozen=True)
+class Silent(Fabric):
+    exponent: float = 2.0
+
+
+class Bare(OrthotropicFabric):
+    pass
+
+
+@dataclass(frozen=True)
+class WithStrain(Fabric):
+    def strain(self, stress):
+        return stress
+
+
+@pytest.mark.parametrize(
+    ("material", "parent"),
+    [(Silent(1e5, 0.3), "Fabric"), (Bare(1e5, 1e5, 0.3, 1e4), "OrthotropicFabric"), (WithStrain(1e5, 0.3), "Fabric")],
+)
+def test_inherited_energy_is_refused(material, parent):
+    with pytest.raises(ValueError, match=rf"derived from {parent}, .*\(energy = {parent}\.energy if that is meant\)"):
+        membrane(material, warp=(1, 0, 0))
+
+
+@dataclass(frozen=True)
+class Stiffer(Fabric):
+    """Twice the energy, and nothing else of its own."""
+
+    def energy(self, E, sigma0, parameters):
+        return ufl.inner(sigma0, E) + 2 * Fabric.energy(self, E, 0 * sigma0, parameters)
+
+
+def test_members_of_another_energy_do_not_count():
+    part = membrane(Stiffer(1e5, 0.3))
+    assert laws.member(part.material, "relaxed_energy") is None
+    assert laws.member(part.material, "strain") is None
+    assert laws.strain_limit(part.material) == np.inf
+    assert laws.member(Fabric(1e5, 0.3), "relaxed_energy") is not None
+
+
+# Digests
+
+
+def digests(material):
+    return fingerprints(Structure(POINTS, {"foil": membrane(material)}))
+
+
+def test_energy_of_limited_range_has_a_digest():
+    """As of a foil of limited stretch: a logarithm of a negative number at large strains."""
+
+    def energy(self, E, sigma0, parameters):
+        return ufl.inner(sigma0, E) - parameters.D * ufl.ln(1 - ufl.inner(E, E) / 2)
+
+    values = laws.energies(law(energy=energy), 2)
+    assert "none" in values
+    assert len(set(values)) > 8
+    assert len(digests(law(energy=energy))["energy of part 'foil'"]) == 64
+
+
+def test_parameters_and_energy_are_in_the_digest():
+    def changed(one, other):
+        one, other = digests(one), digests(other)
+        return {name for name in one | other if one.get(name) != other.get(name)}
+
+    assert changed(Foil(1.0), Foil(1)) == set()
+    assert changed(Foil(1.0), Foil(1.5)) == {"material of part 'foil'", "energy of part 'foil'"}
+    again = law(energy=lambda self, E, s, p: Foil.energy(self, E, s, p) + 1e-6 * ufl.tr(E) ** 4)
+    assert changed(law(), again) == {"energy of part 'foil'"}
+    assert "energy of part 'foil'" not in digests(NeoHooke(1.0))
