@@ -58,7 +58,8 @@ def isotropic(E: Expr, sigma0: Expr, Et: Expr, nu: Expr) -> Relaxed:
 def orthotropic(E: Expr, sigma0: Expr, Et_warp: Expr, Et_weft: Expr, nu: Expr, Gt: Expr, angle: Expr) -> Relaxed:
     """Relaxed energy of a woven fabric.
 
-    The direction t that maximizes e_tt^2 / (2 H_tt) has no closed form. The caller solves for it at the current strain.
+    The direction t that maximizes e_tt^2 / (2 H_tt) has no closed form. The caller solves for it at the current strain,
+    as by `fx_membrane.tension_direction`.
     One Newton step in the formula itself lets t follow the strain, so that the second derivative is exact.
 
     Args:

@@ -11,6 +11,9 @@ from .analysis.work import WorkLimit
 from .assembly.actions import Actions
 from .assembly.loaded_problem import LoadedProblem
 from .assembly.problem import Problem
+from .assembly.wrinkling_direction import tension_direction
+from .files.dolfinx_functions import PartFunctions, to_dolfinx
+from .files.dolfinx_mesh import structure_from_dolfinx
 from .files.gmsh import structure_from_gmsh
 from .form_finding.force_density import force_density
 from .form_finding.form import Form, FormStep
@@ -39,10 +42,11 @@ from .results.states import (
     UnstableStateWarning,
 )
 from .results.strain_limits import LargeStrainWarning
-from .solvers.base import Iteration
+from .solvers.base import Iteration, Solution, Solve, Solver
 from .solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
 from .solvers.newton import Newton
 from .solvers.outcome import Outcome
+from .solvers.petsc_options import UnusedOptionWarning
 
 __all__ = [
     "Actions",
@@ -76,6 +80,7 @@ __all__ = [
     "Newton",
     "OrthotropicFabric",
     "Outcome",
+    "PartFunctions",
     "PathError",
     "PathPoint",
     "PlanLoad",
@@ -84,6 +89,9 @@ __all__ = [
     "Pressure",
     "Problem",
     "SliverWarning",
+    "Solution",
+    "Solve",
+    "Solver",
     "Stability",
     "Stage",
     "StageResult",
@@ -94,6 +102,7 @@ __all__ = [
     "UnbalancedStateWarning",
     "UnsettledFormWarning",
     "UnstableStateWarning",
+    "UnusedOptionWarning",
     "WorkLimit",
     "boundary_edges",
     "edges_where",
@@ -105,7 +114,10 @@ __all__ = [
     "rectangle",
     "report",
     "stability",
+    "structure_from_dolfinx",
     "structure_from_gmsh",
+    "tension_direction",
+    "to_dolfinx",
     "updated_reference",
 ]
 

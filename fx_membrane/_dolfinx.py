@@ -1,7 +1,6 @@
 """Differences between dolfinx 0.5, 0.9 and 0.11, and nothing else.
 
-Each difference is detected by name, in one place; a comment gives the versions. Meshes are of one process
-(`MPI.COMM_SELF`).
+Each difference is detected by name, in one place; a comment gives the versions.
 """
 
 import inspect
@@ -35,25 +34,33 @@ CELL = {1: "interval", 2: "triangle"}
 JIT = {"cffi_extra_compile_args": ["-O2", "-g0"], "timeout": 300}
 
 
-def _element(family: str, cell: str, degree: int, size: int) -> Any:
-    """Make an element of vectors with `size` components."""
+def _element(family: str, cell: str, degree: int, size: int | tuple[int, ...]) -> Any:
+    """Make an element of vectors with `size` components, or of tensors of a shape; () is a scalar."""
+    shape = size if isinstance(size, tuple) else (size,)
     if hasattr(basix, "ufl"):  # 0.9, 0.11: dolfinx has imported it
-        return basix.ufl.element(family, cell, degree, shape=(size,))
+        return basix.ufl.element(family, cell, degree, **({"shape": shape} if shape else {}))
+    if len(shape) != 1:
+        kind = ufl.TensorElement if shape else ufl.FiniteElement
+        return kind(family, ufl.Cell(cell, geometric_dimension=3), degree, **({"shape": shape} if shape else {}))
     # 0.5; FFCx would add this variant to the element of the mesh while it compiles, and so change the next form's name.
     variant = {"variant": "equispaced"} if family == "Lagrange" else {}
-    return ufl.VectorElement(family, ufl.Cell(cell, geometric_dimension=3), degree, dim=size, **variant)
+    return ufl.VectorElement(family, ufl.Cell(cell, geometric_dimension=3), degree, dim=shape[0], **variant)
 
 
 @decimal_point()
-def create_mesh(points: NDArray[np.float64], cells: NDArray[np.int64]) -> Any:
-    """Make a mesh of intervals, cells (n, 2), or triangles, cells (n, 3), in space; points (m, 3) [m]."""
+def create_mesh(points: NDArray[np.float64], cells: NDArray[np.int64], comm: MPI.Intracomm = MPI.COMM_SELF) -> Any:
+    """Make a mesh of intervals, cells (n, 2), or triangles, cells (n, 3), in space; points (m, 3) [m].
+
+    Several processes share it, without ghost cells; each gives some of the points and of the cells.
+    """
     domain = ufl.Mesh(_element("Lagrange", CELL[cells.shape[1] - 1], 1, 3))
-    keyword = "e" if "e" in inspect.signature(mesh.create_mesh).parameters else "domain"  # 0.9, 0.11: e; 0.5: domain
-    return mesh.create_mesh(MPI.COMM_SELF, cells=cells, x=points, **{keyword: domain})
+    if "e" in inspect.signature(mesh.create_mesh).parameters:  # 0.9, 0.11
+        return mesh.create_mesh(comm, cells=cells, x=points, e=domain)
+    return mesh.create_mesh(comm, cells=cells, x=points, domain=domain, ghost_mode=mesh.GhostMode.none)  # 0.5
 
 
-def functionspace(msh: Any, family: str, degree: int, size: int) -> Any:
-    """Make a space of vectors with `size` components."""
+def functionspace(msh: Any, family: str, degree: int, size: int | tuple[int, ...]) -> Any:
+    """Make a space of vectors with `size` components, or of tensors of a shape; () is a scalar."""
     create = getattr(fem, "functionspace", None) or fem.FunctionSpace  # 0.9, 0.11: function; 0.5: class
     return _compile(create, msh, _element(family, CELL[msh.topology.dim], degree, size))
 
@@ -68,19 +75,60 @@ def geometry_table(geometry: Any) -> NDArray[np.int32]:
     return _table(geometry.dofmaps[0] if several else geometry.dofmap)
 
 
+def geometry_degree(msh: Any) -> int:
+    """Degree of the shape functions of the cells: 1 for straight ones."""
+    several = hasattr(msh.geometry, "cmaps") and not callable(msh.geometry.cmaps)  # 0.11: one for each cell type
+    return int((msh.geometry.cmaps[0] if several else msh.geometry.cmap).degree)
+
+
+def cell_name(msh: Any) -> str:
+    """Name of the cells, as "triangle"."""
+    name = msh.ufl_domain().ufl_cell().cellname
+    return str(name() if callable(name) else name)  # 0.5, 0.9: method; 0.11: property
+
+
+def is_tags(value: Any) -> bool:
+    """Return True for MeshTags."""
+    classes = [
+        getattr(module, name) for module in (mesh, cpp.mesh) for name in dir(module) if name.startswith("MeshTags")
+    ]
+    return isinstance(value, tuple(kind for kind in classes if isinstance(kind, type)))  # 0.5: several; 0.9, 0.11: one
+
+
+def are_tags_of(tags: Any, msh: Any) -> bool:
+    """Return True if MeshTags belong to a mesh."""
+    topology = tags.topology if hasattr(tags, "topology") else tags.mesh.topology  # 0.9, 0.11: topology; 0.5: mesh
+    return bool(topology is getattr(msh.topology, "_cpp_object", msh.topology))
+
+
+def original_cells(msh: Any) -> NDArray[np.int64] | None:
+    """Input number of each cell of this process, ghosts included; None for a sub-mesh, which has none."""
+    count = msh.topology.index_map(msh.topology.dim)
+    try:
+        numbers = cell_order(msh)
+    except RuntimeError:  # 0.11
+        return None
+    return numbers if len(numbers) == count.size_local + count.num_ghosts else None  # 0.5: empty
+
+
 def cell_order(msh: Any) -> NDArray[np.int64]:
     """Row of each cell of the mesh in the `cells` given to `create_mesh`."""
     return np.asarray(msh.topology.original_cell_index, dtype=np.int64)
 
 
+def input_nodes(msh: Any) -> NDArray[np.int64]:
+    """Row of each node of this process, in the order of `geometry.x`, in the `points` given to `create_mesh`."""
+    return np.asarray(msh.geometry.input_global_indices, dtype=np.int64)  # 0.5: a list, empty without cells
+
+
 def node_order(V: Any) -> NDArray[np.int64]:
     """Row of each node of a linear Lagrange space in the `points` given to `create_mesh`."""
-    return np.asarray(V.mesh.geometry.input_global_indices)[geometry_order(V)]
+    return input_nodes(V.mesh)[geometry_order(V)]
 
 
 def geometry_order(V: Any) -> NDArray[np.int64]:
     """Row of each node of a linear Lagrange space in the coordinates of the mesh, `geometry.x`."""
-    row = np.empty(V.dofmap.index_map.size_local, dtype=np.int64)
+    row = np.empty(V.dofmap.index_map.size_local + V.dofmap.index_map.num_ghosts, dtype=np.int64)
     row[_table(V.dofmap.list)] = geometry_table(V.mesh.geometry)
     return row
 

@@ -16,7 +16,9 @@ from mpi4py import MPI
 
 DEMOS = Path(__file__).parent.parent / "demos"
 PICTURES: dict[str, list[str]] = {
+    "forms_alone": [],
     "own_law": [],
+    "own_solver": [],
     "shade_pavilion": [
         "fig12_plan.png",
         "fig13_isometric.png",

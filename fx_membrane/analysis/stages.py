@@ -26,8 +26,8 @@ from ..results.slackness import hanging_ends, slack_parts
 from ..results.states import Increment, StageResult, StageResults
 from ..results.strain_limits import warn_of_large_prestress
 from ..runtime.processes import refuse_differences, together
-from ..solvers.base import Solution
-from ..solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
+from ..solvers import own
+from ..solvers.base import Solution, Solver
 from ..solvers.curvature import wrinkling_threshold
 from ..solvers.newton import Newton
 from ..solvers.outcome import Outcome
@@ -39,8 +39,6 @@ from .reasons import MORE, reason
 from .work import Work, WorkDone, WorkLimit
 
 PROBE = 1 / 256  # fraction of an increment that snapped: its load shows at the start of a stage which parts carry
-
-AnySolver = Newton | ConjugateGradient | SteepestDescent
 
 
 class ConvergenceError(RuntimeError):
@@ -100,7 +98,8 @@ class Analysis:
 
     Args:
         structure: The structure.
-        solver: Method that finds equilibrium in each load increment.
+        solver: Method that finds equilibrium in each load increment: `Newton`, `ConjugateGradient`, `SteepestDescent`,
+            or an object of your own that keeps the protocol `Solver`.
         comm: The processes that share the work; each must give the same structure, solver and stages. Input that one of
             them refuses is refused by all. An exception in your own script on one process is invisible here: the others
             wait for ever, unless the script is run as `mpirun -n 2 python -m mpi4py script.py`.
@@ -119,7 +118,7 @@ class Analysis:
     def __init__(
         self,
         structure: Structure,
-        solver: AnySolver = Newton(),
+        solver: Solver = Newton(),
         comm: MPI.Intracomm = MPI.COMM_WORLD,
         limit: WorkLimit = WorkLimit(),
         progress: bool = True,
@@ -127,15 +126,15 @@ class Analysis:
         validation.communicator("Analysis comm", comm)
         with together(comm):
             validation.instance("Analysis structure", structure, Structure)
-            validation.instance("Analysis solver", solver, AnySolver)
+            own.check(solver)
             validation.instance("Analysis limit", limit, WorkLimit)
             progress = validation.truth("Analysis progress", progress)
-        refuse_differences(comm, lambda: {"solver": fingerprint(solver), "limit": fingerprint(limit)})
+        refuse_differences(comm, lambda: {"solver": fingerprint(own.settings(solver)), "limit": fingerprint(limit)})
         self._limit, self._progress = limit, progress
         self.structure = structure
         self._comm = comm
         self.problem = Problem(structure, comm)
-        self._solve = solver.prepare(self.problem)
+        self._solve = own.prepared(solver, self.problem)
         self._record = StateEvaluator(self.problem)
 
     def run(self, stages: Sequence[Stage], checkpoint_file: str | Path | None = None) -> StageResults:

@@ -1,8 +1,11 @@
 """Direction of the tension in a wrinkled woven fabric, for many cells at once."""
 
-import numpy as np
-from numpy.typing import NDArray
+from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..checks import validation
 from ..model.materials import OrthotropicFabric
 
 SAMPLES = 48
@@ -11,7 +14,85 @@ STEPS = 20
 MARGIN = 1e-6  # margin for taut and slack, beyond the rounding in which the forms may decide otherwise
 
 
-def direction(e: NDArray[np.float64], fabric: OrthotropicFabric) -> NDArray[np.float64]:
+class Moduli(NamedTuple):
+    """Moduli of woven fabrics, one for each cell, shape (n,)."""
+
+    Et_warp: NDArray[np.float64]
+    Et_weft: NDArray[np.float64]
+    nu: NDArray[np.float64]
+    Gt: NDArray[np.float64]
+
+    def of(self, cells: NDArray[np.intp]) -> "Moduli":
+        """Moduli of some cells."""
+        return Moduli(*(values[cells] for values in self))
+
+
+Woven = OrthotropicFabric | Moduli
+
+
+def tension_direction(
+    strain: ArrayLike, Et_warp: ArrayLike, Et_weft: ArrayLike, nu: ArrayLike, Gt: ArrayLike
+) -> NDArray[np.float64]:
+    """Direction of the tension in the wrinkled cells of a woven fabric: `angle` of `forms.wrinkling.orthotropic`.
+
+    Without compression, a wrinkled cell carries a tension along one direction t, that of the largest energy e_tt^2 / (2
+    H_tt), with the compliance H_tt along t. It has no closed form. Solve for it at each strain at which the form is
+    evaluated: of the energy, the residual or the tangent. The derivatives of the form are right then.
+
+    Args:
+        strain: Total elastic strain E + C^-1 : sigma0 of each cell in the warp/weft frame, shape (n, 2, 2) [-]: the
+            Green-Lagrange strain and `forms.elasticity.orthotropic_compliance` of the prestress.
+        Et_warp, Et_weft: Modulus times thickness along warp and weft [N/m]: a number, or one for each cell, shape (n,).
+        nu: Poisson's ratio, the contraction of the weft under tension in the warp, in the same form [-].
+        Gt: Shear modulus times thickness, in the same form [N/m].
+
+    Returns:
+        Angles from the warp towards the weft, shape (n,) [rad]; 0 in taut and slack cells, whose energy has no angle.
+
+    Raises:
+        ValueError: Strains or moduli have another shape, or are not finite; a stiffness is not positive, or nu^2
+            Et_weft / Et_warp >= 1.
+
+    Example:
+        >>> import numpy as np
+        >>> from fx_membrane import tension_direction
+        >>> shear = [[[0.0, 0.01], [0.01, 0.0]]]
+        >>> np.degrees(tension_direction(shear, Et_warp=5e5, Et_weft=5e5, nu=0.3, Gt=2e4)).round(6)
+        array([45.])
+    """
+    e = validation.finite("tension_direction strain", strain)
+    if e.ndim != 3 or e.shape[1:] != (2, 2):
+        raise ValueError(f"tension_direction strain has shape {e.shape}; give (n, 2, 2), a tensor for each cell.")
+    n = len(e)
+    fabric = Moduli(
+        _per_cell("Et_warp", Et_warp, n),
+        _per_cell("Et_weft", Et_weft, n),
+        _per_cell("nu", nu, n),
+        _per_cell("Gt", Gt, n),
+    )
+    for name in ("Et_warp", "Et_weft", "Gt"):
+        lowest = getattr(fabric, name).min(initial=np.inf)
+        if lowest <= 0:
+            raise ValueError(f"tension_direction {name} is {lowest:g}; it must be positive.")
+    if (fabric.nu**2 * fabric.Et_weft >= fabric.Et_warp).any():
+        raise ValueError("tension_direction nu^2 Et_weft / Et_warp must be below 1: the energy would not be positive.")
+    components = np.stack([e[:, 0, 0], e[:, 1, 1], (e[:, 0, 1] + e[:, 1, 0]) / 2], axis=1)
+    cells = np.flatnonzero(may_wrinkle(components, fabric))
+    angle = np.zeros(n)
+    angle[cells] = direction(components[cells], fabric.of(cells))
+    return angle
+
+
+def _per_cell(name: str, given: ArrayLike, n: int) -> NDArray[np.float64]:
+    values = validation.finite(f"tension_direction {name}", given)
+    if values.shape not in ((), (n,)):
+        raise ValueError(
+            f"tension_direction {name} has shape {values.shape}; give a number, or one for each of {n} cells."
+        )
+    return np.broadcast_to(values, n)
+
+
+def direction(e: NDArray[np.float64], fabric: Woven) -> NDArray[np.float64]:
     """Angle from the warp that maximizes <e_tt>^2 / (2 H_tt), shape (n,) [rad].
 
     The largest values at equally spaced angles are refined to rounding; the best one is returned.
@@ -36,7 +117,7 @@ def direction(e: NDArray[np.float64], fabric: OrthotropicFabric) -> NDArray[np.f
     return best
 
 
-def may_wrinkle(e: NDArray[np.float64], fabric: OrthotropicFabric) -> NDArray[np.bool_]:
+def may_wrinkle(e: NDArray[np.float64], fabric: Woven) -> NDArray[np.bool_]:
     """Cells that are neither clearly taut nor clearly slack, shape (n,): those that need a direction.
 
     Args:
@@ -57,7 +138,7 @@ def may_wrinkle(e: NDArray[np.float64], fabric: OrthotropicFabric) -> NDArray[np
 def _refined(
     angle: NDArray[np.float64],
     e: NDArray[np.float64],
-    fabric: OrthotropicFabric,
+    fabric: Woven,
 ) -> NDArray[np.float64]:
     """Refine the maximum beside a sample by Newton's method within a bracket that bisection narrows."""
     low, high = angle - np.pi / SAMPLES, angle + np.pi / SAMPLES
@@ -73,7 +154,7 @@ def _refined(
 def _energy(
     angle: NDArray[np.float64],
     e: NDArray[np.float64],
-    fabric: OrthotropicFabric,
+    fabric: Woven,
 ) -> NDArray[np.float64]:
     """Double the energy of a tension along t, e_tt^2 / H_tt; negative where t is shortened."""
     (e11, e22, e12), c, s = e.T, np.cos(angle), np.sin(angle)
@@ -81,7 +162,7 @@ def _energy(
     return np.asarray(np.sign(e_tt) * e_tt**2 / _compliance(c, s, fabric))
 
 
-def _compliance(c: NDArray[np.float64], s: NDArray[np.float64], fabric: OrthotropicFabric) -> NDArray[np.float64]:
+def _compliance(c: NDArray[np.float64], s: NDArray[np.float64], fabric: Woven) -> NDArray[np.float64]:
     mixed = 1 / fabric.Gt - 2 * fabric.nu / fabric.Et_warp
     return np.asarray(c**4 / fabric.Et_warp + s**4 / fabric.Et_weft + c**2 * s**2 * mixed)
 
@@ -89,7 +170,7 @@ def _compliance(c: NDArray[np.float64], s: NDArray[np.float64], fabric: Orthotro
 def _stationarity(
     angle: NDArray[np.float64],
     e: NDArray[np.float64],
-    fabric: OrthotropicFabric,
+    fabric: Woven,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """f = 2 e_tt' H_tt - e_tt H_tt', which has the sign of the slope of `_energy`; and f'."""
     (e11, e22, e12), c, s = e.T, np.cos(angle), np.sin(angle)

@@ -1,19 +1,18 @@
 """Structures from gmsh: a model in memory or a .msh file, by its physical names."""
 
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..checks import paths, validation
-from ..model.parts import Part
+from ..checks import paths
 from ..model.structure import Structure
-from ..model.supports import Support
 from . import gmsh_file
 from .gmsh_reader import GmshMesh, Group, mesh_of_model
+from .groups import Groups, Makers, check_arguments, structure
 
 KINDS = ("point", "curve", "surface", "volume")  # by dimension
 CELLS = ("Line 2", "Triangle 3")  # gmsh's names of the element types of first order
@@ -21,7 +20,7 @@ CELLS = ("Line 2", "Triangle 3")  # gmsh's names of the element types of first o
 
 def structure_from_gmsh(
     source: str | Path | None,
-    parts: Mapping[str, Callable[[NDArray[np.int64]], Part]],
+    parts: Makers,
     supports: Mapping[str, str] | None = None,
     separate: Sequence[tuple[str, str]] = (),
 ) -> Structure:
@@ -46,7 +45,9 @@ def structure_from_gmsh(
             part.
         ImportError: gmsh is not installed.
     """
-    _check_arguments(source, parts, supports)
+    if source is not None:
+        paths.path("source", source, spare=0)
+    check_arguments(parts, supports)
     mesh = _open_mesh() if source is None else gmsh_file.read(source)
     return _structure(mesh, parts, supports or {}, separate)
 
@@ -74,48 +75,18 @@ def _has_model(gmsh: Any) -> bool:
         return False
 
 
-def _check_arguments(source: Any, parts: Any, supports: Any) -> None:
-    if source is not None:
-        paths.path("source", source, spare=0)
-    validation.instance("parts", parts, Mapping)
-    validation.instance("supports", supports, Mapping | None)
-    if not parts:
-        raise ValueError('parts is empty; give at least one, {"physical name": lambda cells: Membrane(cells, ...)}.')
-    for name, make in parts.items():
-        if not callable(make):
-            raise ValueError(
-                f"The part {validation.name('part', name)!r} is {validation.short_repr(make)}; give a function of its "
-                "cells, lambda cells: Membrane(cells, ...)."
-            )
-    for name, components in (supports or {}).items():
-        validation.letters(f"The support {validation.name('support', name)!r}", components)
-
-
 def _structure(
-    mesh: GmshMesh,
-    parts: Mapping[str, Callable[[NDArray[np.int64]], Part]],
-    supports: Mapping[str, str],
-    separate: Sequence[tuple[str, str]],
+    mesh: GmshMesh, parts: Makers, supports: Mapping[str, str], separate: Sequence[tuple[str, str]]
 ) -> Structure:
-    groups = _groups(mesh, [*parts, *supports])
-    cells = {name: _rows(mesh, _cells(groups[name])) for name in parts}
-    used = np.unique(np.concatenate([part.ravel() for part in cells.values()]))
-    row = np.full(len(mesh.tags), -1, dtype=np.int64)
-    row[used] = np.arange(len(used))
-    held = []
-    for name, components in supports.items():
-        nodes = _rows(mesh, groups[name].nodes)
-        if not len(nodes):
-            raise ValueError(f"The support {name!r} has no nodes; mesh the physical group, with the parts it holds.")
-        loose = nodes[row[nodes] < 0]
-        if len(loose):
-            raise ValueError(
-                f"The support {name!r} has nodes that no part uses, {len(loose)} of {len(nodes)}, as gmsh's node "
-                f"{mesh.tags[loose[0]]} at {validation.format_point(mesh.points[loose[0]])}; put it on a part."
-            )
-        held.append(Support(np.unique(row[nodes]), components))
-    made = {name: _part(name, make, row[cells[name]]) for name, make in parts.items()}
-    return Structure(mesh.points[used], made, held, separate)
+    named = _groups(mesh, [*parts, *supports])
+    groups = Groups(
+        points=mesh.points,
+        cells={name: _rows(mesh, _cells(named[name])) for name in parts},
+        nodes={name: _rows(mesh, named[name].nodes) for name in supports},
+        kind="physical group",
+        label=lambda row: f"gmsh's node {mesh.tags[row]}",
+    )
+    return structure(groups, parts, supports, separate)
 
 
 def _rows(mesh: GmshMesh, tags: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -125,15 +96,6 @@ def _rows(mesh: GmshMesh, tags: NDArray[np.int64]) -> NDArray[np.int64]:
     if missing.size:
         raise ValueError(f"The mesh has cells at node {missing[0]}, but no such node; write it again with gmsh.write.")
     return rows
-
-
-def _part(name: str, make: Callable[[NDArray[np.int64]], Part], cells: NDArray[np.int64]) -> Part:
-    """Make a part of cells by the user's function; errors name the physical group."""
-    try:
-        return make(cells)
-    except ValueError as error:
-        what = "triangles, for a Membrane" if cells.shape[1] == 3 else "segments, for a Cable or a Mast"
-        raise ValueError(f"The physical group {name!r} has {what}; they make no part: {error}") from error
 
 
 def _groups(mesh: GmshMesh, wanted: Sequence[str]) -> dict[str, Group]:

@@ -8,6 +8,7 @@ from petsc4py import PETSc
 
 from ..runtime.decimal_point import decimal_point
 
+SNES = "fxm_"  # prefix of our own options; that of the user's is in `petsc_options`
 Backend = tuple[Callable[[PETSc.Vec], bool], PETSc.KSP]  # backend: the iteration and its linear solver
 
 
@@ -81,8 +82,8 @@ def by_snes(owner: Callbacks) -> Backend:
 
     snes = PETSc.SNES().create(owner.A.comm)
     snes.setType("newtonls")
-    snes.setOptionsPrefix("fx_membrane_")
-    PETSc.Options("fx_membrane_")["snes_linesearch_type"] = "basic"
+    snes.setOptionsPrefix(SNES)
+    PETSc.Options(SNES)["snes_linesearch_type"] = "basic"
     snes.setFromOptions()
     snes.setMaxLinearSolveFailures(1_000_000_000)  # `step` judges them
     snes.setFunction(lambda _, x, b: owner.residual(x, b), owner.b)

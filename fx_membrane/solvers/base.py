@@ -84,20 +84,35 @@ Monitor = Callable[[int, Iteration], None]
 
 
 class Solve(Protocol):
-    """Function that brings a vector to equilibrium and reports each iterate, with its number, to the monitor."""
+    """Function that brings a vector to equilibrium and reports each iterate to the monitor."""
 
-    def __call__(self, problem: LoadedProblem, x: PETSc.Vec, monitor: Monitor = ..., thorough: bool = ...) -> Solution:
-        """Return the outcome; the state is in x. Unless thorough, omit the slow fallbacks that find distant states.
+    def __call__(
+        self, problem: LoadedProblem, x: PETSc.Vec, monitor: Monitor = ..., thorough: bool = ..., /
+    ) -> Solution:
+        """Return the outcome; the state is in x.
 
-        The problem is a view of the one that `prepare` got: other actions, the same numbering and sparsity pattern.
+        Args:
+            problem: The structure under the actions of the increment: a view of the problem that `prepare` got, with
+                the same numbering and sparsity pattern.
+            x: The last state found, to be replaced by the equilibrium [m]. `problem.constraints` imposes the prescribed
+                displacements on it.
+            monitor: Called with the number and the data of each iterate, the start first; on all processes. Let its
+                exception through: it ends the solve at the limit of work.
+            thorough: False to omit slow fallbacks that find distant states.
         """
         ...
 
 
 class Solver(Protocol):
-    """Settings of a solver."""
+    """Solver of `Analysis`: any object with this method, as `Newton` or one of your own (`demos/own_solver.py`).
 
-    def prepare(self, problem: Problem) -> Solve:
+    `Analysis` calls `prepare` once, and the function that it returns for each load increment, on all processes. A
+    failure with an outcome whose `retry` is true halves the increment. A state called an equilibrium is refused if it
+    breaks the constraints; if its forces do not balance, `UnbalancedStateWarning` tells. Processes compare the class of
+    a solver and those public attributes that are numbers or texts.
+    """
+
+    def prepare(self, problem: Problem, /) -> Solve:
         """Return a function that brings a vector to equilibrium and keeps its workspace between calls."""
         ...
 

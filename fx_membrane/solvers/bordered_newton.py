@@ -20,7 +20,7 @@ from petsc4py import PETSc
 from ..assembly.actions import Actions, between, change
 from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
-from . import factorization
+from . import factorization, petsc_options
 from .base import LIMITS, Iteration, Monitor, no_monitor, tolerance
 from .progress import Pulse
 
@@ -92,6 +92,8 @@ class BorderedNewton:
     """
 
     def __init__(self, problem: Problem, start: Actions, end: Actions, x: PETSc.Vec, rtol: float):
+        petsc_options.check(problem.comm)
+        petsc_options.tell_not_for_steps(problem.comm, "equilibrium_path", factors=True)
         self.problem, self.start, self.end, self.rtol = problem, start, end, rtol
         self.rate = problem.under(change(start, end))
         self.compression = 1.0

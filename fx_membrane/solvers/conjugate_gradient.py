@@ -15,6 +15,7 @@ from petsc4py import PETSc
 from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from ..checks import validation
+from . import petsc_options
 from .base import LIMITS, Iteration, Monitor, Solution, Solve, diverged, no_monitor, tolerance
 from .diagnosis import first_order_advice, stagnation_message
 from .line_search import Point, line, rounding, search
@@ -160,6 +161,8 @@ class _Descent:
     def __init__(self, settings: SteepestDescent | ConjugateGradient, beta: Beta, problem: Problem):
         self.settings, self.beta = settings, beta
         self.size = problem.structure.size
+        where, factors = type(settings).__name__, settings.preconditioner == "tangent"
+        petsc_options.tell_not_for_steps(problem.comm, where, factors)
         self.preconditioner = preconditioner(problem, settings.preconditioner)
         create = problem.discretization.create_vector
         self.now, self.before = Gradient(create(), create()), Gradient(create(), create())

@@ -14,10 +14,10 @@ from typing import NamedTuple
 from petsc4py import PETSc
 from slepc4py import SLEPc
 
-from . import factorization
+from . import factorization, petsc_options
 from .base import LIMITS
 
-PREFIX = "fx_membrane_eigenvalues_"
+PREFIX = "fxm_eigenvalues_"  # of our own options; that of the user's is in `petsc_options`
 FIRST_SHIFT, LAST_SHIFT = 1e-12, 1e8  # below zero, as fractions of a typical eigenvalue
 SPREAD = 1e4  # maximum ratio of distances from the shift; the larger ones lose as many digits
 SAME = 1e-9  # eigenvalues closer than this fraction of their distance from the shift count as equal
@@ -121,6 +121,11 @@ def _factorize_by_mumps(eps: SLEPc.EPS, kind: str) -> None:
     options["st_mat_mumps_icntl_13"] = 1  # no ScaLAPACK at the root, which does not count pivots
     options["st_mat_mumps_icntl_14"] = 100  # twice the memory that is estimated without pivoting
     options["st_mat_mumps_icntl_24"] = 1  # counts null pivots
+    icntl, cntl = petsc_options.mumps()
+    for number, whole in icntl.items():
+        options[f"st_{petsc_options.ICNTL}{number}"] = whole
+    for number, real in cntl.items():
+        options[f"st_{petsc_options.CNTL}{number}"] = real
     eps.setOptionsPrefix(PREFIX)
     spectral = eps.getST()
     spectral.setType(SLEPc.ST.Type.SINVERT)

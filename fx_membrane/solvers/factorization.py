@@ -6,27 +6,55 @@ from typing import NamedTuple
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from . import petsc_options
+
 ROUNDING = 1e-12  # fraction of a matrix below which its antisymmetric part is zero
-SOLVED = 1e-6  # fraction of the right-hand side
+KIND = "fx_membrane_kind"  # attribute of a linear solver: the factorization chosen last
 
 _kept: list[tuple[MPI.Intracomm, "weakref.ref[object]", PETSc.KSP]] = []
 
 
-def choose(ksp: PETSc.KSP, A: PETSc.Mat, symmetric: bool) -> None:
-    """Make a linear solver a direct one for a matrix that is symmetric or general."""
+def choose(ksp: PETSc.KSP, A: PETSc.Mat, symmetric: bool, steps: bool = False) -> None:
+    """Make a linear solver a direct one for a matrix that is symmetric or general.
+
+    Args:
+        ksp: The linear solver; it keeps its symbolic factorization if the kind of the matrix is the same as before.
+        A: The matrix.
+        symmetric: True for L D L^T.
+        steps: True if the user's PETSc options may choose another linear solver, one without a count of pivots.
+    """
     pc = ksp.getPC()
     kind = "cholesky" if symmetric else "lu"
-    if pc.getType() == kind:
-        return  # keeps its symbolic factorization
+    if ksp.getAttr(KIND) == kind:
+        return
+    ksp.setAttr(KIND, kind)
     ksp.setType("preonly")
     ksp.setOperators(A)
     pc.setType(kind)
     pc.setFactorSolverType("mumps")
+    if steps:
+        petsc_options.apply(ksp)
+    if not _is_mumps(pc):
+        return
     pc.setFactorSetUpSolverType()
     factor = pc.getFactorMatrix()
     factor.setMumpsIcntl(24, 1)  # detect zero pivots: otherwise each is delayed, and the workspace overflows
     factor.setMumpsIcntl(13, 1)  # count negative pivots correctly on several processes
     factor.setMumpsIcntl(14, 50)  # per cent of workspace above the estimate
+    icntl, cntl = petsc_options.mumps()
+    for number, whole in icntl.items():
+        factor.setMumpsIcntl(number, whole)
+    for number, real in cntl.items():
+        factor.setMumpsCntl(number, real)
+
+
+def counts_pivots(ksp: PETSc.KSP) -> bool:
+    """Return True if a linear solver counts the negative pivots of a symmetric matrix."""
+    return ksp.getPC().getType() == "cholesky" and _is_mumps(ksp.getPC())
+
+
+def _is_mumps(pc: PETSc.PC) -> bool:
+    return pc.getType() in ("lu", "cholesky") and pc.getFactorSolverType() == "mumps"
 
 
 def symmetrize(A: PETSc.Mat) -> None:
@@ -60,7 +88,7 @@ def solves(A: PETSc.Mat, x: PETSc.Vec, b: PETSc.Vec, work: PETSc.Vec) -> bool:
     """Return True if A x = b up to a tolerance; False for NaN."""
     A.mult(x, work)
     work.axpy(-1.0, b)
-    return bool(work.norm() <= SOLVED * b.norm())
+    return bool(work.norm() <= petsc_options.SOLVED * b.norm())
 
 
 class Pivots(NamedTuple):

@@ -17,6 +17,7 @@ from petsc4py import PETSc
 from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from ..checks import validation
+from . import petsc_options
 from .base import LIMITS, Iteration, Monitor, Solution, Solve, max_norm, no_monitor
 from .convergence import Patience, nearer
 from .curvature import WEAK, negative_between
@@ -31,6 +32,19 @@ from .saddle import SaddleControl, leave_saddle
 @dataclass(frozen=True)
 class Newton:
     """Newton-Raphson, Gil (74), by dolfinx's `NewtonSolver` with a direct factorization (MUMPS).
+
+    PETSc options with the prefix `fx_membrane_` reach the linear solver: by the environment,
+    `PETSC_OPTIONS="-fx_membrane_mat_mumps_icntl_14 100"`, or in a script, `PETSc.Options("fx_membrane_")["ksp_type"] =
+    "cg"`, before the analysis is made:
+
+    - `mat_mumps_icntl_N`, `mat_mumps_cntl_N`: controls of MUMPS, in all factorizations of the package. ICNTL(13) and
+      ICNTL(24) must be 1, for the count of pivots.
+    - `ksp_...`, `pc_...`: the linear solver of the steps, as `ksp_type cg` with `pc_type gamg`. Its tolerance is 1e-10
+      unless `ksp_rtol` says so, at most 1e-6. Without a Cholesky factorization by MUMPS there is no count of pivots.
+      Negative curvature is then seen along the steps only, as under a pressure, and one factorization by MUMPS tests
+      the state that is found. Paths, eigenvalues and the preconditioner "tangent" keep their factorization.
+
+    Options that PETSc or this solver cannot honour are refused. `UnusedOptionWarning` names those without effect.
 
     Raises:
         ValueError: rtol is out of range; max_iterations is not a positive whole number.
@@ -57,7 +71,12 @@ class Newton:
         validation.store(self, validation.truth, "line_search")
 
     def prepare(self, problem: Problem) -> Solve:
-        """Return a function that brings a vector to equilibrium; it keeps matrix and symbolic factorization."""
+        """Return a function that brings a vector to equilibrium; it keeps matrix and symbolic factorization.
+
+        Raises:
+            ValueError: PETSc options cannot be honoured.
+        """
+        petsc_options.check(problem.comm)
         return _Globalized(self, problem)
 
 
@@ -70,12 +89,13 @@ class _Globalized:
         patience: Length of an attempt.
         homotopy: Schedule of the homotopy.
         saddle: Limits of the escape from a saddle.
+        told: True once options without effect were told.
     """
 
     patience, homotopy, saddle = Patience(), HomotopyControl(), SaddleControl()
 
     def __init__(self, settings: Newton, problem: Problem):
-        self.settings, self.problem = settings, problem.under()
+        self.settings, self.problem, self.told = settings, problem.under(), False
         self.loop = NewtonLoop(problem, settings.line_search, ShiftControl())
         create = problem.discretization.create_vector
         self.start, self.before = create(), create()
@@ -87,6 +107,9 @@ class _Globalized:
         self.problem = problem
         loop.begin(problem, monitor, self.settings.max_iterations)
         solution = self.solve(x, start, thorough)
+        if not self.told:
+            self.told = True
+            petsc_options.tell_unused(problem.comm, petsc_options.unread(), "Newton")
         lost = loop.lost_stability
         if solution.converged and loop.from_stable and not lost:
             lost = negative_between(self.problem, start, x)  # a step may pass over a snap-through
@@ -146,7 +169,7 @@ class _Globalized:
         """
         loop = self.loop
         for _ in range(self.saddle.attempts):
-            if len(solution.iterations) == 1 or (loop.symmetric and loop.shift <= WEAK):
+            if len(solution.iterations) == 1 or (loop.counts_pivots and loop.shift <= WEAK):
                 return solution
             x.copy(self.before)
             if not leave_saddle(self.problem, x, self.saddle):

@@ -13,7 +13,7 @@ from petsc4py import PETSc
 from .. import _dolfinx
 from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
-from . import factorization
+from . import factorization, petsc_options
 from .backends import by_dolfinx, by_snes
 from .base import LIMITS, Iteration, Monitor, Solution, diverged, max_norm, no_monitor, tolerance
 from .convergence import at_rest
@@ -51,6 +51,7 @@ class NewtonLoop:
         left: Number of iterations that remain of the total for the solve.
         iterates: Number of iterates since the solve began, rejected ones included.
         first: True in the first attempt of the solve.
+        counts_pivots: True if the linear solver tells negative curvature by pivots; else it shows along steps only.
         from_stable: True if the first tangent of the solve had no more negative curvature than slack cells have.
         lost_stability: True if a later tangent had more.
     """
@@ -76,7 +77,7 @@ class NewtonLoop:
         self.problem, self.monitor, self.left = problem, monitor, most
         self.history: list[Iteration] = []
         self.iterates, self.first = 0, True
-        self.symmetric, self.from_stable, self.lost_stability = True, False, False
+        self.symmetric, self.counts_pivots, self.from_stable, self.lost_stability = True, True, False, False
 
     def attempt(self, x: PETSc.Vec, rtol: float, most: int, proceed: Proceed = always) -> Solution:
         """Run the iteration from x.
@@ -92,7 +93,8 @@ class NewtonLoop:
         self.first = self.iterates == 0
         self.length = self.shift = 0.0
         self.symmetric = self.problem.symmetric or self.conservative(x)
-        factorization.choose(self.ksp, self.A, self.symmetric)
+        factorization.choose(self.ksp, self.A, self.symmetric, steps=True)
+        self.counts_pivots = self.symmetric and factorization.counts_pivots(self.ksp)
         try:
             with _dolfinx.quiet_log():
                 converged = self.iterate(x)
@@ -150,7 +152,7 @@ class NewtonLoop:
             if not factorization.solves(self.A, dx, self.b, self.work):
                 # A tangent that is singular at the start of an increment stays so for any smaller one.
                 outcome = Outcome.SINGULAR if len(self.history) > 1 else Outcome.SINGULAR_START
-                raise _Stop(outcome, linear_failure(self.problem, self.A))
+                raise _Stop(outcome, self.linear_failure())
             return
         start = x.copy(self.here)
         moved = self.problem.constraints.impose(start)
@@ -175,7 +177,7 @@ class NewtonLoop:
         """Return True if dx solves the linear system and -dx is a descent direction, without negative curvature."""
         if not factorization.solves(self.A, dx, self.b, self.work):
             return False
-        if self.symmetric:
+        if self.counts_pivots:
             negative, zero = factorization.pivots(self.ksp)
         else:
             negative, zero = int(float(self.b.dot(dx)) <= 0), 0
@@ -187,9 +189,20 @@ class NewtonLoop:
     def correct_inertia(self, x: PETSc.Vec, dx: PETSc.Vec) -> None:
         """Correct the inertia: increase the shift of the tangent and solve again."""
         if self.shift > self.control.largest:
-            raise _Stop(Outcome.SINGULAR, linear_failure(self.problem, self.A))
+            raise _Stop(Outcome.SINGULAR, self.linear_failure())
         self.set_shift(x, self.control.more(self.shift))
         self.ksp.solve(self.b, dx)
+
+    def linear_failure(self) -> str:
+        """Sentence on why a step could not be solved for."""
+        words, chosen = linear_failure(self.problem, self.A), petsc_options.name(self.ksp)
+        if not chosen:
+            return words
+        tangent = "" if self.symmetric else ", for a tangent that is not symmetric"
+        return (
+            f"{words} Or the linear solver that the PETSc options choose, {chosen}{tangent}, is at fault: leave out "
+            f"-{petsc_options.PREFIX}ksp_type and -{petsc_options.PREFIX}pc_type."
+        )
 
     def set_shift(self, x: PETSc.Vec, shift: float) -> None:
         """Set the shift of the tangent."""

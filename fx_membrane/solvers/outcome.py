@@ -24,6 +24,7 @@ class Outcome(Enum):
         INDEFINITE: Failure: the tangent is no preconditioner.
         MECHANISM: Failure: the structure has a free motion.
         SLACK_MECHANISM: Failure: only slack parts resist a motion of masts.
+        NO_EQUILIBRIUM: Failure: a solver calls a state an equilibrium that breaks its constraints.
         WORK_LIMIT: Failure: the limit of work is used up.
     """
 
@@ -45,6 +46,7 @@ class Outcome(Enum):
     )
     MECHANISM = "the structure is a mechanism."
     SLACK_MECHANISM = "the structure is a mechanism but for the small stiffness that slack parts keep."
+    NO_EQUILIBRIUM = "the state that the solver calls an equilibrium breaks its constraints."
     WORK_LIMIT = "the limit of work is used up."
 
     @property
@@ -64,4 +66,7 @@ class Outcome(Enum):
 
 
 _EQUILIBRIA = (Outcome.CONVERGED, Outcome.STABILIZED, Outcome.SNAPPED, Outcome.FALLEN, Outcome.UNSTABLE)
-_FINAL = (Outcome.SLOW, Outcome.SINGULAR_START, Outcome.INDEFINITE, Outcome.MECHANISM, Outcome.WORK_LIMIT)
+_FINAL = (
+    *(Outcome.SLOW, Outcome.SINGULAR_START, Outcome.INDEFINITE, Outcome.MECHANISM),
+    *(Outcome.NO_EQUILIBRIUM, Outcome.WORK_LIMIT),
+)

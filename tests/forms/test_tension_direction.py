@@ -6,7 +6,7 @@ Reference: the conditions of optimality of the convex problem. Tolerance: roundi
 import numpy as np
 import pytest
 
-from fx_membrane import OrthotropicFabric
+from fx_membrane import OrthotropicFabric, tension_direction
 from fx_membrane.assembly import wrinkling_direction
 from wrinkled import COLUMN, ROW, compliance, engineering, state_of, tensor
 
@@ -59,3 +59,41 @@ def test_direction_of_tension_is_stationary_and_the_best(low, high, kind):
         sampled = np.maximum(engineering(e) @ fan, 0) / np.sqrt(np.einsum("ik,ij,jk->k", fan, H, fan))
         rounding = 1e-15 * np.abs(e).max(axis=(1, 2)) / np.sqrt(H_tt)
         assert (sampled.max(axis=1) <= e_tt / np.sqrt(H_tt) * (1 + 1e-12) + rounding).all(), fabric
+
+
+def test_public_helper_takes_moduli_of_each_cell():
+    """The angle of wrinkled cells is that of each fabric alone; taut and slack cells have none."""
+    rng = np.random.default_rng(22)
+    fabrics = list(random_fabrics(rng, 20, -0.7, 0.7))
+    e = np.concatenate([random_strains(rng, "strains", fabric, 30) for fabric in fabrics])
+    state = np.concatenate([state_of(part, fabric) for part, fabric in zip(np.split(e, 20), fabrics, strict=True)])
+    assert (np.bincount(state) > 20).all()
+    moduli = {name: np.repeat([getattr(f, name) for f in fabrics], 30) for name in ("Et_warp", "Et_weft", "nu", "Gt")}
+    found = tension_direction(e, **moduli)
+    assert not found[state != 1].any()
+    for number, fabric in enumerate(fabrics):
+        here = slice(30 * number, 30 * number + 30)
+        wrinkled = state[here] == 1
+        expected = wrinkling_direction.direction(e[here][wrinkled][:, ROW, COLUMN], fabric)
+        np.testing.assert_array_equal(found[here][wrinkled], expected)
+
+
+def test_public_helper_on_a_process_without_cells():
+    assert tension_direction(np.empty((0, 2, 2)), 1e5, 1e5, 0.3, 1e4).shape == (0,)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"strain": [1.0, 2.0, 3.0]}, r"strain has shape \(3,\); give \(n, 2, 2\)"),
+        ({"strain": [[[np.nan, 0], [0, 1]]]}, "strain has a value that is not finite"),
+        ({"Gt": 0.0}, "Gt is 0; it must be positive"),
+        ({"Et_weft": [1.0, 2.0]}, r"Et_weft has shape \(2,\); give a number, or one for each of 1 cells"),
+        ({"nu": 1.5}, "nu.2 Et_weft / Et_warp must be below 1"),
+        ({"nu": "0.3"}, "nu must be an array of numbers"),
+    ],
+)
+def test_public_helper_refuses(change, words):
+    given = {"strain": [[[0.01, 0], [0, -0.01]]], "Et_warp": 1e5, "Et_weft": 1e5, "nu": 0.3, "Gt": 1e4}
+    with pytest.raises(ValueError, match=words):
+        tension_direction(**given | change)

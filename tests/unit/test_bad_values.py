@@ -5,6 +5,7 @@ import itertools
 
 import numpy as np
 import pytest
+from dolfinx.mesh import create_unit_square
 from mpi4py import MPI
 
 import fx_membrane
@@ -41,7 +42,10 @@ from fx_membrane import (
     rectangle,
     report,
     stability,
+    structure_from_dolfinx,
     structure_from_gmsh,
+    tension_direction,
+    to_dolfinx,
     updated_reference,
 )
 from fx_membrane.checks import validation
@@ -64,6 +68,7 @@ FIRST_ORDER = {"preconditioner": None, "rtol": 1e-3, "max_iterations": 5}
 FIRST_ORDERS = {"preconditioner": "object?", "rtol": "number", "max_iterations": "whole"}
 UNITS = {"force_unit": "text", "energy_unit": "text"}
 COMM = {"comm": MPI.COMM_SELF}
+MESH = create_unit_square(MPI.COMM_SELF, 1, 1)
 MODES = {"state": STATE, "count": 1, **COMM}, {"state": "object", "count": "whole", "comm": "object"}
 
 # Correct arguments of each function, and the kind of each argument.
@@ -163,6 +168,16 @@ CASES = {
         {"source": "no such.msh", "parts": {"a": len}, "supports": {}, "separate": ()},
         {"source": "object", "parts": "object", "supports": "table?", "separate": "list"},
     ),
+    structure_from_dolfinx: (
+        {"mesh": MESH, "groups": {"a": MESH}, "parts": {"a": lambda cells: Membrane(cells, Fabric(1e5, 0.3))},
+         "supports": {}, "separate": ()},
+        {"mesh": "object", "groups": "object", "parts": "object", "supports": "table?", "separate": "list"},
+    ),
+    to_dolfinx: ({"state": STATE, "part": "arch", **COMM}, {"state": "object", "part": "object", "comm": "object"}),
+    tension_direction: (
+        {"strain": np.eye(2)[None].tolist(), "Et_warp": [2e5], "Et_weft": [1e5], "nu": [0.2], "Gt": [1e4]},
+        dict.fromkeys(("strain", "Et_warp", "Et_weft", "nu", "Gt"), "array"),
+    ),
     plot.convergence: ({"result": STATE, "path": "a", "force_unit": "N", "energy_unit": "J"},
                        {"result": "object", "path": "path", **UNITS}),
     plot.compare_convergence: (
@@ -182,13 +197,14 @@ CASES = {
     ),
 }  # fmt: skip
 NO_INPUT = {  # made by the package
-    "BarResult", "Equilibrium", "EquilibriumPath",
-    "Form", "Increment", "Iteration", "Law", "MembraneResult", "Modes", "FormStep", "PathPoint",
-    "Stability", "StageResult", "StageResults", "plot",
+    "Actions", "BarResult", "Equilibrium", "EquilibriumPath", "LoadedProblem", "Outcome", "Problem",
+    "Form", "FormStep", "Increment", "Iteration", "Law", "MembraneResult", "Modes", "PartFunctions", "PathPoint",
+    "Solution", "Solve", "Solver", "Stability", "StageResult", "StageResults", "plot",
 }  # fmt: skip
 NOT_RIGHT = structure_from_gmsh, type(STATE).cable, type(STATE).membrane  # their arguments are refused, too
 SLOW = plot.convergence, plot.compare_convergence, plot.wireframe, plot.contours, equilibrium_path, updated_reference
 ALIASES = {
+    "mesh": ("Mesh",), "groups": ("group",), "part": ("No part",),
     "name": ("No M", "No C"), "result": ("first argument",), "Et_warp": ("stiffnesses",), "Et_weft": ("stiffnesses",),
     "points": ("are numbered",), "parts": ("part",), "supports": ("support", "no file"),
     "source": ("file", "gmsh model"), "fields": ("field",), "histories": ("history",), "separate": ("no file",),

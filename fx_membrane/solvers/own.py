@@ -1,0 +1,129 @@
+"""Solvers of a user: the protocol checked at the door, and their answers."""
+
+import inspect
+from collections.abc import Callable
+from dataclasses import fields, is_dataclass, replace
+from typing import Any
+
+import numpy as np
+from petsc4py import PETSc
+
+from ..assembly.loaded_problem import LoadedProblem
+from ..assembly.problem import Problem
+from ..checks.validation import short_repr
+from .base import Iteration, Monitor, Solution, Solve, Solver, max_norm, no_monitor
+from .conjugate_gradient import ConjugateGradient, SteepestDescent
+from .newton import Newton
+from .outcome import Outcome
+
+SHIPPED = (Newton, ConjugateGradient, SteepestDescent)
+GAP = 1e-9  # error of a constrained component, in sizes of the structure
+SOLVE = "(problem, x, monitor, thorough)"
+
+
+def check(solver: Any) -> None:
+    """Refuse what is no solver.
+
+    Raises:
+        ValueError: It is a class, or has no method `prepare` for one argument.
+    """
+    remedy = "give Newton(), or an object that keeps the protocol fx_membrane.Solver"
+    what = f"Analysis solver is {short_repr(solver)}"
+    if isinstance(solver, type):
+        raise ValueError(f"{what}; give an object of it, with brackets behind its name.")
+    prepare = getattr(solver, "prepare", None)
+    if not callable(prepare):
+        raise ValueError(f"{what}, which has no method prepare(problem); {remedy}.")
+    if not _takes(prepare, 1):
+        raise ValueError(f"{what}, whose prepare takes {inspect.signature(prepare)}; let it take (problem).")
+
+
+def settings(solver: Solver) -> dict[str, Any]:
+    """Class of a solver and its settings: public attributes that are numbers, texts, or sequences of them."""
+    attributes = sorted(getattr(solver, "__dict__", ()))
+    given = [field.name for field in fields(solver)] if is_dataclass(solver) else attributes
+    found = {name: getattr(solver, name, None) for name in given if not name.startswith("_")}
+    return {"class": type(solver).__qualname__} | {name: value for name, value in found.items() if _is_plain(value)}
+
+
+def _is_plain(value: Any) -> bool:
+    if isinstance(value, list | tuple):
+        return all(_is_plain(entry) for entry in value)
+    return value is None or isinstance(value, bool | int | float | str | np.generic)
+
+
+def prepared(solver: Solver, problem: Problem) -> Solve:
+    """Prepare a solver for a problem; answers of a user's own are checked.
+
+    Raises:
+        ValueError: `prepare` returns no function of a problem, a state, a monitor and a truth value.
+    """
+    solve: Any = solver.prepare(problem)
+    if type(solver) in SHIPPED:
+        return solve
+    name = type(solver).__name__
+    if not callable(solve):
+        raise ValueError(f"{name}.prepare returns {short_repr(solve)}; let it return a function solve{SOLVE}.")
+    if not _takes(solve, 4):
+        raise ValueError(f"{name}.prepare returns a function of {inspect.signature(solve)}; let it take {SOLVE}.")
+    return _Checked(name, solve)
+
+
+class _Checked:
+    """Solve of a user's own solver, whose answers are checked and made plain numbers."""
+
+    def __init__(self, name: str, solve: Solve):
+        self.name, self.solve = name, solve
+
+    def __call__(
+        self, problem: LoadedProblem, x: PETSc.Vec, monitor: Monitor = no_monitor, thorough: bool = True, /
+    ) -> Solution:
+        try:
+            solution: Any = self.solve(problem, x, monitor, thorough)
+        except PETSc.Error as error:  # PETSc 3.25 wraps exceptions of callbacks
+            raise (error.__cause__ or error) from None
+        if not isinstance(solution, Solution) or not isinstance(solution.outcome, Outcome):
+            raise ValueError(
+                f"{self.name} returns {short_repr(solution)}; let it return Solution(outcome, reason, iterations) with "
+                "an outcome of fx_membrane.Outcome."
+            )
+        iterations = tuple(Iteration(*map(float, entry)) for entry in solution.iterations)
+        solution = replace(solution, reason=str(solution.reason), iterations=iterations or (_iterate(problem, x),))
+        fault = self.fault(problem, x) if solution.converged else ""
+        return replace(solution, outcome=Outcome.NO_EQUILIBRIUM, reason=fault) if fault else solution
+
+    def fault(self, problem: LoadedProblem, x: PETSc.Vec) -> str:
+        """Sentence on why a state is no equilibrium; empty if its constraints are met."""
+        calls = f"{self.name} calls a state an equilibrium "
+        if not np.isfinite(max_norm(x)):
+            return f"{calls}that has a displacement that is not a number; let it return Outcome.DIVERGED."
+        with problem.discretization.work(1) as (gap,):
+            x.copy(gap)
+            problem.constraints.impose(gap)
+            gap.axpy(-1.0, x)
+            error = max_norm(gap)
+        if error <= GAP * problem.structure.size:
+            return ""
+        return (
+            f"{calls}in which a constrained component is {error:.3g} from its place; let it call "
+            "problem.constraints.impose(x) first."
+        )
+
+
+def _iterate(problem: LoadedProblem, x: PETSc.Vec) -> Iteration:
+    """Energy and unbalanced force of a state."""
+    with problem.discretization.work(1) as (b,):
+        problem.residual(x, b)
+        problem.constraints.constrain_residual(x, b)
+        return Iteration(problem.energy(x), max_norm(b), 0.0)
+
+
+def _takes(function: Callable[..., Any], count: int) -> bool:
+    """Return True if a function can be called with so many arguments."""
+    try:
+        inspect.signature(function).bind(*range(count))
+    except TypeError:
+        return False
+    except ValueError:  # without a signature, as of C
+        return True
+    return True

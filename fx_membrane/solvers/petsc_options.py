@@ -1,0 +1,142 @@
+"""PETSc options of a user for the linear solver, those with the prefix `fx_membrane_`; `Newton` has the list.
+
+An option is honoured, refused in words, or told to have no effect.
+"""
+
+import ctypes
+import warnings
+from collections.abc import Iterable
+
+from mpi4py import MPI
+from petsc4py import PETSc
+
+from ..model.fingerprints import fingerprint
+from ..runtime.decimal_point import decimal_point
+from ..runtime.processes import refuse_differences, together
+
+PREFIX = "fx_membrane_"
+ICNTL, CNTL = "mat_mumps_icntl_", "mat_mumps_cntl_"
+NEEDED = {13: "counts negative pivots on several processes", 24: "counts zero pivots"}  # ICNTL that must be 1
+SOLVED = 1e-6  # residual of a step, as a fraction of its right-hand side
+TOLERANCE = 1e-10  # default of an iterative solver
+DIRECT = ("lu", "cholesky", "redundant", "telescope", "svd", "qr")  # preconditioners that solve in one application
+
+
+class UnusedOptionWarning(UserWarning):
+    """PETSc option with the prefix `fx_membrane_` that has no effect."""
+
+
+def given() -> dict[str, str]:
+    """Options of the user, without the prefix."""
+    return dict(PETSc.Options(PREFIX).getAll())
+
+
+def check(comm: MPI.Intracomm) -> None:
+    """Refuse options that cannot be honoured; collective.
+
+    Raises:
+        ValueError: They differ between processes; PETSc does not know a type; MUMPS is not to count pivots; steps are
+            not solved to 1e-6.
+    """
+    refuse_differences(comm, lambda: {"PETSc options": fingerprint(sorted(given().items()))})
+    with together(comm):
+        mumps()
+    ksp = PETSc.KSP().create(comm)
+    try:
+        ksp.setType("preonly")
+        ksp.getPC().setType("lu")
+        apply(ksp)
+    finally:
+        ksp.destroy()
+
+
+def mumps() -> tuple[dict[int, int], dict[int, float]]:
+    """Integer and real controls of MUMPS, by number.
+
+    Raises:
+        ValueError: One is not a number, or is needed otherwise.
+    """
+    options, names = PETSc.Options(PREFIX), given()
+    try:
+        icntl = {int(name.removeprefix(ICNTL)): options.getInt(name) for name in names if name.startswith(ICNTL)}
+        with decimal_point():
+            cntl = {int(name.removeprefix(CNTL)): options.getReal(name) for name in names if name.startswith(CNTL)}
+    except (PETSc.Error, ValueError) as error:
+        shown = {name: value for name, value in names.items() if name.startswith((ICNTL, CNTL))}
+        raise ValueError(f"The PETSc options {shown} with the prefix {PREFIX} are not all numbers: {error}.") from None
+    for number, what in NEEDED.items():
+        if icntl.get(number, 1) != 1:
+            raise ValueError(
+                f"The PETSc option -{PREFIX}{ICNTL}{number} is {icntl[number]}; MUMPS {what} with 1 only, and the "
+                "solvers need the count: leave the option out."
+            )
+    return icntl, cntl
+
+
+@decimal_point()
+def apply(ksp: PETSc.KSP) -> None:
+    """Apply the options to the linear solver of Newton's steps, a direct one up to here.
+
+    Raises:
+        ValueError: PETSc does not know a type; steps would not be solved to 1e-6.
+    """
+    ksp.setOptionsPrefix(PREFIX)
+    ksp.setTolerances(rtol=TOLERANCE)
+    try:
+        ksp.setFromOptions()
+    except PETSc.Error as error:
+        kinds = {name: value for name, value in given().items() if name.startswith(("ksp_", "pc_"))}
+        raise ValueError(
+            f"PETSc refuses the options {kinds} with the prefix {PREFIX}, or does not have such a type (error "
+            f"{error.ierr}); mend them or leave them out."
+        ) from None
+    kind = ksp.getPC().getType()
+    if ksp.getType() == "preonly" and kind not in DIRECT:
+        raise ValueError(
+            f"The PETSc option -{PREFIX}pc_type is {kind}, which does not solve for a step when it is applied once; "
+            f"give an iterative method too, as -{PREFIX}ksp_type cg."
+        )
+    rtol = float(ksp.getTolerances()[0])
+    if ksp.getType() != "preonly" and rtol > SOLVED:
+        raise ValueError(
+            f"The PETSc option -{PREFIX}ksp_rtol is {rtol:g}; steps must be solved to {SOLVED:g}: give no more."
+        )
+
+
+def name(ksp: PETSc.KSP) -> str:
+    """Name of a linear solver that options have chosen, as "cg with jacobi"; empty for the direct default."""
+    chosen = any(option.startswith(("ksp_type", "pc_type", "pc_factor_mat_solver_type")) for option in given())
+    return f"{ksp.getType()} with {ksp.getPC().getType()}" if chosen else ""
+
+
+def unread() -> list[str]:
+    """Options that PETSc has not read since the program began."""
+    library = ctypes.CDLL(PETSc.__file__)  # petsc4py does not have this function
+    used = ctypes.c_int(0)
+
+    def is_used(option: str) -> bool:
+        library.PetscOptionsUsed(None, f"{PREFIX}{option}".encode(), ctypes.byref(used))
+        return bool(used.value & 0xFF)  # an int, or a bool in newer versions
+
+    return [option for option in given() if not is_used(option)]
+
+
+def tell_unused(comm: MPI.Intracomm, options: Iterable[str], where: str) -> None:
+    """Tell of options without effect; collective.
+
+    Warns:
+        UnusedOptionWarning: There are some.
+    """
+    names = ", ".join(f"-{PREFIX}{option}" for option in sorted(options))
+    with together(comm):
+        if names and comm.rank == 0:
+            warnings.warn(
+                f"PETSc options have no effect on {where}: {names}. Mend their names, or leave them out.",
+                UnusedOptionWarning,
+                stacklevel=4,
+            )
+
+
+def tell_not_for_steps(comm: MPI.Intracomm, where: str, factors: bool) -> None:
+    """Tell of options that a solver without Newton's steps does not read: all, or those not of MUMPS if it factors."""
+    tell_unused(comm, [option for option in given() if not (factors and option.startswith((ICNTL, CNTL)))], where)

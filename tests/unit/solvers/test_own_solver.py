@@ -1,0 +1,196 @@
+"""Solvers of a user: any object that keeps the protocol, on any number of processes."""
+
+import re
+
+import numpy as np
+import pytest
+from petsc4py import PETSc
+
+from fx_membrane import (
+    Analysis,
+    ConvergenceError,
+    DistributedLoad,
+    Iteration,
+    Newton,
+    Outcome,
+    PrescribedDisplacement,
+    Solution,
+    Stage,
+    UnbalancedStateWarning,
+    WorkLimit,
+)
+from models import CENTRE, inclined_sheet
+
+SNOW = Stage("snow", [DistributedLoad((0, 0, -200.0), "fabric")], increments=2)
+
+
+class BySnes:
+    """PETSc's SNES, on the script's own terms: attributes of every kind, numbers of NumPy."""
+
+    def __init__(self, kind="newtonls"):
+        self.kind, self.function, self.weights = kind, lambda: None, np.random.default_rng().random(3)
+
+    def prepare(self, problem):
+        A, b = problem.create_matrix(), problem.create_vector()
+        self.snes = PETSc.SNES().create(problem.comm)
+        self.snes.setType(self.kind)
+        self.snes.getKSP().setType("preonly")
+        self.snes.getKSP().getPC().setType("lu")
+        self.snes.getKSP().getPC().setFactorSolverType("mumps")
+        self.snes.setTolerances(rtol=1e-12, atol=1e-9, stol=0.0)
+
+        def solve(loaded, x, monitor, thorough):
+            history = []
+
+            def residual(snes, x, b):
+                loaded.residual(x, b)
+                loaded.constraints.zero_constrained(b)
+
+            def tangent(snes, x, A, P):
+                loaded.tangent(x, A)
+                A.zeroRowsColumns(loaded.constraints.constrained, diag=1.0)
+
+            def record(snes, number, norm):
+                history.append(Iteration(np.float32(loaded.energy(x)), np.float64(norm), number > 0))
+                monitor(number, history[-1])
+
+            loaded.constraints.impose(x)
+            self.snes.setFunction(residual, b)
+            self.snes.setJacobian(tangent, A)
+            self.snes.cancelMonitor()
+            self.snes.setMonitor(record)
+            self.snes.solve(None, x)
+            done = self.snes.getConvergedReason() > 0
+            return Solution(Outcome.CONVERGED if done else Outcome.MAX_ITERATIONS, "SNES has ended.", tuple(history))
+
+        return solve
+
+
+def answering(answer, impose=True):
+    """Solver that only answers."""
+
+    class Answer:
+        def prepare(self, problem):
+            def solve(loaded, x, monitor, thorough):
+                if impose:
+                    loaded.constraints.impose(x)
+                return answer(x) if callable(answer) else answer
+
+            return solve
+
+    return Answer()
+
+
+def test_snes_of_a_script_finds_the_state_of_newton(tmp_path):
+    stages = [SNOW, Stage("lift", displacements=[PrescribedDisplacement(CENTRE, (0.01, 0, 0.05))], after="snow")]
+    expected = Analysis(inclined_sheet()).run(stages)
+    found = Analysis(inclined_sheet(), BySnes()).run(stages)
+    for name in ("snow", "lift"):
+        size = np.abs(expected[name].displacement).max()
+        np.testing.assert_allclose(found[name].displacement, expected[name].displacement, rtol=0, atol=1e-9 * size)
+        assert {entry.outcome for entry in found[name].increments} == {Outcome.CONVERGED}
+        assert all(type(number) is float for _, entry in found[name].history for number in entry)
+
+
+def test_checkpoint_continues_with_another_solver(tmp_path):
+    file = tmp_path / "run.sqlite"
+    with pytest.raises(ConvergenceError):
+        Analysis(inclined_sheet(), BySnes(), limit=WorkLimit(iterations=1)).run([SNOW], file)
+    first = Analysis(inclined_sheet(), BySnes()).run([SNOW], file)["snow"]
+    again = Analysis(inclined_sheet(), Newton()).run([SNOW], file)["snow"]
+    np.testing.assert_array_equal(first.displacement, again.displacement)
+    assert first.history == again.history
+
+
+def test_limit_of_work_ends_a_solver_from_inside_its_callbacks():
+    with pytest.raises(ConvergenceError, match="limit of 3 iterations for a stage is used up") as failure:
+        Analysis(inclined_sheet(), BySnes(), limit=WorkLimit(iterations=3)).run([SNOW])
+    assert failure.value.failed.outcome is Outcome.WORK_LIMIT
+
+
+def test_failure_halves_the_increment_and_keeps_words_and_results():
+    with pytest.raises(ConvergenceError, match="It is Sunday") as failure:
+        Analysis(inclined_sheet(), answering(Solution(Outcome.MAX_ITERATIONS, "It is Sunday.", ()))).run([SNOW])
+    assert failure.value.failed.load_factor == 0.5 / 2**8
+    assert failure.value.last.largest_displacement == 0
+    assert failure.value.failed.iterations[0].residual > 0  # of the state that it left
+
+
+@pytest.mark.filterwarnings("ignore::fx_membrane.UnbalancedStateWarning")
+def test_state_out_of_balance_is_told():
+    state = Analysis(inclined_sheet(), answering(Solution(Outcome.CONVERGED, "", ()))).run([SNOW])["snow"]
+    assert UnbalancedStateWarning in {remark.category for remark in state.remarks}
+    assert state.equilibrium.residual > 1
+
+
+def _nan(x):
+    x.set(np.nan)
+    return Solution(Outcome.CONVERGED, "", ())
+
+
+@pytest.mark.parametrize(
+    ("solver", "words"),
+    [
+        (
+            answering(Solution(Outcome.CONVERGED, "", ()), impose=False),
+            "a constrained component is 0.05 from its place",
+        ),
+        (answering(_nan), "a displacement that is not a number"),
+    ],
+)
+def test_state_that_breaks_its_constraints_is_no_equilibrium(solver, words):
+    lift = Stage("lift", displacements=[PrescribedDisplacement(CENTRE, (0, 0, 0.05))])
+    with pytest.raises(ConvergenceError, match=f"Answer calls a state an equilibrium .*{words}") as failure:
+        Analysis(inclined_sheet(), solver).run([lift])
+    assert failure.value.failed.outcome is Outcome.NO_EQUILIBRIUM
+
+
+@pytest.mark.parametrize("answer", [None, True, "converged", (Outcome.CONVERGED, "", ()), Solution(True, "", ())])
+def test_answer_of_another_kind(answer):
+    with pytest.raises(ValueError, match=r"Answer returns .*; let it return Solution\(outcome, reason, iterations\)"):
+        Analysis(inclined_sheet(), answering(answer)).run([SNOW])
+
+
+class NoArgument:
+    def prepare(self):
+        pass
+
+
+class NoFunction:
+    def prepare(self, problem):
+        pass
+
+
+class ShortFunction:
+    def prepare(self, problem):
+        return lambda x: None
+
+
+@pytest.mark.parametrize(
+    ("solver", "words"),
+    [
+        (Newton, "solver is the class Newton; give an object of it, with brackets"),
+        (3, "solver is 3, which has no method prepare(problem); give Newton(), or an object"),
+        (None, "solver is None, which has no method prepare(problem)"),
+        (NoArgument(), "whose prepare takes (); let it take (problem)"),
+        (
+            NoFunction(),
+            "NoFunction.prepare returns None; let it return a function solve(problem, x, monitor, thorough)",
+        ),
+        (
+            ShortFunction(),
+            "ShortFunction.prepare returns a function of (x); let it take (problem, x, monitor, thorough)",
+        ),
+    ],
+)
+def test_refused_at_the_door(solver, words):
+    with pytest.raises(ValueError, match=re.escape(words)):
+        Analysis(inclined_sheet(), solver)
+
+
+@pytest.mark.mpi
+@pytest.mark.skipif(PETSc.COMM_WORLD.size == 1, reason="compares processes")
+def test_settings_of_one_process_alone_are_refused():
+    kind = "newtontr" if PETSc.COMM_WORLD.rank == 1 else "newtonls"
+    with pytest.raises(ValueError, match="process 1 differs from that of process 0 in: solver"):
+        Analysis(inclined_sheet(), BySnes(kind))
