@@ -8,7 +8,6 @@ import sys
 from pathlib import Path
 
 import pytest
-from mpi4py import MPI
 
 pytest.register_assert_rewrite("interrupted", "models", "pictures", "wrinkled")
 
@@ -55,15 +54,28 @@ def pytest_collection_modifyitems(items):
             item.add_marker(pytest.mark.mpi)
 
 
+def starts_others(config):
+    """Tell the process that only distributes tests (`pytest --numprocesses 2`)."""
+    return bool(config.getoption("numprocesses", None))
+
+
 @pytest.hookimpl(trylast=True)
 def pytest_configure(config):
+    if starts_others(config):
+        return  # MPI would write into the environment that the others inherit: they could start no processes
+    from mpi4py import MPI  # noqa: PLC0415
+
     reporter = config.pluginmanager.getplugin("terminalreporter")
     if MPI.COMM_WORLD.rank > 0 and reporter is not None:
         reporter._tw._file = open(os.devnull, "w")  # noqa: SIM115  (open until pytest ends)
 
 
 @pytest.hookimpl(trylast=True)
-def pytest_unconfigure():
+def pytest_unconfigure(config):
+    if starts_others(config):
+        return
+    from mpi4py import MPI  # noqa: PLC0415
+
     # The first process that ends with a failure ends all others: wait until the report is out.
     sys.stdout.flush()
     MPI.COMM_WORLD.Barrier()

@@ -72,9 +72,13 @@ def test_every_demo_is_listed():
 
 
 @pytest.mark.parametrize("name", PICTURES)
-def test_demo(name, tmp_path, monkeypatch, capsys):
-    """With pictures on one process, where pyvista is installed; on several the numbers alone."""
-    pictures = HAS_PYVISTA and MPI.COMM_WORLD.size == 1
+@pytest.mark.parametrize(
+    "pictures", [pytest.param(True, marks=pytest.mark.serial, id="pictures"), pytest.param(False, id="numbers")]
+)
+def test_demo(name, pictures, tmp_path, monkeypatch, capsys):
+    """With pictures on one process, where pyvista is installed; on several, and without pyvista, the numbers alone."""
+    if pictures != (HAS_PYVISTA and MPI.COMM_WORLD.size == 1):
+        pytest.skip("runs with pictures on one process, without on several")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "argv", [name] if pictures else [name, "--no-pictures"])
     compare(name, run(name)["numbers"])

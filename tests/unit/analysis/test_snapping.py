@@ -88,20 +88,29 @@ def test_arch_driven_past_its_largest_load_does_not():
     assert len(result["jack"].increments) == 1
 
 
+TURNING = {
+    "pyramid": (pyramid(), DistributedLoad((0, 0, -1500.0), "fabric")),
+    "cap under pressure": (cap(), Pressure(-2e3, "shell")),
+}
+
+
+@pytest.fixture(scope="module", params=TURNING)
+def turning(request):
+    """Structure, load, and the load factor where the path turns."""
+    structure, load = TURNING[request.param]
+    rest = Analysis(structure).run([Stage("rest")])["rest"]
+    path = equilibrium_path(rest, Stage("load", [load], after="rest", increments=200), None, (4, "z", -0.8))
+    return structure, load, path.load_factors[path.limit_points[0]]
+
+
 @pytest.mark.parametrize("steps", [1, 4])
-@pytest.mark.parametrize(
-    ("structure", "load"),
-    [(pyramid(), DistributedLoad((0, 0, -1500.0), "fabric")), (cap(), Pressure(-2e3, "shell"))],
-    ids=["pyramid", "cap under pressure"],
-)
-def test_snaps_where_the_path_turns(structure, load, steps):
+def test_snaps_where_the_path_turns(turning, steps):
     """Also if Newton's steps pass over all unstable shapes."""
+    structure, load, limit = turning
     stages = [Stage("rest"), Stage("load", [load], after="rest", increments=steps)]
     with pytest.warns(UnstableStateWarning, match="Stage 'load': between"):
         results = Analysis(structure).run(stages)
     assert results["load"].position[4, 2] < -0.6
-    path = equilibrium_path(results["rest"], Stage("load", [load], after="rest", increments=200), None, (4, "z", -0.8))
-    limit = path.load_factors[path.limit_points[0]]
     low, high = snapped(results["load"])
     assert low < limit < high
     assert high - low == pytest.approx(1 / steps / 256, rel=1e-12)
