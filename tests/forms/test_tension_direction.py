@@ -86,11 +86,11 @@ def test_public_helper_on_a_process_without_cells():
     ("change", "words"),
     [
         ({"strain": [1.0, 2.0, 3.0]}, r"strain has shape \(3,\); give \(n, 2, 2\)"),
-        ({"strain": [[[np.nan, 0], [0, 1]]]}, "strain has a value that is not finite"),
-        ({"Gt": 0.0}, "Gt is 0; it must be positive"),
-        ({"Et_weft": [1.0, 2.0]}, r"Et_weft has shape \(2,\); give a number, or one for each of 1 cells"),
+        ({"strain": [[[np.nan, 0], [0, 1]]]}, "strain.*value.*not finite"),
+        ({"Gt": 0.0}, "Gt is 0.*positive"),
+        ({"Et_weft": [1.0, 2.0]}, r"Et_weft.*shape \(2,\).*number.*one.*1 cells"),
         ({"nu": 1.5}, "nu.2 Et_weft / Et_warp must be below 1"),
-        ({"nu": "0.3"}, "nu must be an array of numbers"),
+        ({"nu": "0.3"}, "nu.*array.*numbers"),
     ],
 )
 def test_public_helper_refuses(change, words):

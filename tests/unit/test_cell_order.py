@@ -71,7 +71,7 @@ def assert_same(found, expected, what="result", size=None):
     """Two results or plain data, entry by entry, to rounding beside the largest number of each array."""
     if dataclasses.is_dataclass(expected):
         for entry in dataclasses.fields(expected):
-            if entry.name not in ("structure", "iterations", "increments"):
+            if entry.name not in ("structure", "owner", "iterations", "increments"):
                 a, b = getattr(found, entry.name), getattr(expected, entry.name)
                 # sums of forces and moments are rounding where they balance
                 assert_same(a, b, entry.name, 1e3 if what == "equilibrium" else None)
@@ -243,9 +243,7 @@ def branching(prestress):
     return Structure(points, {"fabric": fabric}, [Support([2, 3, 4])])
 
 
-@pytest.mark.parametrize(
-    ("surface", "reason"), [(moebius, "has only one side, like a Moebius strip"), (branching, "branches at the edge")]
-)
+@pytest.mark.parametrize(("surface", "reason"), [(moebius, "one side.*Moebius strip"), (branching, "branches.*edge")])
 def test_surface_without_two_sides(surface, reason):
     structure = surface((900.0, 700.0))
     air = [Stage("air", [Pressure(1.0, "fabric")])]
@@ -254,9 +252,9 @@ def test_surface_without_two_sides(surface, reason):
         lambda: Analysis(structure).run(air),
         lambda: updated_reference(structure, air[0].loads),
     ):
-        with pytest.raises(ValueError, match=f"^Part 'fabric' {reason}"):
+        with pytest.raises(ValueError, match=f"^Part 'fabric'.*{reason}"):
             refused()
-    with pytest.raises(ValueError, match=rf"^Part 'fabric', with shear in its prestress \[\[900.*, {reason}"):
+    with pytest.raises(ValueError, match=rf"^Part 'fabric'.*shear.*prestress \[\[900.*{reason}"):
         surface([[900, 200], [200, 700]])
     assert np.abs(structure.warp("fabric")).max() > 0.1
 

@@ -34,16 +34,14 @@ from models import CENTRE, EDGE, FABRIC, LIFT, POINTS, SNOW, TRIANGLES, WIND, cl
     ids=["no support", "only z held", "one node pinned", "one of two pieces unsupported"],
 )
 def test_structure_without_enough_supports(structure):
-    with pytest.raises(
-        ValueError, match=r"not supported enough: the piece with node \d+ \(25 nodes: Membrane '\w+'\) can"
-    ):
+    with pytest.raises(ValueError, match=r"not supported enough.*piece.*node \d+ \(25 nodes: Membrane '\w+'\)"):
         Analysis(structure).run([Stage("rest")])
 
 
 def test_piece_without_supports_is_named():
     points = np.vstack([POINTS, POINTS + np.array([0, 0, 1])])
     parts = {"low": Membrane(TRIANGLES, FABRIC, 1e3), "high": Membrane(TRIANGLES + 25, FABRIC, 1e3)}
-    with pytest.raises(ValueError, match=r"the piece with node 25 \(25 nodes: Membrane 'high'\)"):
+    with pytest.raises(ValueError, match=r"piece.*node 25 \(25 nodes: Membrane 'high'\)"):
         Analysis(Structure(points, parts, [Support(EDGE)])).run([Stage("rest")])
 
 
@@ -129,14 +127,14 @@ def test_result_does_not_depend_on_the_number_of_steps(analysis, steps):
 
 def test_result_of_a_stage_that_was_not_run(analysis):
     results = analysis.run([Stage("rest"), Stage("snow", [SNOW])])
-    with pytest.raises(KeyError, match=r"no stage is named 'wind'; the results are of \['rest', 'snow'\]"):
+    with pytest.raises(KeyError, match=r"no stage.*'wind'.*results.*\['rest', 'snow'\]"):
         results["wind"]
     assert "wind" not in results
     assert results.get("wind") is None
 
 
 def test_stage_without_a_name_is_refused():
-    with pytest.raises(ValueError, match="name of a stage is ''"):
+    with pytest.raises(ValueError, match=r"name.*stage is ''"):
         Stage("")
 
 

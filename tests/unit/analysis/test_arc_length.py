@@ -1,5 +1,6 @@
 """Equilibrium paths: starts, ends, refusals, and results after a failure."""
 
+import re
 import warnings
 from dataclasses import replace
 
@@ -106,8 +107,9 @@ def test_ends_with_the_last_point_allowed():
     assert len(path.points) == 6
     assert not path.complete
     factors = path.load_factors
-    assert path.reason.startswith("ended after 6 points, the most it was to have (max_points), at load factor ")
-    assert f"at load factor {factors[-1]:.6g}; on the way it was between 0 and {factors.max():.6g}." in path.reason
+    assert re.search(
+        rf"6 points.*max_points.*load factor {factors[-1]:.6g};.* 0 and {factors.max():.6g}\.", path.reason
+    )
     assert repr(path) == f"EquilibriumPath('push', 6 points, load factor {path.load_factors[-1]:.4g}, complete=False)"
 
 
@@ -187,19 +189,19 @@ def test_prestress_beyond_the_material_law_is_reported():
     [
         (("arch", PUSH), r"^equilibrium_path start is 'arch'; give a Structure or StageResult"),
         ((arch(), "push"), r"^equilibrium_path stage is 'push'; give a Stage"),
-        ((arch(), Stage("push", PUSH.loads, after="rest")), r"after='rest', but the path starts from a structure"),
-        ((arch(), Stage("push", [PointLoad(9, (0, 0, 1.0))])), r"names node 9, which does not exist"),
+        ((arch(), Stage("push", PUSH.loads, after="rest")), r"after='rest'.*path starts.*structure"),
+        ((arch(), Stage("push", [PointLoad(9, (0, 0, 1.0))])), r"names node 9.*not exist"),
         ((sheet(Support(12)), Stage("snow", [SNOW])), r"not supported enough"),
-        ((arch(), Stage("nothing")), r"^Stage 'nothing' moves nothing; give it loads"),
+        ((arch(), Stage("nothing")), r"^Stage 'nothing' moves nothing.*loads"),
         ((arch(), PUSH, "all"), r"^equilibrium_path load_factor is the text 'all'"),
-        ((arch(), PUSH, 1e-300), r"^equilibrium_path load_factor is 1e-300; it must be between 1e-09 and 1e\+09"),
-        ((arch(), PUSH, 1e30), r"^equilibrium_path load_factor is 1e\+30; it must be between"),
+        ((arch(), PUSH, 1e-300), r"^equilibrium_path load_factor is 1e-300.*between 1e-09 and 1e\+09"),
+        ((arch(), PUSH, 1e30), r"^equilibrium_path load_factor is 1e\+30.*between"),
         (
             (arch(), PUSH, None, (1, "z", 1e30)),
             r"^equilibrium_path displacement value is 1e\+30, more than 1000 times the size",
         ),
         ((arch(), PUSH, 1.0, 3), r"^equilibrium_path displacement is 3; give \(node, component, value\)"),
-        ((arch(), PUSH, 1.0, (9, "z", 0.1)), r"^equilibrium_path displacement names node 9, which does not exist"),
+        ((arch(), PUSH, 1.0, (9, "z", 0.1)), r"^equilibrium_path displacement names node 9.*not exist"),
         ((arch(), PUSH, 1.0, (1, "w", 0.1)), r"^equilibrium_path displacement component is 'w'"),
         ((arch(), PUSH, 1.0, (1, "xz", 0.1)), r"^equilibrium_path displacement names several components"),
         (
@@ -222,14 +224,14 @@ def test_bad_input(arguments, message):
 
 def test_stage_that_comes_after_another():
     rest = Analysis(arch()).run([Stage("rest")])["rest"]
-    with pytest.raises(ValueError, match=r"after=None, but the path starts from the final state of 'rest'; .*'rest'"):
+    with pytest.raises(ValueError, match=r"after=None.*path starts.*final state.*'rest'; .*'rest'"):
         equilibrium_path(rest, PUSH)
 
 
 def test_points_that_are_not_there():
     path = equilibrium_path(arch(), PUSH, max_points=3)
     for number in (3, -4, 0.5):
-        with pytest.raises(ValueError, match=rf"^Point {number} of the path is not there; it has 3 points"):
+        with pytest.raises(ValueError, match=rf"^Point {number}.*path.*3 points"):
             path.state(number)
 
 
@@ -238,7 +240,7 @@ def test_points_that_are_not_there():
 
 def test_start_that_is_singular():
     flat = sheet(prestress=0.0)
-    with pytest.raises(PathError, match=r"has no start: the tangent stiffness is singular: nothing") as error:
+    with pytest.raises(PathError, match=r"no start.*tangent stiffness.*singular: nothing") as error:
         equilibrium_path(flat, Stage("snow", [SNOW]))
     assert error.value.path.points == ()
 
@@ -246,7 +248,7 @@ def test_start_that_is_singular():
 def test_start_that_is_not_in_equilibrium():
     rest = Analysis(sheet()).run([Stage("rest")])["rest"]
     shape = np.where(rest.actions.held, 0, np.random.default_rng(1).normal(size=POINTS.shape))
-    with pytest.raises(PathError, match=r"'snow' has no start: it is not in equilibrium\. Bring the") as error:
+    with pytest.raises(PathError, match=r"'snow'.*no start.*equilibrium\. Bring") as error:
         equilibrium_path(replace(rest, displacement=shape), Stage("snow", [SNOW], after="rest"))
     assert error.value.path.points == ()
 
@@ -259,9 +261,7 @@ def test_path_that_is_lost_is_kept(monkeypatch):
         return find(self, guess, plane) if len(calls) < 5 else None
 
     monkeypatch.setattr(BorderedNewton, "find", only_some)
-    with pytest.raises(
-        PathError, match=r"'push' was lost after 4 points, at load factor 0\.36.* more increments"
-    ) as error:
+    with pytest.raises(PathError, match=r"'push'.*lost after 4 points.*load factor 0\.36.*increments") as error:
         equilibrium_path(arch(), PUSH)
     path = error.value.path
     assert len(calls) == 4 + StepControl().halvings + 1

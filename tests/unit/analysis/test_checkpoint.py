@@ -77,7 +77,7 @@ def test_stages_that_are_left_out_stay_in_the_file(path, expected):
     calls = counted(again)
     assert_same(again.run(stages(), path), expected)
     assert not calls
-    with pytest.raises(ValueError, match="another stage 'snow', which differs in: loads;"):
+    with pytest.raises(ValueError, match=r"stage 'snow'.*differs.*loads"):
         again.run(stages(snow=-201.0), path)
 
 

@@ -48,7 +48,7 @@ def test_checkpoint_of_another_stage_is_refused(path):
     cut_short(path, 3)
     other = Analysis(structure())
     calls = counted(other)
-    with pytest.raises(ValueError, match=r"state\.npz has another stage 'snow', which differs in: loads; give another"):
+    with pytest.raises(ValueError, match=r"state\.npz.*stage 'snow'.*differs.*loads"):
         other.run(stages(snow=-201.0), path)
     assert not calls
 
@@ -67,7 +67,7 @@ def write(path, content):
 )
 def test_file_that_is_no_checkpoint_is_refused_and_kept(path, content):
     write(path, content)
-    with pytest.raises(ValueError, match=r"state\.npz is not a checkpoint"):
+    with pytest.raises(ValueError, match=r"state\.npz.*not a checkpoint"):
         Analysis(structure()).run(stages(), path)
     MPI.COMM_WORLD.Barrier()
     assert path.read_bytes() == content
@@ -78,7 +78,7 @@ def test_archive_of_other_arrays_is_refused(path):
         path.parent.mkdir(parents=True)
         np.savez(path, points=POINTS)
     MPI.COMM_WORLD.Barrier()
-    with pytest.raises(ValueError, match=r"state\.npz is not a checkpoint"):
+    with pytest.raises(ValueError, match=r"state\.npz.*not a checkpoint"):
         Analysis(structure()).run(stages(), path)
 
 
@@ -88,7 +88,7 @@ def test_single_array_is_refused(path):
         with path.open("wb") as file:
             np.save(file, POINTS)
     MPI.COMM_WORLD.Barrier()
-    with pytest.raises(ValueError, match=r"state\.npz is not a checkpoint"):
+    with pytest.raises(ValueError, match=r"state\.npz.*not a checkpoint"):
         Analysis(structure()).run(stages(), path)
 
 
@@ -99,7 +99,7 @@ def test_truncated_file_is_refused(path, share):
     whole = path.read_bytes()
     MPI.COMM_WORLD.Barrier()
     write(path, whole[: int(share * len(whole))])
-    with pytest.raises(ValueError, match=r"state\.npz is not a checkpoint"):
+    with pytest.raises(ValueError, match=r"state\.npz.*not a checkpoint"):
         Analysis(structure()).run(stages(), path)
 
 
@@ -240,5 +240,5 @@ def test_changed_content_is_refused(tmp_path, change):
     path = tmp_path / "state.npz"
     saved(path, lift=progress())
     edit(path, change)
-    with pytest.raises(ValueError, match=r"state\.npz is not a checkpoint \(.+\); give another name or remove it"):
+    with pytest.raises(ValueError, match=r"state\.npz.*not a checkpoint \(.+\).*name.*remove"):
         loaded(path)

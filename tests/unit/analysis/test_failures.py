@@ -34,7 +34,7 @@ def test_flat_membrane_without_prestress_has_no_stiffness_across(R):
     load = DistributedLoad(R @ [0, 0, -200.0], "fabric")
     with pytest.raises(
         ConvergenceError,
-        match=r"'snow' .* load factor 0\.5 \(the last found is at 0\): .* singular.* node 6 .*prestress",
+        match=r"'snow'.*load factor 0\.5 \(the last.*0\).*singular.* node 6 .*prestress",
     ) as error:
         Analysis(structure, PLAIN).run([Stage("snow", [load], increments=2)])
     assert len(error.value.failed.iterations) == 1
@@ -58,7 +58,7 @@ def test_flat_membrane_without_prestress_carries_load_all_the_same(R):
 def test_failure_keeps_the_completed_stages_and_the_state_before(analysis):
     short = Analysis(sheet(), Newton(max_iterations=4, line_search=False))
     first = Stage("first", [DistributedLoad((0, 0, -20.0), "fabric")])
-    with pytest.raises(ConvergenceError, match=r"^Stage 'snow' found no equilibrium at load factor ") as error:
+    with pytest.raises(ConvergenceError, match=r"^Stage 'snow'.*no equilibrium.*load factor") as error:
         short.run([first, Stage("other"), Stage("snow", [TOO_MUCH], [LIFT], after="first"), Stage("never")])
     failure = error.value
     expected = analysis.run([first])["first"]
@@ -75,7 +75,7 @@ def test_failure_keeps_the_completed_stages_and_the_state_before(analysis):
 def test_failure_in_a_later_step_keeps_the_steps_before():
     # So close to the limit load there is little stiffness left, and displacements have fewer digits than forces.
     analysis = Analysis(arch(), Newton(rtol=1e-13, max_iterations=12, line_search=False))
-    with pytest.raises(ConvergenceError, match=r"\(the last found is at 0\.83") as error:
+    with pytest.raises(ConvergenceError, match=r"\(the last.*0\.83") as error:
         analysis.run([Stage("push", [PointLoad(1, (0, 0, -1.2 * LIMIT))], increments=8)])
     failure = error.value
     factors = [increment.load_factor for increment in failure.last.increments]
@@ -144,7 +144,7 @@ def test_frame_that_sways_is_given_up_after_one_try(masts, monkeypatch):
     supports = [Support(range(masts)), *([Support(tops, "y")] if masts == 2 else [])]
     structure = Structure(np.vstack([feet, np.add(feet, [0, 0, 3.0])]), parts, supports)
     monkeypatch.setattr(newton, "stabilized_start", lambda *_: pytest.fail("is of no use here"))
-    with pytest.raises(ConvergenceError, match=r"the structure is a mechanism: node \d moves freely") as error:
+    with pytest.raises(ConvergenceError, match=r"structure.*mechanism: node \d moves freely") as error:
         Analysis(structure).run([Stage("push", [PointLoad(masts, (10.0, 0, 0))])])
     motion = error.value.motion
     assert np.linalg.norm(motion, axis=1).max() == pytest.approx(1)
@@ -177,6 +177,5 @@ def test_soft_cable_that_is_stretched_far_is_reported_once():
     said = [str(entry.message) for entry in caught if entry.category is UnstableStateWarning]
     assert len(result.increments) == 4  # it moves by more than 2 in each
     assert len(said) == 1
-    assert "up to load factor 1 node 4 moved by" in said[0]
-    assert "hung down or been stretched" in said[0]
-    assert "check units and stiffness" in said[0]
+    for fact in ("load factor 1 ", "node 4", "hung down", "units", "stiffness"):
+        assert fact in said[0]

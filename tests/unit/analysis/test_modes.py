@@ -122,18 +122,18 @@ def test_what_slack_cables_keep_holds_no_mast(kept):
 
 def test_more_modes_than_there_are():
     state = rest(guyed())
-    with pytest.raises(ValueError, match="count is 4, but 3 components with mass can move"):
+    with pytest.raises(ValueError, match=r"count is 4.*3 components.*mass.*move"):
         natural_frequencies(state, 4)
     with pytest.raises(ValueError, match="stability count is 7, but 6 components can move"):
         stability(state, 7)
-    with pytest.raises(ValueError, match="count is 0; give a whole number"):
+    with pytest.raises(ValueError, match=r"count is 0.*whole number"):
         natural_frequencies(state, 0)
 
 
 def test_without_mass():
     structure = guyed()
     massless = replace(structure, parts={"cable": Cable([[0, 1]], EA, T), "guy": structure.parts["guy"]})
-    with pytest.raises(ValueError, match=r"^No part has mass; give mass=... to membranes \[kg/m2\]"):
+    with pytest.raises(ValueError, match=r"^No part.*mass.*mass=.*membranes \[kg/m2\]"):
         natural_frequencies(rest(massless))
     assert stability(rest(massless)).negative == 0
 
@@ -146,7 +146,7 @@ def test_part_without_mass_that_nothing_holds(prestress):
     hold = [PrescribedDisplacement([1, 2], np.zeros(3))]
     state = Analysis(structure).run([Stage("rest", loads, hold)])["rest"]
     state = replace(state, actions=replace(state.actions, held=structure.supported))
-    with pytest.raises(ValueError, match="singular or negative where there is no mass"):
+    with pytest.raises(ValueError, match=r"singular.*negative.*no mass"):
         natural_frequencies(state, 1)
     heavy = guyed(mass=0.1, prestress=prestress)
     modes = natural_frequencies(replace(state, structure=heavy), 2)

@@ -40,8 +40,8 @@ def test_mast_whose_guys_are_slack_bears_no_load(unit):
     structure = Structure(points, {"mast": Mast([[0, 1]], 2e8 * unit), "guys": guys}, [Support([0, 2, 3])])
     down = PointLoad(1, (0, 0, -500 * unit))
     words = reason(structure, [Stage("rest"), Stage("down", [down], after="rest")])
-    assert words.startswith("the structure is a mechanism but for the small stiffness that slack parts keep: node 1")
-    assert "Nothing holds mast 'mast' (cell 0) by the tension of 'guys': no load is safe. Add cables" in words
+    for fact in ("mechanism", "slack parts", "node 1", "mast 'mast' (cell 0)", "'guys': no load is safe", "Add cables"):
+        assert fact in words
     assert "largest load" not in words
     assert "give it prestress" not in words  # they were given it
 
@@ -61,10 +61,10 @@ def test_pole_that_falls_beside_a_roof_is_named_first():
     loads = [DistributedLoad((0, 0, -600), "roof"), PointLoad(n + 1, (6, 10.0, -10))]
     words = reason(structure, [Stage("snow", loads)])
     assert words.startswith(f"mast 'pole' (cell 0, at node {n + 1}) has turned by")
-    assert "check that it has all its stays" in words
+    assert "has all its stays" in words
     assert "'guys' is slack in 2 of 2 cells" in words
     assert "largest load" not in words
-    assert "increments=" not in words
+    assert "more increments" not in words
 
 
 def test_mast_without_one_of_its_stays_is_named_first():
@@ -90,5 +90,5 @@ def test_mast_without_one_of_its_stays_is_named_first():
     )
     words = reason(structure, [Stage("prestress")], Newton(max_iterations=60))
     assert words.startswith(f"mast 'masts' (cell 0, at node {W}) has turned by")
-    assert "check that it has all its stays" in words
+    assert "has all its stays" in words
     assert "give it prestress" not in words

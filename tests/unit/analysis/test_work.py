@@ -47,7 +47,7 @@ def weight_and_wind(pressure):
 def test_limit_of_iterations_is_met_exactly(solver):
     taken = sum(len(i.iterations) - 1 for i in Analysis(sheet(), solver).run(EASY)["snow"].increments)
     assert "snow" in Analysis(sheet(), solver, limit=WorkLimit(iterations=taken)).run(EASY)
-    with pytest.raises(ConvergenceError, match=rf"the limit of {taken - 1} iterations for a stage is used up") as error:
+    with pytest.raises(ConvergenceError, match=rf"limit.*{taken - 1} iterations.*stage") as error:
         Analysis(sheet(), solver, limit=WorkLimit(iterations=taken - 1)).run(EASY)
     assert [i.load_factor for i in error.value.last.increments] == [0.25, 0.5, 0.75]
     assert error.value.failed.load_factor == 1
@@ -70,7 +70,7 @@ def test_every_fallback_counts(most, monkeypatch):
     (weight, wind) = weight_and_wind(20.0)
     analysis.run([weight])
     residuals.clear()
-    with pytest.raises(ConvergenceError, match=f"the limit of {most} iterations for a stage is used up") as error:
+    with pytest.raises(ConvergenceError, match=f"limit.*{most} iterations.*stage") as error:
         analysis.run([weight, wind])
     assert list(error.value.results) == ["weight"]
     assert most < len(residuals) < 1.2 * most + 40
@@ -82,7 +82,7 @@ def test_every_fallback_counts(most, monkeypatch):
 def test_limit_of_seconds(monkeypatch):
     clock = iter(np.arange(0.0, 1e6))
     monkeypatch.setattr(work, "monotonic", lambda: next(clock))
-    with pytest.raises(ConvergenceError, match=r"the limit of 9.5 s for a stage is used up, after \d iterations"):
+    with pytest.raises(ConvergenceError, match=r"limit.*9.5 s.*stage.*after \d iterations"):
         Analysis(sheet(), limit=WorkLimit(seconds=9.5)).run(EASY)
 
 
@@ -102,9 +102,9 @@ def test_run_goes_on_from_the_checkpoint_with_the_whole_limit_before_it(tmp_path
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"iterations": 0}, "WorkLimit iterations is 0; give a whole number above zero"),
-        ({"iterations": 1.5}, "WorkLimit iterations is 1.5; give a whole number"),
-        ({"seconds": 0.0}, "WorkLimit seconds is 0.0; it must be positive"),
+        ({"iterations": 0}, "WorkLimit iterations is 0.*whole number above zero"),
+        ({"iterations": 1.5}, "WorkLimit iterations is 1.5.*whole number"),
+        ({"seconds": 0.0}, "WorkLimit seconds is 0.0.*positive"),
         ({"seconds": np.nan}, "WorkLimit seconds is nan"),
     ],
 )
@@ -120,10 +120,10 @@ def test_flag_that_flies_off_is_said_to(recwarn):
     message = str(error.value)
     last = error.value.last.increments[-1].load_factor
     assert 0.48 < last < 0.52
-    assert f"from load factor {last:.6g} on no equilibrium was found" in message
-    assert "likely there is none" in message
-    assert "More increments will not help" in message
-    assert "increments=" not in message  # nor are they advised
+    assert f"load factor {last:.6g} on no equilibrium" in message
+    assert "there is none" in message
+    assert "will not help" in message
+    assert "apply the loads in more" not in message  # nor are they advised
 
 
 def test_light_banner_is_found_without_beginning_anew(recwarn):
@@ -157,11 +157,9 @@ def test_limit_that_ends_the_search_for_a_snap_tells_and_saves_none(tmp_path):
         searches = 0
         for most in range(8, 64, 4):
             file = tmp_path / f"{most}"
-            with pytest.raises(
-                ConvergenceError, match=f"limit of {most} iterations for a stage is used up; .* all\\."
-            ) as e:
+            with pytest.raises(ConvergenceError, match=f"limit.*{most} iterations.*stage") as e:
                 Analysis(mast_with_two_guys(), limit=WorkLimit(iterations=most)).run(LEANING, file)
-            searches += "It ended the search for a load between the load factors 0 and 0.5" in str(e.value)
+            searches += "between the load factors 0 and 0.5" in str(e.value)
             assert not any(increment.outcome.lost_stability for increment in (*e.value.last.increments, e.value.failed))
             if most % 8 == 0:
                 assert Analysis(mast_with_two_guys()).run(LEANING, file)["wind"].remarks == expected

@@ -104,22 +104,22 @@ def test_support_may_be_prescribed_where_it_is():
     [
         (
             {"a": {"nodes": [12, 4], "displacement": (0, 0, 0.1)}},
-            r"^Stage 'lift' moves node 4 by 0\.1 along z, where it is already held at 0; remove the support",
+            r"^Stage 'lift' moves node 4.*0\.1 along z.*held.*0; remove.*support",
         ),
         (
             {"a": {"nodes": 4, "displacement": (0, -2.5, 0), "components": "y"}},
-            r"node 4 by -2\.5 along y, where it is already held at 0;",
+            r"node 4.*-2\.5 along y.*held.*0",
         ),
         (
             {
                 "a": {"nodes": [11, 12], "displacement": (0, 0, 0.1)},
                 "b": {"nodes": [12, 13], "displacement": (0, 0, 0.2)},
             },
-            r"node 12 by 0\.2 along z, where it is already held at 0\.1;",
+            r"node 12.*0\.2 along z.*held.*0\.1",
         ),
         (
             {"a": {"nodes": [12, 12], "displacement": [(0, 0, 0.1), (0, 0, 0.2)]}},
-            r"node 12 by 0\.[12] along z, where it is already held at 0\.[12];",
+            r"node 12.*0\.[12] along z.*held.*0\.[12]",
         ),
     ],
     ids=["support", "one component of a support", "two entries", "a node twice in one entry"],
@@ -194,7 +194,5 @@ def test_unloaded_holds_the_supports_only():
 @pytest.mark.parametrize("load", [PlanLoad((0, 0, -1.0), "bar"), Pressure(1.0, "bar")])
 def test_surface_load_on_a_bar_is_refused(load):
     structure = Structure([[0.0, 0, 0], [1, 0, 0]], {"bar": Mast([[0, 1]], 1e6)}, [Support([0, 1])])
-    with pytest.raises(
-        ValueError, match=rf"^Stage 'loads' has a {type(load).__name__} on 'bar', a Mast; it acts on membranes"
-    ):
+    with pytest.raises(ValueError, match=rf"^Stage 'loads'.*{type(load).__name__}.*'bar'.*Mast.*acts.*membranes"):
         Analysis(structure).run([Stage("loads", [load])])

@@ -214,7 +214,7 @@ def test_derivative_by_a_modulus_is_zero_without_elasticity():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("sail", "Et"), r"^No part is named 'sail'; those of the structure are \['fabric', 'woven', 'edge', 'mast'\]"),
+        (("sail", "Et"), r"^No part.*'sail'.*structure.*\['fabric', 'woven', 'edge', 'mast'\]"),
         ((3, "Et"), r"^No part is named 3"),
         (
             ("woven", "Et"),

@@ -114,5 +114,5 @@ def test_pressure_on_a_one_sided_membrane_is_refused(monkeypatch):
     analysis = Analysis(structure)
     analysis.run([Stage("weight", [DistributedLoad((0, 0, -1.0), "fabric")])])
     monkeypatch.setattr(analysis, "_solve", None)  # refused before anything is solved
-    with pytest.raises(ValueError, match=r"^Part 'fabric' has only one side, like a Moebius strip"):
+    with pytest.raises(ValueError, match=r"^Part 'fabric'.*one side.*Moebius strip"):
         analysis.run([Stage("rest"), Stage("air", [Pressure(1.0, "fabric")])])

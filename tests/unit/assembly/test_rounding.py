@@ -140,16 +140,14 @@ def test_rounding_that_is_no_equilibrium_is_told(stiffness):
     assert off == (stiffness > 1e15)
     assert len(told) == int(off and not MPI.COMM_WORLD.rank)  # the first process warns for all
     for message in told:
-        assert f"an unbalanced force of {state.equilibrium.residual:.3g} is left" in message
+        assert f"unbalanced force of {state.equilibrium.residual:.3g} " in message
         assert "smaller rtol" in message
         assert "far stiffer" in message
 
 
 @pytest.mark.serial
 def test_coarse_tolerance_is_told():
-    with pytest.warns(
-        UnbalancedStateWarning, match=r"^Stage 'snow': an unbalanced force of .* beside loads of 2\.\d+e\+04"
-    ):
+    with pytest.warns(UnbalancedStateWarning, match=r"^Stage 'snow'.*unbalanced force.*beside loads.*2\.\d+e\+04"):
         final(roof(), snow(), Newton(rtol=1e-2))
 
 
@@ -204,5 +202,5 @@ def test_unused_node_hides_no_warning():
     points, triangles = rectangle(2, 2, 8, 8)
     banner = {"fabric": Membrane(triangles, Fabric(5e5, 0.3))}
     structure = Structure(np.vstack([points, [[100.0, 0, 0]]]), banner, [Support(range(9))])
-    with pytest.warns(UnstableStateWarning, match=r"moved by 2\.83, more than half the size"):
+    with pytest.warns(UnstableStateWarning, match=r"moved.*2\.83.*half.*size"):
         final(structure, Stage("weight", [DistributedLoad((0, 0, -10.0), "fabric")]))

@@ -90,7 +90,7 @@ def test_interior_edges_can_be_picked():
 
 def test_no_edge_to_pick():
     points, triangles = rectangle(2.0, 2.0, 4, 4)
-    with pytest.raises(ValueError, match="No edge of the membrane"):
+    with pytest.raises(ValueError, match=r"No edge.*membrane"):
         edges_where(points, triangles, lambda x: np.isclose(x[1], 0.1))
 
 
@@ -121,15 +121,15 @@ def test_file_that_is_not_a_mesh(name, content, tmp_path):
 
 def test_model_without_a_mesh(model):
     gmsh.model.mesh.clear()
-    with pytest.raises(ValueError, match=r"^The gmsh model that is open has no mesh; call gmsh\.model\.mesh\.gen"):
+    with pytest.raises(ValueError, match=r"^The gmsh model.*open.*no mesh.*gmsh\.model\.mesh\.gen"):
         structure_from_gmsh(None, PARTS)
 
 
 @pytest.mark.parametrize(
     ("group", "kind", "message"),
     [
-        ("fabric", "cable", "triangles, for a Membrane; they make no part: Cable cells must be .*\\(n, 2\\)"),
-        ("cable", "fabric", "segments, for a Cable or a Mast; they make no part: Membrane cells must be .*\\(n, 3\\)"),
+        ("fabric", "cable", "triangles.*Membrane.*no part: Cable cells.*\\(n, 2\\)"),
+        ("cable", "fabric", "segments.*Cable.*Mast.*no part: Membrane cells.*\\(n, 3\\)"),
     ],
 )
 def test_part_of_the_wrong_kind(model, group, kind, message):
@@ -171,7 +171,7 @@ def test_support_on_no_part(model):
 
 
 def test_points_as_cells(model):
-    with pytest.raises(ValueError, match="'corners' has elements of type Point"):
+    with pytest.raises(ValueError, match=r"'corners'.*elements.*type Point"):
         structure_from_gmsh(model, {"corners": PARTS["cable"]})
 
 
@@ -188,10 +188,10 @@ def test_supports_are_those_of_the_groups(model):
 @pytest.mark.parametrize(
     ("on", "message"),
     [
-        (5, "^on is 5; give a function of positions"),
+        (5, "^on is 5.*function.*positions"),
         (lambda x: 3, "^on gives 3; it must give True or False for each position"),
         (lambda x: x[:, 0] > 0, r"^on gives \[False, False, False\]; it must"),
-        (lambda x: x[1], r"^on gives an array of float64, shape \(25,\); it must"),
+        (lambda x: x[1], r"^on.*array.*float64, shape \(25,\)"),
     ],
 )
 def test_edges_on_needs_a_mask(on, message):

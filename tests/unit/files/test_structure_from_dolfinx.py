@@ -206,7 +206,7 @@ def _square(cell=None):
     [
         ({"mesh": 5}, "mesh is 5; give a dolfinx Mesh"),
         ({"mesh": []}, "mesh is []; give a dolfinx Mesh"),
-        ({"mesh": lambda: _square(mesh.CellType.quadrilateral)}, "cells of the kind quadrilateral; give a mesh of tri"),
+        ({"mesh": lambda: _square(mesh.CellType.quadrilateral)}, "kind quadrilateral"),
         ({"groups": {}}, "There is no group 'fabric'; those given are []"),
         ({"groups": {"fabric": 3}}, "The group 'fabric' is 3; give (MeshTags, value), or a mesh"),
         ({"groups": {"fabric": (3, 4)}}, "The group 'fabric' is (3, 4); give (MeshTags, value)"),
@@ -214,10 +214,10 @@ def _square(cell=None):
         ({"supports": {"ends": "abc"}}, "The support 'ends' is 'abc'"),
         ({"supports": {"feet": "xyz"}}, "There is no group 'feet'"),
         ({"parts": {}}, "parts is empty"),
-        ({"parts": {"fabric": 3}}, "The part 'fabric' is 3; give a function of its cells"),
-        ({"parts": {"ends": fabric}}, "The group 'ends' has vertices; a part needs triangles"),
-        ({"parts": {"rope": fabric}}, "The group 'rope' has segments, for a Cable or a Mast; they make no part"),
-        ({"parts": {"left": fabric}}, "The support 'ends' has nodes that no part uses, 2 of 2, as node"),
+        ({"parts": {"fabric": 3}}, "part 'fabric' is 3"),
+        ({"parts": {"ends": fabric}}, "group 'ends' has vertices"),
+        ({"parts": {"rope": fabric}}, "group 'rope' has segments"),
+        ({"parts": {"left": fabric}}, "'ends' has nodes that no part uses, 2 of 2"),
     ],
 )
 def test_refusals(change, words):
@@ -240,14 +240,14 @@ def test_tag_that_no_entity_has():
 
 def test_tags_of_another_mesh():
     msh, other = _square(), _square()
-    with pytest.raises(ValueError, match="'fabric' has MeshTags of a mesh that is not given"):
+    with pytest.raises(ValueError, match=r"'fabric'.*MeshTags.*mesh"):
         structure_from_dolfinx(msh, sail(other), PARTS)
-    with pytest.raises(ValueError, match="'fabric' is a mesh that is not given"):
+    with pytest.raises(ValueError, match=r"'fabric'.*mesh"):
         structure_from_dolfinx(msh, {"fabric": other}, {"fabric": fabric})
 
 
 def test_curved_cells(curved):
-    with pytest.raises(ValueError, match="curved cells, of degree 2"):
+    with pytest.raises(ValueError, match=r"curved cells.*degree 2"):
         structure_from_dolfinx(curved, {"fabric": curved}, {"fabric": fabric})
 
 

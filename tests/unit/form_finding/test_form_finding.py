@@ -180,10 +180,10 @@ def test_hundred_thousand_branches():
 @pytest.mark.parametrize(
     ("fixed", "message"),
     [
-        ([], r"^The part of the net with node 0 is tied to no fixed node"),
-        ([Support(range(4), "xy")], r"^The part of the net with node 0 is tied to no fixed node"),
-        ([Support(5)], r"^The part of the net with node 0 is tied to no fixed node"),
-        ([Support(range(4)), Support(6, "yz")], r"^The part of the net with node 6 is tied to no fixed node"),
+        ([], r"^The part.*net.*node 0.*tied.*no fixed node"),
+        ([Support(range(4), "xy")], r"^The part.*net.*node 0.*tied.*no fixed node"),
+        ([Support(5)], r"^The part.*net.*node 0.*tied.*no fixed node"),
+        ([Support(range(4)), Support(6, "yz")], r"^The part.*net.*node 6.*tied.*no fixed node"),
     ],
     ids=["no support", "free in z", "support on an unused node only", "second piece free in x"],
 )
@@ -198,18 +198,14 @@ def test_net_without_enough_fixed_nodes(fixed, message):
 
 @pytest.mark.parametrize("q", [0.0, [1.0, 1, -1, -1], [0.1, 0.2, -0.3, 0.0]], ids=str)
 def test_densities_without_a_unique_equilibrium(q):
-    with pytest.raises(
-        ValueError, match=r"in branch \d between nodes \d and \d, leave .* without a unique equilibrium; give p"
-    ):
+    with pytest.raises(ValueError, match=r"branch \d between nodes \d.*\d, leave.*without.*unique equilibrium.*p"):
         force_density(STAR, ARMS, q, FOUR)
 
 
 def test_positive_densities_that_differ_too_much():
     points, branches = np.linspace([0.0, 0, 0], [1, 0, 0], 9), np.column_stack([range(8), range(1, 9)])
     q = np.where(np.arange(8) == 4, 1e14, 1.0)
-    with pytest.raises(
-        ValueError, match=r"down to 1 in branch 0 .* beside the largest, 1e\+14, it is lost in rounding"
-    ):
+    with pytest.raises(ValueError, match=r"1.*branch 0.*beside.*largest, 1e\+14.*lost.*rounding"):
         force_density(points, branches, q, [Support([0, 8])])
 
 
@@ -217,14 +213,14 @@ def test_densities_that_cancel_deep_in_a_net():
     points, branches, rim = grid(4)
     q = np.ones(len(branches))
     q[(branches == 12).any(axis=1)] = 0.0  # the node in the middle hangs on nothing
-    with pytest.raises(ValueError, match="without a unique equilibrium"):
+    with pytest.raises(ValueError, match=r"without.*unique equilibrium"):
         force_density(points, branches, q, [Support(rim)])
 
 
 @pytest.mark.parametrize("rest", [1e-7, -1e-7])
 def test_densities_that_nearly_cancel(rest):
     points = [[-1.0, 0, 0], [1, 0, 0], [0, 1, 0.5], [0, 0, 0]]
-    with pytest.raises(ValueError, match=r"^These force densities put node 3 .* away, .* of both signs nearly cancel"):
+    with pytest.raises(ValueError, match=r"^These force densities.*node 3.*signs.*cancel"):
         force_density(points, [[3, 0], [3, 1], [3, 2]], [1.0, 1.0, -2.0 + rest], [Support([0, 1, 2])])
 
 
@@ -233,23 +229,23 @@ def test_densities_that_nearly_cancel(rest):
     [
         ({"points": STAR[:, :2]}, r"^points has shape \(5, 2\); give \(n, 3\)"),
         ({"points": np.where(np.arange(5)[:, None] == 1, np.nan, STAR)}, r"^points has .* not finite \(nan\)"),
-        ({"branches": [[0, 5]]}, "^branches names node 5, which does not exist; nodes are numbered 0 to 4"),
-        ({"branches": [[-1, 0]]}, "^branches names node -1, which does not exist"),
+        ({"branches": [[0, 5]]}, "^branches names node 5.*not exist; nodes.*numbered 0 to 4"),
+        ({"branches": [[-1, 0]]}, "^branches names node -1.*not exist"),
         ({"branches": [[0, 1, 2]]}, r"^branches must be .*\(n, 2\)"),
-        ({"branches": [[0.0, 1.0]]}, "^branches must be an array of whole numbers"),
+        ({"branches": [[0.0, 1.0]]}, "^branches.*array.*whole numbers"),
         ({"branches": np.empty((0, 2), dtype=int)}, "^branches must be .* n >= 1"),
-        ({"branches": [[2, 2]]}, r"^branches: cell 0 has a node twice"),
-        ({"q": np.nan}, r"^q has a value that is not finite \(nan\)"),
-        ({"q": [1.0, 1, np.inf, 1]}, r"^q has a value that is not finite \(inf\) at index \(2,\)"),
-        ({"q": "tight"}, "^q must be an array of numbers"),
+        ({"branches": [[2, 2]]}, r"^branches: cell 0.*node twice"),
+        ({"q": np.nan}, r"^q.*value.*not finite \(nan\)"),
+        ({"q": [1.0, 1, np.inf, 1]}, r"^q.*value.*not finite \(inf\).*index \(2,\)"),
+        ({"q": "tight"}, "^q.*array.*numbers"),
         ({"q": [1.0, 2.0]}, r"^q has shape \(2,\)"),
         ({"q": np.ones((4, 1))}, r"^q has shape \(4, 1\)"),
-        ({"loads": np.zeros((4, 3))}, r"^loads has shape \(4, 3\); give three components for each of the 5 nodes"),
+        ({"loads": np.zeros((4, 3))}, r"^loads.*shape \(4, 3\).*three components.*5 nodes"),
         ({"loads": (0.0, 0, -1)}, r"^loads has shape \(3,\)"),
-        ({"loads": np.full((5, 3), np.inf)}, r"^loads has a value that is not finite"),
-        ({"fixed": [Support([0, 5])]}, "^fixed names node 5, which does not exist"),
-        ({"fixed": [0, 1]}, "^fixed has 0; give a list of Support"),
-        ({"fixed": Support(range(4))}, "^fixed must be a list of Support, not a Support; put it in brackets"),
+        ({"loads": np.full((5, 3), np.inf)}, r"^loads.*value.*not finite"),
+        ({"fixed": [Support([0, 5])]}, "^fixed names node 5.*not exist"),
+        ({"fixed": [0, 1]}, "^fixed.*0.*list.*Support"),
+        ({"fixed": Support(range(4))}, "^fixed.*list.*Support.*Support.*brackets"),
     ],
     ids=lambda value: value if isinstance(value, str) else next(iter(value)),
 )

@@ -96,5 +96,5 @@ def test_uneven_guys():
 def test_more_than_the_guys_can_hold_is_refused(push):
     structure = guyed(-push)
     assert balanced_points(structure, np.zeros((5, 3)), print) is None
-    with pytest.raises(RuntimeError, match="no length was found that balances the forces at its ends; hold the mast"):
+    with pytest.raises(RuntimeError, match=r"no length.*balances.*forces.*ends; hold.*mast"):
         updated_reference(structure)

@@ -199,7 +199,7 @@ def test_stress_of_a_hanging_cable_is_not_the_prescribed_one():
 
 
 def test_dead_load_that_grows_faster_than_the_prestress_holds():
-    with pytest.raises(RuntimeError, match=r"^Form finding found no shape for the dead loads: .* larger prestress or"):
+    with pytest.raises(RuntimeError, match=r"^Form finding.*no shape.*dead loads.*larger prestress"):
         updated_reference(*hanging_cable(load=4000.0))
 
 
@@ -263,7 +263,7 @@ def test_input_is_not_changed():
 
 def test_structure_without_prestress_is_refused():
     structure = Structure(saddle(), {"film": Membrane(TRIANGLES, FABRIC)}, [Support(RIM)])
-    with pytest.raises(ValueError, match=r"^No part has a prestress"):
+    with pytest.raises(ValueError, match=r"^No part.*prestress"):
         updated_reference(structure)
 
 
@@ -277,8 +277,8 @@ def test_structure_without_enough_supports_is_refused(supports):
 @pytest.mark.parametrize(
     ("load", "message"),
     [
-        (Pressure(1.0, "roof"), "has a load on part 'roof'"),
-        (PointLoad(999, (0, 0, 1)), "names node 999, which does not exist"),
+        (Pressure(1.0, "roof"), "load.*part 'roof'"),
+        (PointLoad(999, (0, 0, 1)), "names node 999.*not exist"),
         (5.0, r"loads has 5\.0"),
     ],
 )
@@ -290,9 +290,9 @@ def test_loads_that_do_not_fit_are_refused(load, message):
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"max_iterations": 0}, "max_iterations is 0; give a whole number above zero"),
-        ({"tolerance": 0.0}, r"tolerance is 0\.0; it must be positive"),
-        ({"tolerance": np.nan}, "tolerance is nan; give a finite number"),
+        ({"max_iterations": 0}, "max_iterations is 0.*whole number above zero"),
+        ({"tolerance": 0.0}, r"tolerance is 0\.0.*positive"),
+        ({"tolerance": np.nan}, "tolerance is nan.*finite number"),
     ],
 )
 def test_settings_out_of_range(settings, message):
@@ -303,14 +303,14 @@ def test_settings_out_of_range(settings, message):
 def test_film_without_an_equilibrium_is_reported():
     # A film of tension on four points only shrinks to lines between them.
     structure = Structure(saddle(), {"film": Membrane(TRIANGLES, FABRIC, prestress=1e3)}, [Support(CORNERS)])
-    with pytest.raises(RuntimeError, match=r"^Form finding stopped at step \d+: "):
+    with pytest.raises(RuntimeError, match=r"^Form finding stopped.*step \d+"):
         updated_reference(structure)
 
 
 @pytest.mark.parametrize(
     ("film", "edge", "message"),
     [
-        (-1e3, 15e3, r"'film', cell 0: its prestress is compressive \(-1000\)"),
+        (-1e3, 15e3, r"'film', cell 0.*prestress.*compressive \(-1000\)"),
         (2e3, -1.0, "'edge', cell 0: .*compressive"),
     ],
 )

@@ -48,11 +48,11 @@ def test_diagonals(diagonals, expected):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"width": 0}, "^width is 0; it must be positive"),
-        ({"height": -2.0}, r"^height is -2\.0; it must be positive"),
-        ({"height": np.nan}, "^height is nan; give a finite number"),
-        ({"columns": 0}, "^columns is 0; give a whole number above zero"),
-        ({"rows": -1}, "^rows is -1; give a whole number above zero"),
+        ({"width": 0}, "^width is 0.*positive"),
+        ({"height": -2.0}, r"^height is -2\.0.*positive"),
+        ({"height": np.nan}, "^height is nan.*finite number"),
+        ({"columns": 0}, "^columns is 0.*whole number above zero"),
+        ({"rows": -1}, "^rows is -1.*whole number above zero"),
         ({"diagonals": "up"}, "^diagonals is 'up'; give "),
     ],
 )
@@ -63,7 +63,7 @@ def test_rectangle_refuses(change, message):
 
 @pytest.mark.parametrize("name", ["columns", "rows"])
 def test_rectangle_refuses_numbers_of_cells_that_are_not_whole(name):
-    with pytest.raises(ValueError, match=rf"^{name} is 2\.5; give a whole number"):
+    with pytest.raises(ValueError, match=rf"^{name} is 2\.5.*whole number"):
         rectangle(**{"width": 1.0, "height": 1.0, "columns": 2, "rows": 2, name: 2.5})
 
 
@@ -80,7 +80,7 @@ def test_boundary_runs_once_around_counter_clockwise(diagonals):
 def test_boundary_of_a_list_and_of_what_is_none():
     assert boundary_edges([[0, 1, 2]]).tolist() == [[0, 1], [2, 0], [1, 2]]
     for wrong in (5, [[0, 1]], [[0.0, 1, 2]]):
-        with pytest.raises(ValueError, match=r"^triangles must be an array of whole numbers of shape \(n, 3\)"):
+        with pytest.raises(ValueError, match=r"^triangles.*array.*whole numbers.*shape \(n, 3\)"):
             boundary_edges(wrong)
 
 
@@ -91,8 +91,8 @@ def test_polyline_joins_consecutive_nodes():
 @pytest.mark.parametrize(
     ("nodes", "message"),
     [
-        ([3], r"^nodes is \[3\]; give at least two"),
-        ([0.5, 1], r"^nodes must be a list of whole numbers, not \[0\.5, 1\]"),
+        ([3], r"^nodes is \[3\].*least two"),
+        ([0.5, 1], r"^nodes.*list.*whole numbers.*\[0\.5, 1\]"),
     ],
 )
 def test_polyline_of_too_little(nodes, message):

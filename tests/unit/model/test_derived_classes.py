@@ -50,7 +50,7 @@ PUSH = PointLoad(1, (0, 0, -1.0))
     ],
 )
 def test_derived_class_is_refused(make, words):
-    with pytest.raises(ValueError, match=f"^{words}.*, a class derived from .* would not be used; give a .* itself"):
+    with pytest.raises(ValueError, match=f"^{words}.*class derived"):
         make()
 
 

@@ -168,11 +168,11 @@ def test_refused_in_a_membrane(material, words):
 @pytest.mark.parametrize(
     ("data", "words"),
     [
-        ({"material": Fabric(1.0, 0.3)}, "a law of membranes; give one of bars"),
+        ({"material": Fabric(1.0, 0.3)}, "law.*membranes.*one.*bars"),
         ({"material": Foil}, "give an Axial, with brackets"),
         ({"material": law(energy=lambda self, E, s, p: ufl.inner(s, E) + E[1, 1] ** 2)}, "energy.* raises"),
-        ({"axial_stiffness": 2e6, "material": Axial(1e6)}, "axial_stiffness is 2000000.0.*give one of the two"),
-        ({}, "axial_stiffness must be a number"),
+        ({"axial_stiffness": 2e6, "material": Axial(1e6)}, "axial_stiffness is 2000000.0.*give one.*two"),
+        ({}, "axial_stiffness.*number"),
     ],
 )
 @pytest.mark.parametrize("part", [Cable, Mast])
@@ -183,7 +183,7 @@ def test_refused_in_a_bar(part, data, words):
 
 def test_energy_with_a_direction_needs_a_warp():
     material = law(energy=unsymmetric)
-    with pytest.raises(ValueError, match=r"^Membrane material is .*, which has a warp and a weft"):
+    with pytest.raises(ValueError, match=r"^Membrane material.*warp.*weft"):
         membrane(material)
     assert membrane(material, warp=(1, 0, 0)).material is material
 
@@ -191,9 +191,7 @@ def test_energy_with_a_direction_needs_a_warp():
 @pytest.mark.parametrize("prestress", [-2.5, [[1.0, 3.5], [3.5, 1.0]]])
 def test_excess_that_no_stretch_takes_up(prestress):
     """The force of a neo-Hookean foil along one direction is below Gt E for 2nd Piola-Kirchhoff stresses: below 2."""
-    with pytest.raises(
-        ValueError, match=r"^Membrane prestress is -2\.5 in cell 0, an excess that no stretch of NeoHooke"
-    ):
+    with pytest.raises(ValueError, match=r"^Membrane prestress is -2\.5.*cell 0.*excess.*no stretch.*NeoHooke"):
         membrane(NeoHooke(2.0), prestress=prestress, warp=(1, 0, 0))
     assert membrane(NeoHooke(2.0), prestress=-1.9).carries_compression is False
     assert membrane(Fabric(2.0, 0.3), prestress=-2.5).carries_compression is False
@@ -224,7 +222,7 @@ class WithStrain(Fabric):
     [(Silent(1e5, 0.3), "Fabric"), (Bare(1e5, 1e5, 0.3, 1e4), "OrthotropicFabric"), (WithStrain(1e5, 0.3), "Fabric")],
 )
 def test_inherited_energy_is_refused(material, parent):
-    with pytest.raises(ValueError, match=rf"derived from {parent}, .*\(energy = {parent}\.energy if that is meant\)"):
+    with pytest.raises(ValueError, match=rf"derived.*{parent}, .*\(energy = {parent}\.energy.*meant\)"):
         membrane(material, warp=(1, 0, 0))
 
 

@@ -33,19 +33,19 @@ NOWHERE = (0.0, 0.0, 0.0)
         (lambda: PointLoad(0, 5.0), r"^PointLoad force is 5\.0; give three components"),
         (lambda: PointLoad([0, 1], np.ones((2, 3))), r"^PointLoad force is \[\[1\.0, .* give three components"),
         (lambda: PointLoad([True, False], NOWHERE), r"^PointLoad nodes .* not \[True, False\]; .*numpy.flatnonzero"),
-        (lambda: PointLoad(3.5, NOWHERE), r"^PointLoad nodes must be a list of whole numbers, not 3\.5\."),
+        (lambda: PointLoad(3.5, NOWHERE), r"^PointLoad nodes.*list.*whole numbers.*3\.5\."),
         (lambda: PointLoad([2, 1, 2], NOWHERE), "^PointLoad nodes names node 2 twice"),
         (lambda: DistributedLoad(NOWHERE, "fabric", [0, 1, 1]), "^DistributedLoad cells names cell 1 twice"),
         (lambda: PlanLoad(NOWHERE, "fabric", [7, 7]), "^PlanLoad cells names cell 7 twice"),
         (lambda: Pressure(1.0, "fabric", [0, 0]), "^Pressure cells names cell 0 twice"),
         (
             lambda: DistributedLoad("fabric", NOWHERE),
-            "^DistributedLoad load must be an array of numbers .* not 'fabric'",
+            "^DistributedLoad load.*array.*numbers.*'fabric'",
         ),
         (lambda: DistributedLoad(NOWHERE, 5), "^DistributedLoad part is 5; give a text"),
         (lambda: PlanLoad(NOWHERE, None), "^PlanLoad part is None; give a text"),
         (lambda: Pressure(1.0, 3), "^Pressure part is 3; give a text"),
-        (lambda: Pressure(NOWHERE, "fabric"), r"^Pressure pressure must be a number, not \(0\.0, 0\.0, 0\.0\)"),
+        (lambda: Pressure(NOWHERE, "fabric"), r"^Pressure pressure.*number.*\(0\.0, 0\.0, 0\.0\)"),
         (
             lambda: DistributedLoad((np.nan, 0, 0), "fabric"),
             r"^DistributedLoad load has .* not finite \(nan\) at index \(0,\)",
@@ -63,7 +63,7 @@ NOWHERE = (0.0, 0.0, 0.0)
         ),
         (
             lambda: PrescribedDisplacement([0, 1], np.ones((3, 3))),
-            r"^PrescribedDisplacement displacement is an array of float64, shape \(3, 3\)",
+            r"^PrescribedDisplacement displacement.*array.*float64, shape \(3, 3\)",
         ),
         (lambda: PrescribedDisplacement([False], NOWHERE), r"^PrescribedDisplacement nodes .* not \[False\]"),
         (lambda: PrescribedDisplacement(0, NOWHERE, "u"), "^PrescribedDisplacement components is 'u'"),
@@ -76,7 +76,7 @@ def test_bad_values(make, message):
 
 @pytest.mark.parametrize("steps", [0, -3, 2.0, np.nan, "2", None, True])
 def test_steps_must_be_a_whole_number_above_zero(steps):
-    with pytest.raises(ValueError, match=f"^Stage 'snow': increments is {steps!r}; give a whole number"):
+    with pytest.raises(ValueError, match=f"^Stage 'snow': increments is {steps!r}.*whole number"):
         Stage("snow", increments=steps)
 
 
@@ -87,9 +87,9 @@ def test_steps_may_be_a_number_of_numpy():
 @pytest.mark.parametrize(
     ("data", "message"),
     [
-        ({"loads": [5.0]}, r"^Stage 'snow': loads has 5\.0; give a list of PointLoad"),
+        ({"loads": [5.0]}, r"^Stage 'snow': loads.*5\.0.*list.*PointLoad"),
         ({"loads": [PrescribedDisplacement(0, NOWHERE)]}, "^Stage 'snow': loads has a PrescribedDisplacement; give"),
-        ({"displacements": [5.0]}, r"^Stage 'snow': displacements has 5\.0; give a list of PrescribedDisplacement"),
+        ({"displacements": [5.0]}, r"^Stage 'snow': displacements.*5\.0.*list.*PrescribedDisplacement"),
         ({"displacements": [PointLoad(0, NOWHERE)]}, "^Stage 'snow': displacements has a PointLoad; give"),
     ],
 )
@@ -101,15 +101,15 @@ def test_entries_of_another_kind(data, message):
 @pytest.mark.parametrize(
     ("entry", "message"),
     [
-        (PointLoad(5, NOWHERE), "^Stage 'snow': a point load names node 5, which does not exist"),
-        (PointLoad([0, -1], NOWHERE), "^Stage 'snow': a point load names node -1, which does not exist"),
-        (PointLoad(4, NOWHERE), "^Stage 'snow': a point load is on node 4, which no part uses"),
+        (PointLoad(5, NOWHERE), "^Stage 'snow'.*point load names node 5.*not exist"),
+        (PointLoad([0, -1], NOWHERE), "^Stage 'snow'.*point load names node -1.*not exist"),
+        (PointLoad(4, NOWHERE), "^Stage 'snow'.*point load.*node 4.*no part uses"),
         (
             DistributedLoad(NOWHERE, "roof"),
-            r"^Stage 'snow' has a load on part 'roof', which .* parts are \['fabric', 'ridge'\]",
+            r"^Stage 'snow'.*load.*part 'roof'.*parts.*\['fabric', 'ridge'\]",
         ),
-        (DistributedLoad(NOWHERE, "fabric", [0, 2]), "^Stage 'snow': a load on part 'fabric' names cell 2, .* 0 to 1"),
-        (DistributedLoad(NOWHERE, "ridge", -1), "^Stage 'snow': a load on part 'ridge' names cell -1, .* 0 to 0"),
+        (DistributedLoad(NOWHERE, "fabric", [0, 2]), "^Stage 'snow'.*load.*part 'fabric' names cell 2.*0 to 1"),
+        (DistributedLoad(NOWHERE, "ridge", -1), "^Stage 'snow'.*load.*part 'ridge' names cell -1.*0 to 0"),
     ],
 )
 def test_load_that_does_not_fit_the_structure(entry, message):
@@ -119,11 +119,11 @@ def test_load_that_does_not_fit_the_structure(entry, message):
 
 @pytest.mark.parametrize(
     ("node", "message"),
-    [(5, "names node 5, which does not exist"), (-1, "names node -1, which"), (4, "is on node 4, which no part uses")],
+    [(5, "names node 5.*not exist"), (-1, "names node -1, which"), (4, "node 4.*no part uses")],
 )
 def test_prescribed_displacement_that_does_not_fit_the_structure(node, message):
     stage = Stage("lift", displacements=[PrescribedDisplacement(node, NOWHERE)])
-    with pytest.raises(ValueError, match=f"^Stage 'lift': a prescribed displacement {message}"):
+    with pytest.raises(ValueError, match=f"^Stage 'lift'.*prescribed displacement.*{message}"):
         check_stages(STRUCTURE, [stage])
 
 
@@ -135,19 +135,19 @@ def test_two_stages_of_one_name():
 @pytest.mark.parametrize(
     ("after", "remedy"),
     [
-        ("prestres", "correct the name, or leave `after` out"),
-        ("", "correct the name, or leave `after` out"),
-        ("wind", "put 'wind', which comes later in the list, before it"),
-        ("snow", "name another, or leave `after` out"),
+        ("prestres", "correct.*name.*leave `after`"),
+        ("", "correct.*name.*leave `after`"),
+        ("wind", "'wind'.*list.*before"),
+        ("snow", "name.*leave `after`"),
     ],
     ids=["unknown", "no name", "later", "itself"],
 )
 def test_after_a_stage_that_is_not_before(after, remedy):
     stages = [Stage("prestress"), Stage("snow", after=after), Stage("wind")]
-    message = rf"^Stage 'snow' is to follow '{after}', but the stages before it are \['prestress'\]; {remedy}"
+    message = rf"^Stage 'snow' is to follow '{after}', but.*\['prestress'\].*{remedy}"
     with pytest.raises(ValueError, match=message):
         check_stages(STRUCTURE, stages)
-    with pytest.raises(ValueError, match=f"^Stage 'snow' is to follow '{after}', but no stage is before it; {remedy}"):
+    with pytest.raises(ValueError, match=f"^Stage 'snow'.*follow '{after}'.*no stage.*before.*{remedy}"):
         check_stages(STRUCTURE, stages[1:])
 
 

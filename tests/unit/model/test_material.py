@@ -31,9 +31,9 @@ def test_from_modulus_multiplies():
 @pytest.mark.parametrize(
     ("data", "message"),
     [
-        ({"E": -2e9, "thickness": 1e-3}, r"^Fabric E is -2000000000\.0; it must be positive"),
-        ({"E": 2e9, "thickness": -1e-3}, r"^Fabric thickness is -0\.001; it must be positive"),
-        ({"E": 2e9, "thickness": 0}, "^Fabric thickness is 0; it must be positive"),
+        ({"E": -2e9, "thickness": 1e-3}, r"^Fabric E is -2000000000\.0.*positive"),
+        ({"E": 2e9, "thickness": -1e-3}, r"^Fabric thickness is -0\.001.*positive"),
+        ({"E": 2e9, "thickness": 0}, "^Fabric thickness is 0.*positive"),
         ({"E": -2e9, "thickness": -1e-3}, "^Fabric .* must be positive"),  # though their product is
     ],
 )

@@ -18,12 +18,12 @@ PER_CELL = np.array([[1.0, 2], [3, 4], [5, 6]])
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: Membrane([[0, 1, 2], [1, 2, 1]], FABRIC), r"^Membrane cells: cell 1 has a node twice, \[1, 2, 1\]"),
-        (lambda: Cable([[3, 3]], 1e6), r"^Cable cells: cell 0 has a node twice, \[3, 3\]"),
-        (lambda: Mast([[3, 3]], 1e6), r"^Mast cells: cell 0 has a node twice, \[3, 3\]"),
+        (lambda: Membrane([[0, 1, 2], [1, 2, 1]], FABRIC), r"^Membrane cells: cell 1.*node twice, \[1, 2, 1\]"),
+        (lambda: Cable([[3, 3]], 1e6), r"^Cable cells: cell 0.*node twice, \[3, 3\]"),
+        (lambda: Mast([[3, 3]], 1e6), r"^Mast cells: cell 0.*node twice, \[3, 3\]"),
         (lambda: Membrane([[0, 1]], FABRIC), r"^Membrane cells must be .*\(n, 3\).* shape \(1, 2\)"),
         (lambda: Cable([[0, 1, 2]], 1e6), r"^Cable cells must be .*\(n, 2\).* shape \(1, 3\)"),
-        (lambda: Mast([[0.0, 1.0]], 1e6), r"^Mast cells must be an array of whole numbers .* not \[\[0\.0, 1\.0\]\]"),
+        (lambda: Mast([[0.0, 1.0]], 1e6), r"^Mast cells.*array.*whole numbers.*\[\[0\.0, 1\.0\]\]"),
     ],
 )
 def test_bad_cells(make, message):
@@ -66,7 +66,7 @@ def test_bar_from_modulus():
     ],
 )
 def test_mass_must_not_be_negative(make, message):
-    with pytest.raises(ValueError, match=rf"^{message} is -1e-09; it must not be negative"):
+    with pytest.raises(ValueError, match=rf"^{message} is -1e-09.*negative"):
         make(-1e-9)
     with pytest.raises(ValueError, match=f"^{message} is nan"):
         make(np.nan)
@@ -74,7 +74,7 @@ def test_mass_must_not_be_negative(make, message):
 
 @pytest.mark.parametrize("material", [None, 1e5, {"Et": 1e5}])
 def test_material_must_be_a_fabric(material):
-    with pytest.raises(ValueError, match=f"^Membrane material is {material}; give a Fabric, .* or a law of your own"):
+    with pytest.raises(ValueError, match=f"^Membrane material is {material}.*Fabric.*law.*your own"):
         Membrane(TRIANGLES, material)
 
 
@@ -105,8 +105,8 @@ def test_two_by_two_prestress_is_one_tensor_also_for_two_cells():
 @pytest.mark.parametrize(
     ("prestress", "message"),
     [
-        (np.nan, r"^Membrane prestress has a value that is not finite \(nan\)"),
-        ((1.0, np.inf), r"^Membrane prestress has a value that is not finite \(inf\) at index \(1,\)"),
+        (np.nan, r"^Membrane prestress.*value.*not finite \(nan\)"),
+        ((1.0, np.inf), r"^Membrane prestress.*value.*not finite \(inf\).*index \(1,\)"),
         ((1.0, 2.0, 3.0), r"^Membrane prestress has shape \(3,\)"),
         (np.ones((2, 3)), r"^Membrane prestress has shape \(2, 3\)"),
         ([[1.0, 2.0], [3.0, 4.0]], r"^Membrane prestress \[\[1\.0, 2\.0\], \[3\.0, 4\.0\]\] is not symmetric"),
@@ -125,7 +125,7 @@ def test_bar_prestress(prestress, expected):
 @pytest.mark.parametrize(
     ("prestress", "message"),
     [
-        (np.inf, r"^Mast prestress has a value that is not finite \(inf\)"),
+        (np.inf, r"^Mast prestress.*value.*not finite \(inf\)"),
         ([1.0, 2.0, 3.0], r"^Mast prestress has shape \(3,\); .* each of the 2 cells"),
         ([[1.0], [2.0]], r"^Mast prestress has shape \(2, 1\)"),
     ],
@@ -144,7 +144,7 @@ def test_bad_bar_prestress(prestress, message):
     ],
 )
 def test_what_has_a_direction_needs_a_warp(data, message):
-    with pytest.raises(ValueError, match=message + " which has a warp and a weft; give the warp as a vector"):
+    with pytest.raises(ValueError, match=message + ".*warp.*weft.*warp.*vector"):
         Membrane(**{"cells": TRIANGLES, "material": FABRIC, **data})
 
 
@@ -153,7 +153,7 @@ def test_what_has_a_direction_needs_a_warp(data, message):
     [
         ((1.0, 0.0), r"^Membrane warp has shape \(2,\); give \(3,\) or \(2, 3\)"),
         (np.ones((3, 3)), r"^Membrane warp has shape \(3, 3\)"),
-        ((1.0, np.nan, 0.0), r"^Membrane warp has a value that is not finite \(nan\)"),
+        ((1.0, np.nan, 0.0), r"^Membrane warp.*value.*not finite \(nan\)"),
     ],
 )
 def test_bad_warp(warp, message):
@@ -174,10 +174,10 @@ def test_bad_warp(warp, message):
 @pytest.mark.parametrize(
     ("value", "message"),
     [
-        (0, "is 0; it must be positive"),
-        (-1e-4, r"is -0\.0001; it must be positive"),
-        (1.5, r"is 1\.5; it must be at most 1"),
-        (np.nan, "is nan; give a finite number"),
+        (0, "is 0.*positive"),
+        (-1e-4, r"is -0\.0001.*positive"),
+        (1.5, r"is 1\.5.*1"),
+        (np.nan, "is nan.*finite number"),
         ("soft", "is the text 'soft'; give a number"),
     ],
 )

@@ -76,7 +76,7 @@ def test_free_sheet_is_refused(supports, motion):
 @pytest.mark.parametrize("seed", [1, 2])
 def test_one_pinned_node_is_refused_in_any_plane(seed):
     structure = sheet(Support(0), points=POINTS @ rotation(seed).T)
-    with pytest.raises(ValueError, match=r"the piece with node 0 \(9 nodes: Membrane 'fabric'\) can turn about [xyz]"):
+    with pytest.raises(ValueError, match=r"piece.*node 0 \(9 nodes: Membrane 'fabric'\).*turn about [xyz]"):
         check_supports(structure, structure.supported)
 
 
@@ -101,7 +101,7 @@ def test_straight_line_pinned_at_both_ends_is_accepted(kind):
 
 def test_line_pinned_at_one_end_is_refused():
     structure = Structure(LINE, {"line": Cable([[0, 1], [1, 2], [2, 3]], 1e6)}, [Support(0)])
-    with pytest.raises(ValueError, match=r"the piece with node 0 \(4 nodes: Cable 'line'\) can .* as a rigid body"):
+    with pytest.raises(ValueError, match=r"piece.*node 0 \(4 nodes: Cable 'line'\).*rigid body"):
         check_supports(structure, structure.supported)
 
 
@@ -109,9 +109,7 @@ def test_each_piece_needs_supports():
     points = np.vstack([POINTS, POINTS + np.array([0, 0, 5])])
     parts = {name: Membrane(TRIANGLES + i, Fabric(Et=1e5, nu=0.3)) for name, i in [("low", 0), ("high", 9)]}
     structure = Structure(points, parts, [Support(CORNERS)])
-    with pytest.raises(
-        ValueError, match=r"the piece with node 9 \(9 nodes: Membrane 'high'\) can move along .*join it to the rest"
-    ):
+    with pytest.raises(ValueError, match=r"piece.*node 9 \(9 nodes: Membrane 'high'\).*move along .*join.*rest"):
         check_supports(structure, structure.supported)
     tied = Structure(points, {**parts, "mast": Mast([[4, 13], [0, 9], [2, 11], [6, 15]], 1e6)}, [Support(CORNERS)])
     check_supports(tied, tied.supported)  # connected: as one rigid body it is held
@@ -137,7 +135,7 @@ def with_a_bar(kind, *supports):
 
 def test_mast_that_ends_nowhere_is_refused():
     structure = with_a_bar(Mast)
-    with pytest.raises(ValueError, match=r"^Mast 1 of 'bar' ends nowhere: .* is at node 9\. Support the node, or join"):
+    with pytest.raises(ValueError, match=r"^Mast 1.*'bar' ends nowhere.*node 9\. Support.*node.*join"):
         check_supports(structure, structure.supported)
 
 

@@ -48,7 +48,7 @@ def test_slender_cells_are_right(aspect):
 
 @pytest.mark.parametrize("aspect", [1e6, 9e6])
 def test_lost_digits_are_told(aspect):
-    with pytest.warns(SliverWarning, match=r"^Part 'strip', cell \d+ .* is a sliver, .* % of its forces are") as told:
+    with pytest.warns(SliverWarning, match=r"^Part 'strip', cell \d+.*sliver.*%.*forces") as told:
         structure = strip(aspect)
     assert told[0].filename == __file__
     share = float(re.search(r"up to (\S+) %", str(told[0].message)).group(1)) / 100
@@ -75,5 +75,5 @@ def test_unit_of_length_does_not_matter():
 def test_length_that_is_rounding_of_the_coordinates(kind):
     points = np.array([[0.0, 0, 0], [1e-12, 0, 0], [1, 0, 0]])
     Structure(points, {"bars": kind([[0, 1], [1, 2]], 1e6)}, [Support([0, 1])])
-    with pytest.raises(ValueError, match=r"^Part 'bars', cell 0 \(nodes \[0, 1\]\) has no length, at \(1000, 0, 0\)"):
+    with pytest.raises(ValueError, match=r"^Part 'bars', cell 0 \(nodes \[0, 1\]\).*no length.*\(1000, 0, 0\)"):
         Structure(points + np.array([1e3, 0, 0]), {"bars": kind([[0, 1], [1, 2]], 1e6)})

@@ -24,7 +24,7 @@ def sheet(supports=(), points=POINTS, cells=TRIANGLES, **data):
 @pytest.mark.parametrize(("bad", "exist"), [(-1, "0 to 4"), (5, "0 to 4"), (99, "0 to 4")])
 @pytest.mark.parametrize("part", [lambda n: Membrane([[0, 1, n]], FABRIC), lambda n: Cable([[0, n]], 1e6)])
 def test_cell_with_a_node_that_does_not_exist(part, bad, exist):
-    with pytest.raises(ValueError, match=f"^Part 'p', cell 0, names node {bad}, which does not exist; .* {exist}"):
+    with pytest.raises(ValueError, match=f"^Part 'p', cell 0, names node {bad}.*not exist.*{exist}"):
         Structure(POINTS, {"p": part(bad)})
 
 
@@ -48,7 +48,7 @@ def test_segment_without_length(kind):
 
 @pytest.mark.parametrize("warp", [(0.0, 0.0, 2.0), (0.0, 0.0, 0.0), [(1.0, 0, 0), (0.0, 0, 1)]])
 def test_warp_normal_to_a_cell(warp):
-    with pytest.raises(ValueError, match=r"^Part 'fabric', cell [01]: its warp \[0\.0, 0\.0, .\.0\] is zero or normal"):
+    with pytest.raises(ValueError, match=r"^Part 'fabric', cell [01].*warp \[0\.0, 0\.0, .\.0\].*zero.*normal"):
         sheet(warp=warp)
 
 
@@ -86,7 +86,7 @@ def test_one_sense_is_found_when_the_structure_is_made(monkeypatch):
 def test_branching_membrane_has_no_normals():
     points = [[0.0, 0, 0], [0, 1, 0], [1, 0, 0], [1, 1, 0], [-1, 0, 0], [0, 0, 1]]
     cells = [[0, 2, 1], [2, 1, 3], [0, 1, 4], [0, 1, 5]]  # three sheets on the edge 0 1
-    with pytest.raises(ValueError, match=r"^Part 'fabric' branches at the edge between nodes 0 and 1"):
+    with pytest.raises(ValueError, match=r"^Part 'fabric' branches.*edge between nodes 0 and 1"):
         sheet(points=points, cells=cells).normals("fabric")
 
 
@@ -94,7 +94,7 @@ def test_one_sided_membrane_has_no_normals():
     points = np.random.default_rng(1).normal(size=(5, 3))
     strip = [[0, 1, 2], [1, 2, 3], [2, 3, 4], [3, 4, 0], [4, 0, 1]]  # the shortest Moebius strip
     structure = sheet(points=points, cells=strip)  # is allowed
-    with pytest.raises(ValueError, match=r"^Part 'fabric' has only one side, like a Moebius strip"):
+    with pytest.raises(ValueError, match=r"^Part 'fabric'.*one side.*Moebius strip"):
         structure.normals("fabric")
     assert structure.parts["fabric"].cells.tolist() == strip
 
@@ -109,7 +109,7 @@ def test_cells_are_turned_to_the_sense_of_the_first():
 @pytest.mark.parametrize("name", ["roof", "cable", 3])
 def test_only_membranes_have_normals(ask, name):
     parts = {"fabric": Membrane(TRIANGLES, FABRIC), "cable": Cable([[0, 1]], 1e6)}
-    with pytest.raises(ValueError, match=rf"^No Membrane is named {name!r}.*; those of the structure are \['fabric'\]"):
+    with pytest.raises(ValueError, match=rf"^No Membrane.*{name!r}.*structure.*\['fabric'\]"):
         getattr(Structure(POINTS, parts), ask)(name)
 
 
@@ -119,9 +119,9 @@ def test_only_membranes_have_normals(ask, name):
 @pytest.mark.parametrize(
     ("nodes", "message"),
     [
-        (5, "^Support 0 names node 5, which does not exist"),
-        ([0, -1], "^Support 0 names node -1, which does not exist"),
-        ([0, 4], r"^Support 0 is on node 4, which no part uses, at \(5, 5, 5\); mend"),
+        (5, "^Support 0 names node 5.*not exist"),
+        ([0, -1], "^Support 0 names node -1.*not exist"),
+        ([0, 4], r"^Support 0.*node 4.*no part uses.*\(5, 5, 5\); mend"),
     ],
 )
 def test_support_on_a_bad_node(nodes, message):
@@ -133,8 +133,8 @@ def test_support_on_a_bad_node(nodes, message):
     ("nodes", "message"),
     [
         ([True, False, True], r"^Support nodes must be .* not \[True, False, True\]; .* numpy.flatnonzero"),
-        (np.nan, "^Support nodes must be a list of whole numbers, not nan"),
-        ([0, np.inf], r"^Support nodes must be a list of whole numbers, not \[0, inf\]"),
+        (np.nan, "^Support nodes.*list.*whole numbers, not nan"),
+        ([0, np.inf], r"^Support nodes.*list.*whole numbers.*\[0, inf\]"),
         ([[0, 1]], r"^Support nodes must be .* not \[\[0, 1\]\]"),
     ],
 )
@@ -164,7 +164,7 @@ def test_bad_points(points, message):
 
 
 def test_structure_without_parts():
-    with pytest.raises(ValueError, match=r"^The structure has no parts"):
+    with pytest.raises(ValueError, match=r"^The structure.*no parts"):
         Structure(POINTS, {})
 
 
@@ -241,12 +241,12 @@ def test_one_held_node_of_two_is_not_enough():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"supports": Support(0)}, "^supports must be a list of Support, not Support\\(.*; put it in brackets"),
-        ({"supports": [0, 1]}, "^supports has 0; give a list of Support"),
-        ({"parts": [1]}, "^parts is a list; give a dictionary"),
+        ({"supports": Support(0)}, "^supports.*list.*Support.*Support\\(.*brackets"),
+        ({"supports": [0, 1]}, "^supports.*0.*list.*Support"),
+        ({"parts": [1]}, "^parts.*list.*dictionary"),
         (
             {"points": np.zeros((2, 3), dtype=complex)},
-            "^points must be an array of numbers .* not \\[\\[0j, 0j, 0j\\]",
+            "^points.*array.*numbers.*\\[\\[0j, 0j, 0j\\]",
         ),
     ],
 )
@@ -288,9 +288,9 @@ def test_slit_is_a_part_separate_of_itself(recwarn):
 @pytest.mark.parametrize(
     ("separate", "message"),
     [
-        ([("fabric", "roof")], r"^separate names part 'roof', which does not exist; those are \['fabric'\]"),
+        ([("fabric", "roof")], r"^separate names part 'roof'.*not exist.*\['fabric'\]"),
         ([("fabric", 3)], "^separate names part 3, which"),
-        (("fabric", "fabric"), r"^separate has 'fabric'; give pairs of names"),
+        (("fabric", "fabric"), r"^separate.*'fabric'.*pairs.*names"),
         ([("fabric",)], r"^separate has \('fabric',\); give pairs"),
         (None, "^separate has None; give pairs"),
     ],

@@ -21,7 +21,7 @@ def test_comparison_of_solvers(result, tmp_path):
     [
         ({}, {}, "histories is empty"),
         ({"one": []}, {"one": 1.0}, "without iterates"),
-        ({"one": [1]}, {"other": 1.0}, r"seconds is for \['other'\]; give the time of each of \['one'\]"),
+        ({"one": [1]}, {"other": 1.0}, r"seconds.*\['other'\].*time.*\['one'\]"),
         ([1], {}, "histories is"),
     ],
 )
@@ -47,5 +47,5 @@ def test_convergence_of_a_state_that_is_exactly_in_equilibrium(result, tmp_path)
 
 
 def test_convergence_of_no_result_is_refused(tmp_path):
-    with pytest.raises(ValueError, match=r"^The first argument of convergence is 5; give a StageResult"):
+    with pytest.raises(ValueError, match=r"^The first argument.*convergence is 5.*StageResult"):
         plot.convergence(5, tmp_path / "never.png")

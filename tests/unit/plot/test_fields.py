@@ -36,20 +36,20 @@ def test_states_of_cells(states):
 @pytest.mark.parametrize(
     ("field", "message"),
     [
-        (np.full(N, 1 + 1j), "must be an array of numbers .*complex128"),
-        ([1j] * N, "must be an array of numbers"),
+        (np.full(N, 1 + 1j), "array.*numbers .*complex128"),
+        ([1j] * N, "array.*numbers"),
         (np.ma.array(np.zeros(N), mask=np.arange(N) == 2), "has masked entries"),
-        (["1"] + [2.0] * (N - 1), "must be an array of numbers"),
-        (np.full(N, 3, "m8[s]"), "must be an array of numbers"),
-        ([True] + [2.0] * (N - 1), "must be an array of numbers .*with True at index|.*True"),
+        (["1"] + [2.0] * (N - 1), "array.*numbers"),
+        (np.full(N, 3, "m8[s]"), "array.*numbers"),
+        ([True] + [2.0] * (N - 1), "array.*numbers .*True"),
         (np.full(N, 1e300), r"has the value 1e\+300 at index \(0,\)"),
-        ({"edge": [1.0, "taut"]}, "must be an array of numbers"),
-        ({"edge": ["taut", "slack"], "mast": [1.0]}, "has states on some parts and numbers on others"),
-        ({3: [1.0]}, r"is for the parts \[3\]"),
+        ({"edge": [1.0, "taut"]}, "array.*numbers"),
+        ({"edge": ["taut", "slack"], "mast": [1.0]}, "states.*parts.*numbers.*others"),
+        ({3: [1.0]}, r"parts \[3\]"),
     ],
 )
 def test_others_are_refused(field, message):
-    with pytest.raises(ValueError, match=f"^Field 'title' {message}"):
+    with pytest.raises(ValueError, match=f"^Field 'title'.*{message}"):
         checked(RESULT, "title", field)
 
 

@@ -73,7 +73,7 @@ def test_pole_upside_down_beside_a_roof_is_told():
     moved = np.linalg.norm(result.displacement[head])
     assert result.position[head, 2] < 0
     words = told(result)[0]
-    assert f"node {head} moved by {moved:.3g}, more than half the size of what is connected with it" in words
+    assert f"node {head} moved by {moved:.3g}, more than half" in words
     assert "mast 'pole' (cell 0) has tilted by 1" in words
 
 
@@ -130,7 +130,7 @@ def test_mast_between_two_guys_in_one_plane_is_free_across():
         assert stability(result).free == 1
         assert not stability(result).held_by_slack
         words = result.remarks[0].replace("-1", "1")
-        assert "mast 'mast' (cell 0, at node 1) is not held in the direction (0, 1, 0): it moves without" in words
+        assert "mast 'mast' (cell 0, at node 1) is not held in the direction (0, 1, 0)" in words
 
 
 def test_masts_in_one_plane_are_free_together():

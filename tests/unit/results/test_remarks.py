@@ -103,7 +103,7 @@ def test_motion_is_that_of_the_stage():
     result = Analysis(guyed()).run([push(-400, 0, 0)])["push"]
     assert len(result.increments) > 1
     far = np.linalg.norm(result.displacement[1])
-    assert any(f"node 1 moved by {far:.3g}, more than half the size of what is" in remark for remark in result.remarks)
+    assert any(f"node 1 moved by {far:.3g}, more than half" in remark for remark in result.remarks)
 
 
 def test_far_node_that_nothing_uses_hides_no_motion():
@@ -111,7 +111,7 @@ def test_far_node_that_nothing_uses_hides_no_motion():
     wide = Structure([*POINTS, [1e3, 0, 0]], structure.parts, structure.supports)
     assert wide.size == structure.size == 4
     remarks = Analysis(wide).run([push(-400, 0, 0)])["push"].remarks
-    assert any("more than half the size of what is" in remark for remark in remarks)
+    assert any("more than half" in remark for remark in remarks)
 
 
 RIGHT = {
@@ -138,7 +138,7 @@ def test_structures_that_are_held_get_no_remark(name):
 @pytest.mark.mpi
 def test_forgotten_guy_loses_the_prestress_and_lets_the_mast_go():
     stages = [Stage("rest"), push(200, 0, 0, after="rest"), Stage("back", [PointLoad(1, (-200, 0, 0))], after="rest")]
-    with pytest.warns(LostPrestressWarning, match="'rest': all prestress is lost: no cell of 'guys' has more than 1 %"):
+    with pytest.warns(LostPrestressWarning, match="'rest'.*prestress.*lost: no cell.*'guys'.*1 %"):
         results = Analysis(three_guys(2)).run(stages)
     assert CARRY in " ".join(results["push"].remarks)
     # The other guy holds the mast along itself; across it there is a slack guy.
@@ -149,7 +149,7 @@ def test_slack_leeward_guy_is_ordinary():
     four = [[0.0, 0, 0], [0, 0, 4], [3, 0, 0], [0, 3, 0], [-3, 0, 0], [0, -3, 0]]
     guys = {f"guy {side}": Cable([[1, i]], 12e6, 1e3) for i, side in enumerate(("E", "N", "W", "S"), 2)}
     structure = Structure(four, {"mast": Mast([[0, 1]], 200e6), **guys}, [Support([0, 2, 3, 4, 5])])
-    with pytest.warns(LostPrestressWarning, match="no cell of 'guy E' has more than 1 % of it left, and node 1 has"):
+    with pytest.warns(LostPrestressWarning, match="no cell.*'guy E'.*1 %.*node 1"):
         result = Analysis(structure).run([Stage("rest"), push(2000, 0, 0, after="rest")])["push"]
     assert len(result.remarks) == 1
     assert "slack under this load" in result.remarks[0]
@@ -258,7 +258,7 @@ def test_sheet_that_is_let_in_has_lost_its_prestress():
     structure = Structure(points, {"fabric": Membrane(triangles, Fabric(1e5, 0.3), 100.0)}, [Support(0)])
     rim = np.unique(boundary_edges(triangles))[1:]
     let_in = PrescribedDisplacement(rim, -0.05 * (points[rim] - points[0]))
-    with pytest.warns(LostPrestressWarning, match="no cell of 'fabric' has more than 1 % of it left, and node"):
+    with pytest.warns(LostPrestressWarning, match="no cell.*'fabric'.*1 %.*node"):
         Analysis(structure).run([Stage("let in", [DistributedLoad((0, 0, -0.01), "fabric")], [let_in])])
 
 

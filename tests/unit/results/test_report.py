@@ -148,7 +148,7 @@ def test_without_nodes_there_are_no_reactions_of_nodes(result):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ((5,), "^The first argument of report is 5; give a StageResult"),
+        ((5,), "^The first argument.*report is 5.*StageResult"),
         ((None, [26]), "^nodes names node 26, which does"),
     ],
 )

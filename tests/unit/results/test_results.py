@@ -203,11 +203,11 @@ def test_history_runs_through_all_increments(result):
         (
             "membrane",
             "edge",
-            r"^No Membrane is named 'edge', which is a Cable; those of the structure are \['fabric'\]",
+            r"^No Membrane.*'edge'.*Cable.*structure.*\['fabric'\]",
         ),
-        ("membrane", "fabrik", r"^No Membrane is named 'fabrik'; those of the structure are \['fabric'\]"),
-        ("cable", "mast", r"^No Cable is named 'mast', which is a Mast; those of the structure are \['edge'\]"),
-        ("mast", "edge", r"^No Mast is named 'edge', which is a Cable; those of the structure are \['mast'\]"),
+        ("membrane", "fabrik", r"^No Membrane.*'fabrik'.*structure.*\['fabric'\]"),
+        ("cable", "mast", r"^No Cable.*'mast'.*Mast.*structure.*\['edge'\]"),
+        ("mast", "edge", r"^No Mast.*'edge'.*Cable.*structure.*\['mast'\]"),
     ],
 )
 def test_wrong_name_is_refused_with_the_names_there_are(result, kind, name, message):

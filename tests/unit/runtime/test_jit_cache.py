@@ -83,7 +83,7 @@ def test_next_run_after_a_stop_while_compiling(environment, tmp_path):
     [
         (
             {"XDG_CACHE_HOME": "/dev/null"},
-            "kept in /dev/null/fenics (Not a directory); give a folder that can be",
+            "/dev/null/fenics (Not a directory)",
         ),
         ({"CC": "nocc"}, "does not work (CompileError: "),
     ],
@@ -157,5 +157,5 @@ def test_interrupted_in_the_same_process(tmp_path):
 def test_another_process_that_never_ends_to_compile(tmp_path):
     with open(tmp_path / jit_cache.LOCK, "w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
-        with pytest.raises(TimeoutError, match=r"^Another process has compiled forms into .* for 1 s; end it, or give"):
+        with pytest.raises(TimeoutError, match=r"^Another process.*compiled forms.*1 s; end"):
             FFCx(None).compile(tmp_path)

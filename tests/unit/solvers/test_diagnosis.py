@@ -1,5 +1,7 @@
 """Sentences on failures: the node, the direction, the remedy."""
 
+import re
+
 import numpy as np
 import pytest
 from mpi4py import MPI
@@ -67,7 +69,8 @@ def test_linear_failure_of_one_node():
     points = np.linspace([0.0, 0, 0], [2, 0, 0], 3)
     structure = Structure(points, {"cable": Cable([[0, 1], [1, 2]], 1e6)}, [Support([0, 2]), Support(1, "y")])
     message = linear_failure(*first_tangent(structure))
-    assert "nothing holds node 1 in the direction (0, 0, 1). A straight cable without prestress" in message
+    assert "node 1 in the direction (0, 0, 1)" in message
+    assert "straight cable without prestress" in message
     assert "membrane" not in message
 
 
@@ -75,15 +78,15 @@ def test_linear_failure_of_masts_in_line_tells_of_no_membrane():
     parts = {"strut": Mast([[0, 1], [1, 2]], 1e6), "cable": Cable([[0, 2]], 1e6)}  # the cable is elsewhere
     structure = Structure(np.linspace([0.0, 0, 0], [2, 0, 0], 3), parts, [Support([0, 2])])
     message = linear_failure(*first_tangent(structure))
-    assert "nothing holds node 1 in the direction" in message
-    assert "A joint between masts in line, or of a frame without bracing, has no stiffness across" in message
+    assert "node 1 in the direction" in message
+    assert "masts in line" in message
     assert "prestress" not in message
 
 
 def test_linear_failure_where_membrane_and_cable_meet():
     sheet_and_cable = {"fabric": Membrane(TRIANGLES, Fabric(1e5, 0.3)), "cable": Cable([[11, 12], [12, 13]], 1e6)}
     message = linear_failure(*first_tangent(Structure(POINTS, sheet_and_cable, [Support(np.delete(range(25), 12))])))
-    assert "nothing holds node 12 in the direction (0, 0, 1). A flat membrane or a straight cable" in message
+    assert re.search(r"node 12 in the direction \(0, 0, 1\).*membrane.*cable", message)
 
 
 def test_linear_failure_of_a_mechanism_without_a_loose_node():
@@ -106,8 +109,8 @@ def lifted(height):
 @pytest.mark.parametrize(
     ("displacement", "words"),
     [
-        (0.1, "the largest unbalanced force is still 2.5"),
-        (1e6, "diverged: displacements of 1e+06 in a structure of size 2"),
+        (0.1, "unbalanced force is still 2.5"),
+        (1e6, "1e+06 in a structure of size 2"),
         (np.nan, "diverged"),
     ],
 )
@@ -159,7 +162,7 @@ def test_mechanism_names_the_node_that_moves_and_where():
     assert found is not None
     motion, words = found
     assert "node 1 moves freely" in words or "node 2 moves freely" in words
-    assert "and 1 more nodes with it" in words
+    assert "1 more node" in words
     np.testing.assert_allclose(np.abs(motion), [[0, 0, 0], [1, 0, 0], [1, 0, 0], [0, 0, 0]], rtol=0, atol=1e-9)
 
 
@@ -173,7 +176,7 @@ def test_mast_that_slack_cables_hold_is_a_mechanism_but_for_them():
         found = slack_mechanism(problem, x)
         assert (found is not None) == free
         if found:
-            assert "a mechanism but for the small stiffness that slack parts keep: node 1 moves" in found.words
+            assert re.search("mechanism.*slack.*node 1 ", found.words)
             assert np.abs(found.motion[1, 2]) < 1e-6
 
 
@@ -186,7 +189,7 @@ def test_mast_beside_slack_fabric_that_is_softer_is_found():
     found = slack_mechanism(problem, problem.discretization.create_vector())
     assert found is not None
     assert "node 26 moves freely" in found.words
-    assert "Nothing holds mast 'pole' (cell 0) by the tension of 'guys': no load is safe" in found.words
+    assert "mast 'pole' (cell 0) by the tension of 'guys': no load is safe" in found.words
 
 
 @pytest.mark.parametrize(("angle", "said"), [(0.4, False), (0.6, True), (2.5, True)])

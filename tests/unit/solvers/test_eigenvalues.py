@@ -104,7 +104,7 @@ def test_where_there_is_no_mass():
 def test_refuses_what_has_neither_mass_nor_stiffness(value):
     K, M = np.eye(N), np.eye(N)
     K[7, 7], M[7, 7] = value, 0.0
-    with pytest.raises(ValueError, match="singular or negative where there is no mass"):
+    with pytest.raises(ValueError, match=r"singular.*negative.*no mass"):
         lowest(matrix(K), matrix(M), 1)
 
 

@@ -23,6 +23,7 @@ from fx_membrane.solvers import preconditioners
 from models import CENTRE, INCLINED, LIFT, SNOW, WIND, arch, inclined_sheet, sheet
 
 KINDS = [None, "jacobi", "tangent"]
+TANGENT = 'preconditioner="tangent"'
 ALL = [
     *(ConjugateGradient(beta, kind) for beta in ("FR", "PR") for kind in KINDS),
     *(SteepestDescent(kind, rtol=1e-6, max_iterations=100_000) for kind in KINDS),
@@ -90,7 +91,7 @@ def test_start_from_which_no_preconditioner_can_be_made(monkeypatch):
     monkeypatch.setattr(preconditioners, "SHIFTS", (0.0,))
     structure, stages = CASES["no stiffness at the start"]
     for kind in ("jacobi", "tangent"):
-        with pytest.raises(ConvergenceError, match=r"cannot be made positive definite.*preconditioner=None"):
+        with pytest.raises(ConvergenceError, match=r"positive definite.*preconditioner=None"):
             Analysis(structure, ConjugateGradient("PR", kind)).run(stages)
 
 
@@ -116,18 +117,19 @@ def test_steepest_descent_is_the_slowest():
 @pytest.mark.parametrize(
     ("solver", "helpful"),
     [
-        (ConjugateGradient(max_iterations=3), ', and preconditioner="tangent" may.'),
-        (ConjugateGradient(preconditioner="tangent", max_iterations=3), "."),
-        (SteepestDescent(max_iterations=3), ', and ConjugateGradient() or preconditioner="tangent" may.'),
-        (SteepestDescent("tangent", max_iterations=3), ", and ConjugateGradient() may."),
+        (ConjugateGradient(max_iterations=3), [TANGENT]),
+        (ConjugateGradient(preconditioner="tangent", max_iterations=3), []),
+        (SteepestDescent(max_iterations=3), ["ConjugateGradient()", TANGENT]),
+        (SteepestDescent("tangent", max_iterations=3), ["ConjugateGradient()"]),
     ],
     ids=["CG", "CG tangent", "SD", "SD tangent"],
 )
 def test_too_few_iterations(solver, helpful):
-    with pytest.raises(ConvergenceError, match=r"after 3 iterations .* First-order methods are slow") as error:
+    with pytest.raises(ConvergenceError, match=r"after 3 iterations.*First-order methods.*slow") as error:
         Analysis(sheet(), solver).run([Stage("snow", [SNOW])])
     assert f"{type(solver).__name__}(max_iterations=...)" in str(error.value)
-    assert f"Newton() needs fewer iterations as a rule{helpful}" in str(error.value)
+    assert "Newton() needs fewer iterations" in str(error.value)
+    assert [word for word in ("ConjugateGradient()", TANGENT) if word in str(error.value)] == helpful
     assert len(error.value.failed.iterations) == 4
     assert error.value.failed.load_factor == 1  # smaller increments would not be faster
 
@@ -141,9 +143,9 @@ def test_iterations_that_stand_still_at_rounding_are_not_called_slow(solver):
     points = np.column_stack([x, 0 * x, -0.1 * np.sin(np.pi * x)])
     cable = Cable(np.column_stack([np.arange(16), np.arange(1, 17)]), 1e8, prestress=1e6)
     structure = Structure(points, {"cable": cable}, [Support([0, 16]), Support(range(17), "y")])
-    with pytest.raises(ConvergenceError, match=r"are small but do not fall below the tolerance") as error:
+    with pytest.raises(ConvergenceError, match=r"small.*not fall below.*tolerance") as error:
         Analysis(structure, replace(solver, rtol=1e-14)).run([Stage("rest")])
-    assert "falls by rounding only; Newton() may get closer." in str(error.value)
+    assert "Newton() may get closer" in str(error.value)
     assert "slow" not in str(error.value)
 
 
@@ -185,5 +187,5 @@ def test_only_the_two_formulas_of_the_paper(beta):
 
 
 def test_analysis_names_the_solvers_it_takes():
-    with pytest.raises(ValueError, match="give a Newton or ConjugateGradient or SteepestDescent"):
+    with pytest.raises(ValueError, match=r"solver is .*Newton\(\)"):
         Analysis(sheet(), "CG")

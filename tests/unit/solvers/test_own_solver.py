@@ -1,7 +1,5 @@
 """Solvers of a user: any object that keeps the protocol, on any number of processes."""
 
-import re
-
 import numpy as np
 import pytest
 from petsc4py import PETSc
@@ -103,7 +101,7 @@ def test_checkpoint_continues_with_another_solver(tmp_path):
 
 
 def test_limit_of_work_ends_a_solver_from_inside_its_callbacks():
-    with pytest.raises(ConvergenceError, match="limit of 3 iterations for a stage is used up") as failure:
+    with pytest.raises(ConvergenceError, match=r"limit.*3 iterations.*stage") as failure:
         Analysis(inclined_sheet(), BySnes(), limit=WorkLimit(iterations=3)).run([SNOW])
     assert failure.value.failed.outcome is Outcome.WORK_LIMIT
 
@@ -133,14 +131,14 @@ def _nan(x):
     [
         (
             answering(Solution(Outcome.CONVERGED, "", ()), impose=False),
-            "a constrained component is 0.05 from its place",
+            "constrained component is 0.05.*place",
         ),
-        (answering(_nan), "a displacement that is not a number"),
+        (answering(_nan), "displacement.*not a number"),
     ],
 )
 def test_state_that_breaks_its_constraints_is_no_equilibrium(solver, words):
     lift = Stage("lift", displacements=[PrescribedDisplacement(CENTRE, (0, 0, 0.05))])
-    with pytest.raises(ConvergenceError, match=f"Answer calls a state an equilibrium .*{words}") as failure:
+    with pytest.raises(ConvergenceError, match=f"Answer calls.*state.*equilibrium .*{words}") as failure:
         Analysis(inclined_sheet(), solver).run([lift])
     assert failure.value.failed.outcome is Outcome.NO_EQUILIBRIUM
 
@@ -169,22 +167,16 @@ class ShortFunction:
 @pytest.mark.parametrize(
     ("solver", "words"),
     [
-        (Newton, "solver is the class Newton; give an object of it, with brackets"),
-        (3, "solver is 3, which has no method prepare(problem); give Newton(), or an object"),
-        (None, "solver is None, which has no method prepare(problem)"),
-        (NoArgument(), "whose prepare takes (); let it take (problem)"),
-        (
-            NoFunction(),
-            "NoFunction.prepare returns None; let it return a function solve(problem, x, monitor, thorough)",
-        ),
-        (
-            ShortFunction(),
-            "ShortFunction.prepare returns a function of (x); let it take (problem, x, monitor, thorough)",
-        ),
+        (Newton, "solver is the class Newton.*brackets"),
+        (3, r"solver is 3.*no method prepare\(problem\).*Newton\(\)"),
+        (None, r"solver is None.*no method prepare\(problem\)"),
+        (NoArgument(), r"prepare takes \(\).*\(problem\)"),
+        (NoFunction(), r"NoFunction\.prepare returns None.*solve\(problem, x, monitor, thorough\)"),
+        (ShortFunction(), r"ShortFunction\.prepare .* of \(x\).*\(problem, x, monitor, thorough\)"),
     ],
 )
 def test_refused_at_the_door(solver, words):
-    with pytest.raises(ValueError, match=re.escape(words)):
+    with pytest.raises(ValueError, match=words):
         Analysis(inclined_sheet(), solver)
 
 
@@ -192,5 +184,5 @@ def test_refused_at_the_door(solver, words):
 @pytest.mark.skipif(PETSc.COMM_WORLD.size == 1, reason="compares processes")
 def test_settings_of_one_process_alone_are_refused():
     kind = "newtontr" if PETSc.COMM_WORLD.rank == 1 else "newtonls"
-    with pytest.raises(ValueError, match="process 1 differs from that of process 0 in: solver"):
+    with pytest.raises(ValueError, match=r"process 1 differs.*process 0.*solver"):
         Analysis(inclined_sheet(), BySnes(kind))
