@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from .discretization import Discretization
+from .energy_terms import TermPool
 from .part_forms import PartForms
 
 
@@ -36,10 +37,14 @@ class Assembler:
     Args:
         discretization: The meshes and their common numbering.
         parts: Forms of the parts of which this process has cells.
+
+    Attributes:
+        terms: Forms of the energy terms that were met.
     """
 
     def __init__(self, discretization: Discretization, parts: Mapping[str, PartForms]):
         self.discretization, self.parts = discretization, parts
+        self.terms = TermPool(discretization, parts)
         self._data: CellData | None = None
 
     def update(self, x: PETSc.Vec, data: CellData) -> None:

@@ -15,7 +15,7 @@ from ..assembly.problem import Problem
 from ..forms import kinematics, stress
 from ..model.parts import Membrane
 from ..solvers.base import LIMITS
-from .states import BarResult, Equilibrium, Increment, MembraneResult, StageResult
+from .states import BarResult, Equilibrium, Increment, MembraneResult, StageResult, TermResult
 
 STATES = np.array(["taut", "wrinkled", "slack"])  # in the order of `forms.wrinkling`
 
@@ -48,7 +48,8 @@ class StateEvaluator:
         with discretization.work(1) as (b,):
             problem.residual(x, b)
             residual, displacement = discretization.to_numpy(b), discretization.to_numpy(x)
-        loads = actions.loads + problem.pressure_loads(x)
+        terms = tuple(TermResult(*acting, forces) for acting, forces in problem.term_forces(x))
+        loads = actions.loads + problem.pressure_loads(x) + sum(entry.forces for entry in terms)
         reactions = np.where(actions.held, residual, 0.0)
         unbalanced = np.abs(residual - reactions).max(axis=1)
         position = problem.structure.points + displacement
@@ -69,6 +70,7 @@ class StateEvaluator:
                 unbalanced=unbalanced,
             ),
             increments=increments,
+            terms=terms,
             owner=self.problem,
             parts={name: self._part_result(name) for name in problem.structure.parts},
         )

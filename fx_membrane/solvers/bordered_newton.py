@@ -131,6 +131,8 @@ class BorderedNewton:
         """Return True if pressures keep the tangent symmetric, as uniform ones on closed surfaces or in held edges."""
         for actions in (self.start, self.end):
             loaded = self.problem.under(actions)
+            if loaded.terms.without_potential:  # symmetric here, perhaps, and not elsewhere
+                return False
             if not loaded.symmetric:
                 loaded.tangent(x, self.A)
                 loaded.constraints.constrain_tangent(x, self.A, self.work)

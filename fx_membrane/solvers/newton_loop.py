@@ -106,7 +106,12 @@ class NewtonLoop:
         return Solution(end.outcome, str(end), tuple(self.history))
 
     def conservative(self, x: PETSc.Vec) -> bool:
-        """Return True if pressures have a potential here, as within held edges: the tangent is symmetric."""
+        """Return True if pressures have a potential here, as within held edges: the tangent is symmetric.
+
+        That of a term without a potential may be symmetric here and not elsewhere, as with friction.
+        """
+        if self.problem.terms.without_potential:
+            return False
         self.problem.tangent(x, self.A)
         self.problem.constraints.constrain_tangent(x, self.A, self.b)
         return factorization.is_symmetric(self.A)
