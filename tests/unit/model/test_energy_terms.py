@@ -298,3 +298,19 @@ def test_digest_is_the_same_in_another_process():
         for words in ("", before)
     ]
     assert found[0] == found[1]
+
+
+# README
+
+
+def test_recipe_of_the_readme():
+    readme = (Path(__file__).parents[3] / "README.md").read_text()
+    recipe = readme.split("## How to add a load")[1].split("\n## ")[0]
+    script = "\n".join(line[4:] for line in recipe.splitlines() if line.startswith("    "))
+    names = {"dataclass": dataclass}
+    exec(script, names)
+    uses = [use.split("`")[0] for use in (recipe.split("`Stage(")[1], recipe.split("`Structure(")[1])]
+    own = eval(uses[0].split("[")[1].split("]")[0], names)
+    assert uses[1] == f'..., terms=[ElasticBed("{own.part}", 2e3)])'
+    state = Analysis(sheet()).run([Stage("bed", [own, DistributedLoad((0, 0, -50.0), "fabric")])])["bed"]
+    assert state.terms[0].forces[:, 2].sum() > 1
