@@ -2,10 +2,12 @@
 
 import importlib.util
 import os
+import re
 import subprocess
 import sys
 import sysconfig
 import tarfile
+import tomllib
 import venv
 import zipfile
 from pathlib import Path
@@ -104,3 +106,12 @@ def test_installed_wheel_runs_the_demo_from_another_folder(wheel, tmp_path):
     demo = str(ROOT / "demos/square_membrane.py")
     assert "Check passed" in run(python, demo, "--no-pictures", cwd=elsewhere, env=environment)
     assert "dolfinx" in run(str(tmp_path / "env/bin/fx-membrane"), "info", cwd=elsewhere, env=environment)
+
+
+def test_citation_is_of_this_version():
+    citation = dict(re.findall(r"^([\w-]+): (.*)$", (ROOT / ".github" / "CITATION.cff").read_text(), re.MULTILINE))
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    assert citation["cff-version"] == "1.2.0"
+    assert citation["version"] == project["version"]
+    assert citation["license"] == project["license"]["text"]
+    assert citation["title"].strip('"').startswith("fx_membrane: ")

@@ -100,6 +100,13 @@ def equilibrium_path(
     Warns:
         UnstableStateWarning: The start is not stable; or slack or wrinkled parts carry points of the path.
         LargeStrainWarning: Strains that belong to the prestress of a structure are above 5 %.
+
+    Example:
+        >>> points = [(-1, 0, 0), (1, 0, 0), (0, 0, 0.4)]
+        >>> truss = Structure(points, {"bars": Mast([[0, 2], [1, 2]], 1e5)}, [Support([0, 1]), Support(2, "y")])
+        >>> path = equilibrium_path(truss, Stage("push", [PointLoad(2, (0, 0, -3e3))], increments=5))
+        >>> path.load_factors[path.limit_points].round(4).tolist()
+        [0.6572, -0.6572]
     """
     validation.communicator("equilibrium_path comm", comm)
     with together(comm):

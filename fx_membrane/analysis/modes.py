@@ -115,6 +115,13 @@ def natural_frequencies(state: StageResult, count: int = 6, comm: MPI.Intracomm 
 
     Warns:
         MassUnitWarning: A mass makes waves slower or faster than in any fabric, cable or mast.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Cable(polyline([0, 1, 2]), 1e6, prestress=1e3, mass=0.5)
+        >>> rest = Analysis(Structure(points, {"rope": rope}, [Support([0, 2])])).run([Stage("rest")])["rest"]
+        >>> natural_frequencies(rest, 2).frequencies.round(3).tolist()
+        [4.109, 4.109]
     """
     validation.communicator("natural_frequencies comm", comm)
     with together(comm):
@@ -154,6 +161,12 @@ def stability(state: StageResult, count: int = 1, comm: MPI.Intracomm = MPI.COMM
     Raises:
         ValueError: Fewer than count components can move.
         RuntimeError: The eigenvalue solver did not converge.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> stability(Analysis(rope).run([Stage("rest")])["rest"]).stable
+        True
     """
     validation.communicator("stability comm", comm)
     with together(comm):

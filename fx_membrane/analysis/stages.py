@@ -114,6 +114,13 @@ class Analysis:
     Attributes:
         structure: The structure.
         problem: Meshes and forms of the structure, on which its states, paths and modes continue.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> results = Analysis(rope).run([Stage("rest"), Stage("pull", [PointLoad(1, (0, 0, -10.0))], after="rest")])
+        >>> {name: round(float(state.displacement[1, 2]), 4) for name, state in results.items()}
+        {'rest': 0.0, 'pull': -0.0148}
     """
 
     def __init__(

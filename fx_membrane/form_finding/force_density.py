@@ -51,6 +51,14 @@ def force_density(
     Source:
         H.-J. Schek, The force density method for form finding and computation of general networks, Computer Methods
         in Applied Mechanics and Engineering 3 (1974) 115-134.
+
+    Example:
+        >>> corners = [(0, 0, 0), (2, 0, 1), (2, 2, 0), (0, 2, 1), (9, 9, 9)]
+        >>> net = force_density(corners, [[0, 4], [1, 4], [2, 4], [3, 4]], 100.0, [Support(range(4))])
+        >>> net.points[4].round(9).tolist()
+        [1.0, 1.0, 0.5]
+        >>> {name: forces.round(2).tolist() for name, forces in net.forces.items()}
+        {'net': [150.0, 150.0, 150.0, 150.0]}
     """
     points = validation.positions("points", points)
     n = len(points)

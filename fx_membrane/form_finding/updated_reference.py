@@ -93,6 +93,14 @@ def updated_reference(
 
     Warns:
         UnsettledFormWarning: The steps were too few; the form is that of the last one.
+
+    Example:
+        >>> points, triangles = rectangle(2.0, 2.0, 4, 4)
+        >>> points[:, 2] = points[:, 0] * points[:, 1] + 0.1 * (1 - points[:, 0] ** 2)
+        >>> film = Membrane(triangles, Fabric(4e5, 0.3), prestress=2e3)
+        >>> form = updated_reference(Structure(points, {"film": film}, [Support(np.unique(boundary_edges(triangles)))]))
+        >>> form.steps[-1].area < form.steps[0].area
+        True
     """
     validation.communicator("updated_reference comm", comm)
     with together(comm):

@@ -25,6 +25,11 @@ def edges_where(
 
     Raises:
         ValueError: The triangles name nodes that do not exist, on is no function of that kind, or no edge is on it.
+
+    Example:
+        >>> points, triangles = rectangle(4.0, 2.0, 2, 1)
+        >>> edges_where(points, triangles, lambda x: x[0] > 1.9).tolist()
+        [[2, 5]]
     """
     if not callable(on):
         raise ValueError(

@@ -33,6 +33,13 @@ def rectangle(
 
     Raises:
         ValueError: A size or a number is not positive, or diagonals is none of the three.
+
+    Example:
+        >>> points, triangles = rectangle(4.0, 2.0, 2, 1)
+        >>> points.tolist()
+        [[-2.0, -1.0, 0.0], [0.0, -1.0, 0.0], [2.0, -1.0, 0.0], [-2.0, 1.0, 0.0], [0.0, 1.0, 0.0], [2.0, 1.0, 0.0]]
+        >>> triangles.tolist()
+        [[0, 1, 4], [0, 4, 3], [1, 2, 4], [2, 5, 4]]
     """
     width, height = validation.positive("width", width), validation.positive("height", height)
     columns, rows = validation.positive_integer("columns", columns), validation.positive_integer("rows", rows)
@@ -62,6 +69,10 @@ def polyline(nodes: ArrayLike) -> NDArray[np.int64]:
 
     Raises:
         ValueError: They are not at least two whole numbers.
+
+    Example:
+        >>> polyline([4, 7, 2]).tolist()
+        [[4, 7], [7, 2]]
     """
     line = validation.indices("nodes", nodes)
     if len(line) < 2:

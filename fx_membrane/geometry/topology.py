@@ -18,6 +18,10 @@ def boundary_edges(triangles: ArrayLike) -> NDArray[np.int64]:
 
     Raises:
         ValueError: They are not triangles.
+
+    Example:
+        >>> boundary_edges([[0, 1, 2], [0, 2, 3]]).tolist()
+        [[0, 1], [3, 0], [1, 2], [2, 3]]
     """
     edges, edge, count = _edges(validation.cells("triangles", triangles, 3, distinct=False))
     outer = count[edge] == 1

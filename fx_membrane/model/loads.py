@@ -24,6 +24,10 @@ class PointLoad:
 
     Raises:
         ValueError: Nodes are not whole numbers, or one is named twice; the force is not three finite numbers.
+
+    Example:
+        >>> PointLoad(12, (0, 0, -1e3)).force.tolist()
+        [0.0, 0.0, -1000.0]
     """
 
     nodes: ArrayLike
@@ -59,6 +63,10 @@ class DistributedLoad(_SpreadLoad):
     Raises:
         ValueError: The load is not three finite numbers; part is not a text; cells are not whole numbers, or one is
             named twice.
+
+    Example:
+        >>> DistributedLoad((0, 0, -600.0), "roof").load.tolist()
+        [0.0, 0.0, -600.0]
     """
 
 
@@ -75,6 +83,10 @@ class PlanLoad(_SpreadLoad):
 
     Raises:
         ValueError: As for `DistributedLoad`.
+
+    Example:
+        >>> PlanLoad((0, 0, -1e3), "roof", cells=[0, 1]).cells.tolist()
+        [0, 1]
     """
 
 
@@ -89,6 +101,11 @@ class Pressure:
 
     Raises:
         ValueError: The pressure is not a finite number; part and cells as for `DistributedLoad`.
+
+    Example:
+        >>> wind = Stage("wind", [Pressure(-800.0, "roof")], after="prestress")
+        >>> wind.loads[0].pressure
+        -800.0
     """
 
     pressure: float

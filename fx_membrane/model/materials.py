@@ -24,6 +24,12 @@ class Fabric:
 
     Raises:
         ValueError: A value is out of its range.
+
+    Example:
+        >>> Fabric(Et=4e5, nu=0.3)
+        Fabric(Et=400000.0, nu=0.3)
+        >>> Fabric.from_modulus(E=4e8, nu=0.3, thickness=1e-3).Et
+        400000.0
     """
 
     dimension: ClassVar[int] = 2
@@ -75,6 +81,10 @@ class OrthotropicFabric:
 
     Raises:
         ValueError: A stiffness is not positive, or nu^2 Et_weft / Et_warp >= 1 (the energy would not be positive).
+
+    Example:
+        >>> OrthotropicFabric(Et_warp=6e5, Et_weft=4e5, nu=0.3, Gt=2e4)
+        OrthotropicFabric(Et_warp=600000.0, Et_weft=400000.0, nu=0.3, Gt=20000.0)
     """
 
     dimension: ClassVar[int] = 2

@@ -43,6 +43,14 @@ class Membrane:
     Raises:
         ValueError: Cells, prestress or warp have a wrong shape or values that are not finite; the material is no law
             for membranes; the material or the prestress has a direction and there is no warp; the mass is negative.
+
+    Example:
+        >>> points, triangles = rectangle(2.0, 2.0, 4, 4)
+        >>> Membrane(triangles, Fabric(Et=4e5, nu=0.3), prestress=2e3).prestress_tensors()[0].tolist()
+        [[2000.0, 0.0], [0.0, 2000.0]]
+        >>> woven = OrthotropicFabric(Et_warp=6e5, Et_weft=4e5, nu=0.3, Gt=2e4)
+        >>> Membrane(triangles, woven, prestress=(2e3, 1e3), warp=(1, 0, 0)).prestress_tensors()[0].tolist()
+        [[2000.0, 0.0], [0.0, 1000.0]]
     """
 
     dimension: ClassVar[int] = 2
@@ -176,6 +184,11 @@ class Cable(Bar):
     Raises:
         ValueError: Cells or prestress have a wrong shape or values that are not finite; a stiffness is not positive, or
             not that of the material; the material is no law for bars; the mass is negative.
+
+    Example:
+        >>> edge = Cable(polyline([0, 1, 2]), axial_stiffness=1e7, prestress=2e4)
+        >>> edge.cells.tolist()
+        [[0, 1], [1, 2]]
     """
 
     compression_stiffness: float = 1e-4
@@ -197,6 +210,11 @@ class Mast(Bar):
     """Pinned masts and struts as two-node straight elements, in tension and compression.
 
     Args and Raises as for `Cable`, without `compression_stiffness`; a negative prestress is a compression.
+
+    Example:
+        >>> mast = Mast.from_modulus([[0, 1]], E=210e9, area=1e-3)
+        >>> mast.axial_stiffness
+        210000000.0
     """
 
     carries_compression: ClassVar[bool] = True

@@ -28,6 +28,10 @@ class PrescribedDisplacement:
     Raises:
         ValueError: Nodes are not whole numbers; the displacement has a wrong shape or values that are not finite;
             components are not letters of "xyz".
+
+    Example:
+        >>> PrescribedDisplacement([2, 3], (0, 0, 0.05), "z").displacement.tolist()
+        [0.0, 0.0, 0.05]
     """
 
     nodes: ArrayLike
@@ -62,6 +66,11 @@ class Stage:
     Raises:
         ValueError: increments is not a positive whole number, or more than a million; an entry is not a load or a
             prescribed displacement, or is of a class derived from one.
+
+    Example:
+        >>> snow = Stage("snow", [DistributedLoad((0, 0, -600.0), "roof")], after="prestress", increments=2)
+        >>> snow.name, snow.after, snow.increments
+        ('snow', 'prestress', 2)
     """
 
     name: str

@@ -60,6 +60,14 @@ class Structure:
             not constrain all of them. If they are meant to be apart (two skins, a slit, two cables that cross), name
             their parts in `separate`.
         SliverWarning: A triangle is more than 5e5 times as long as it is high.
+
+    Example:
+        >>> points, triangles = rectangle(2.0, 2.0, 4, 4)
+        >>> rim = boundary_edges(triangles)
+        >>> parts = {"roof": Membrane(triangles, Fabric(4e5, 0.3), 2e3), "edge": Cable(rim, 1e7, 2e4)}
+        >>> roof = Structure(points, parts, [Support(np.unique(rim))])
+        >>> len(roof.points), int(roof.supported.sum()), roof.normals("roof")[0].tolist()
+        (25, 48, [0.0, 0.0, 1.0])
     """
 
     points: NDArray[np.float64]

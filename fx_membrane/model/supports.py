@@ -17,6 +17,12 @@ class Support:
 
     Raises:
         ValueError: Nodes are not whole numbers; components are not letters of "xyz".
+
+    Example:
+        >>> Support([0, 4, 20, 24]).components
+        'xyz'
+        >>> Support(range(5), "y").nodes.tolist()
+        [0, 1, 2, 3, 4]
     """
 
     nodes: ArrayLike

@@ -44,6 +44,13 @@ def report(
     Raises:
         ValueError: The result is not that of a stage; a node does not exist; first is not a whole number; the name of a
             unit is not a text.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> state = Analysis(rope).run([Stage("pull", [PointLoad(1, (0, 0, -10.0))])])["pull"]
+        >>> print(report(state, nodes=[1]).splitlines()[0])
+        Stage 'pull', iterations per increment: [3]; units as given: N, m
     """
     validation.instance("The first argument of report", result, StageResult)
     listed = validation.indices("nodes", nodes, empty=True)

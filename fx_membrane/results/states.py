@@ -152,6 +152,17 @@ class StageResult:
             snapped or fallen, hangs on slack parts, has lost its prestress, is strained beyond its material law, or is
             not in balance.
         owner: The problem on which the state was computed; None in a copy, see `problem`.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> state = Analysis(rope).run([Stage("pull", [PointLoad(1, (0, 0, -10.0))])])["pull"]
+        >>> state.cable("rope").force.round(1).tolist()
+        [1012.2, 1012.2]
+        >>> state.reactions[:, 2].round(6).tolist()
+        [5.0, 0.0, 5.0]
+        >>> state.equilibrium.loads.tolist()
+        [0.0, 0.0, -10.0]
     """
 
     name: str
