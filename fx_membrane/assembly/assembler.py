@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from dolfinx import fem
 from dolfinx.fem import petsc as fem_petsc
+from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
@@ -27,12 +28,22 @@ class CellData:
     pressures: Mapping[str, NDArray[np.float64]]
     compression: float = 1.0
 
+    def equals(self, other: "CellData | None") -> bool:
+        """Return True if the other data are the same numbers."""
+        return self is other or (
+            other is not None
+            and self.compression == other.compression
+            and self.pressures.keys() == other.pressures.keys()
+            and all(np.array_equal(values, other.pressures[name]) for name, values in self.pressures.items())
+        )
+
 
 class Assembler:
     """Sums over the parts.
 
     All loaded problems share the coefficients of the forms. Each sets its own with `update` before it assembles; data
-    that are there already are not written again.
+    that are there already are not written again. Energy and internal forces of the last state are kept: the end of a
+    line search is the next iterate, and the last iterate is the result.
 
     Args:
         discretization: The meshes and their common numbering.
@@ -46,19 +57,37 @@ class Assembler:
         self.discretization, self.parts = discretization, parts
         self.terms = TermPool(discretization, parts)
         self._data: CellData | None = None
+        self._state = -1
+        self._energy: float | None = None
+        self._forces: NDArray[np.float64] | None = None
 
     def update(self, x: PETSc.Vec, data: CellData) -> None:
         """Set displacement, wrinkling directions and cell data in the forms; collective."""
-        if data is not self._data:
-            for name, part in self.parts.items():
-                part.p.x.array[:] = data.pressures.get(name, 0.0)
-                own = getattr(part.mesh.part, "compression_stiffness", 1.0)
-                if part.kept is not None and own < 1:
-                    part.kept.value = data.compression * own
-            self._data = data
         self.discretization.scatter(x)
-        for part in self.parts.values():
+        same = self._state == self.discretization.state and data.equals(self._data)
+        if self.discretization.comm.allreduce(same, MPI.LAND):
+            return
+        self._energy = self._forces = None
+        for name, part in self.parts.items():
+            part.p.x.array[:] = data.pressures.get(name, 0.0)
+            own = getattr(part.mesh.part, "compression_stiffness", 1.0)
+            if part.kept is not None and own < 1:
+                part.kept.value = data.compression * own
             part.follow()
+        self._data, self._state = data, self.discretization.state
+
+    def strain_energy(self) -> float:
+        """Strain energy of the cells of this process [J], without pressures."""
+        if self._energy is None:
+            self._energy = self.scalar(lambda part: part.energy)
+        return self._energy
+
+    def internal_forces(self, b: PETSc.Vec) -> None:
+        """Set b to the internal nodal forces less those of pressures [N]; collective."""
+        if self._forces is None:
+            self._forces = self.vector(lambda part: part.residual, b).array_r.copy()
+        else:
+            b.array[:] = self._forces
 
     def scalar(self, form: Callable[[PartForms], Any]) -> float:
         """Sum a scalar form over the parts of this process."""

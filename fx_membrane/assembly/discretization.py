@@ -21,6 +21,7 @@ from .. import _dolfinx
 from ..geometry.topology import node_graph
 from ..model.parts import Part
 from ..model.structure import Structure
+from ..runtime.processes import gathered
 from .partition import bisect, number_nodes
 
 
@@ -72,6 +73,7 @@ class Discretization:
         owned_nodes: Nodes whose values this process holds, in the order of its part of a PETSc vector.
         local_nodes: Nodes that the meshes of this process touch, ascending.
         parts: Meshes of the parts of which this process has cells.
+        state: Number that changes with the displacement or the reference positions of a mesh of this process.
     """
 
     def __init__(self, structure: Structure, comm: MPI.Intracomm = MPI.COMM_WORLD):
@@ -98,6 +100,7 @@ class Discretization:
         self.local_nodes = np.unique(np.concatenate(touched))
         self.parts = {name: self._part_mesh(name, share) for name, share in shares.items() if len(share)}
 
+        self.state = 0
         self._spare: list[PETSc.Vec] = []
         blocks = self.block_of_node[self.local_nodes].astype(PETSc.IntType)
         where = PETSc.IS().createBlock(3, blocks, comm=MPI.COMM_SELF)
@@ -179,15 +182,20 @@ class Discretization:
 
     def to_numpy(self, vector: PETSc.Vec) -> NDArray[np.float64]:
         """Nodal values in the user's order on every process, shape (n, 3); zero at nodes that no part uses."""
-        blocks = np.concatenate(self.comm.allgather(vector.array_r)).reshape(-1, 3)
-        return np.where(self.structure.used[:, None], blocks[self.block_of_node], 0.0)
+        values: NDArray[np.float64] = gathered(self.comm, vector.array_r.reshape(-1, 3))[self.block_of_node]
+        values[self.block_of_node < 0] = 0.0
+        return values
 
-    def gather_cells(self, name: str, values: NDArray[np.float64] | None, size: int) -> NDArray[np.float64]:
-        """Values of all cells of a part on every process, shape (cells, size), from those of each process's mesh."""
-        result = np.empty((len(self.structure.parts[name].cells), size))
-        share = (self.parts[name].cell_rows, values) if name in self.parts else None
-        for entry in filter(None, self.comm.allgather(share)):
-            result[entry[0]] = entry[1]
+    def gather_cells(self, name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Values of all cells of a part on every process, shape (cells, size), from those of each process's mesh.
+
+        Args:
+            name: Name of the part.
+            values: Values in the order of this process's mesh, shape (its cells, size); (0, size) without a mesh.
+        """
+        result = np.empty((len(self.structure.parts[name].cells), values.shape[1]))
+        rows = self.parts[name].cell_rows if name in self.parts else np.empty(0, dtype=np.int64)
+        result[gathered(self.comm, rows)] = gathered(self.comm, values)
         return result
 
     def scatter(self, vector: PETSc.Vec) -> None:
@@ -195,10 +203,14 @@ class Discretization:
         self._scatter.scatter(vector, self._local_values, PETSc.InsertMode.INSERT, PETSc.ScatterMode.FORWARD)
         values = self._local_values.array_r.reshape(-1, 3)
         for mesh in self.parts.values():
-            mesh.u.x.array[:] = values[mesh.node_rows].ravel()
+            there = values[mesh.node_rows].ravel()
+            if not np.array_equal(there, mesh.u.x.array):
+                mesh.u.x.array[:] = there
+                self.state += 1
 
     def move(self, points: NDArray[np.float64]) -> None:
         """Set the reference positions of all meshes from the user's nodes, shape (n, 3) [m]."""
+        self.state += 1
         for mesh in self.parts.values():
             mesh.move(points[self.local_nodes[mesh.node_rows]])
 

@@ -103,7 +103,7 @@ class LoadedProblem:
         self._update(x)
         with np.errstate(all="ignore"):  # of an iterate that diverges
             energy = self.terms.energy() - float(self.own_loads @ x.array_r)
-        energy = float(self.comm.allreduce(energy + self.assembler.scalar(lambda part: part.energy)))
+        energy = float(self.comm.allreduce(energy + self.assembler.strain_energy()))
         return energy + self.shift * self.stabilizer.energy(x) if self.shift else energy
 
     def energy_along(self, x: PETSc.Vec, step: PETSc.Vec) -> Callable[[float], float]:
@@ -141,7 +141,7 @@ class LoadedProblem:
         """
         b = self.discretization.create_vector() if b is None else b
         self._update(x)
-        self.assembler.vector(lambda part: part.residual, b)
+        self.assembler.internal_forces(b)
         b.array -= self.own_loads
         self.terms.add_forces(self.terms.all, b, -1.0)
         if self.shift:

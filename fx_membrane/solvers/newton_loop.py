@@ -175,8 +175,9 @@ class NewtonLoop:
             self.from_stable = self.shift <= (self.control.first if slack else 0.0)
         self.length = length
         dx.scale(length)
-        dx.axpy(1.0, x)
-        dx.axpy(-1.0, start)
+        if moved:  # otherwise the next iterate is the last trial, bit by bit, which is not evaluated again
+            dx.axpy(1.0, x)
+            dx.axpy(-1.0, start)
 
     def is_descent(self, dx: PETSc.Vec) -> bool:
         """Return True if dx solves the linear system and -dx is a descent direction, without negative curvature."""
