@@ -49,6 +49,8 @@ def loose_masts(result: StageResult) -> list[Loose]:
     masts in one plane with their guys do. Joints of masts alone are none: solvers meet the missing stiffness
     themselves.
     """
+    if not any(isinstance(part, Mast) for part in result.structure.parts.values()):
+        return []
     ends = _ends(result)
     could = ends.mast & ~ends.fabric & ~result.actions.held.all(axis=1)
     could &= ~touched(result.structure, result.structure.terms)  # an elastic bed may hold them
