@@ -9,7 +9,7 @@ a part.
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from dolfinx import fem
@@ -23,6 +23,8 @@ from ..model.parts import Part
 from ..model.structure import Structure
 from ..runtime.processes import gathered
 from .partition import bisect, number_nodes
+
+MatrixKind = Literal["aij", "baij", "sbaij"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +92,8 @@ class Discretization:
         self.owned_nodes = used[mine]
         self.first_block = int(comm.exscan(len(mine)) or 0)
         self._size = (3 * len(mine), 3 * len(used))
-        self._rows = graph[mine][:, ordered]  # of the node graph, in the numbering of the system
+        rows = graph[mine][:, ordered]  # of the node graph, in the numbering of the system
+        self._columns, self._pointers = rows.indices, rows.indptr
 
         shares = {
             name: np.flatnonzero(owner[compact[part.cells[:, 0]]] == comm.rank)
@@ -142,16 +145,30 @@ class Discretization:
         finally:
             self._spare += taken
 
-    def create_matrix(self) -> PETSc.Mat:
-        """Matrix with the sparsity pattern of all parts together, exactly preallocated."""
-        first = self.first_block
-        own = (self._rows.indices >= first) & (self._rows.indices < first + len(self.owned_nodes))
-        before = np.concatenate([[0], np.cumsum(own)])[self._rows.indptr]
-        diagonal = 3 * np.diff(before)
-        other = 3 * np.diff(self._rows.indptr) - diagonal
-        counts = tuple(np.repeat(count, 3).astype(PETSc.IntType) for count in (diagonal, other))
-        A = PETSc.Mat().createAIJ((self._size, self._size), bsize=3, nnz=counts, comm=self.comm)
+    def create_matrix(self, kind: MatrixKind = "aij") -> PETSc.Mat:
+        """Matrix with the sparsity pattern of all parts together, exactly preallocated.
+
+        Args:
+            kind: "aij"; "baij", blocks of 3 x 3, filled in half the time; "sbaij", the upper triangle of these blocks,
+                for a symmetric matrix in a third of the memory.
+        """
+        columns, pointers = self._columns, self._pointers
+        first, count = self.first_block, len(self.owned_nodes)
+        own = (columns >= first) & (columns < first + count)
+        other = ~own
+        if kind == "sbaij":
+            upper = columns >= np.repeat(np.arange(first, first + count), np.diff(pointers))
+            own, other = own & upper, other & upper
+        counts = [np.diff(np.concatenate([[0], np.cumsum(mask)])[pointers]) for mask in (own, other)]
+        if kind == "aij":
+            counts = [np.repeat(3 * blocks, 3) for blocks in counts]
+        A = PETSc.Mat().create(self.comm)
+        A.setSizes((self._size, self._size), bsize=3)
+        A.setType(kind)
+        A.setPreallocationNNZ(tuple(blocks.astype(PETSc.IntType) for blocks in counts))
         A.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
+        if kind == "sbaij":
+            A.setOption(PETSc.Mat.Option.IGNORE_LOWER_TRIANGULAR, True)
         # petsc4py derives it from the counts; a process without rows has none, and options must agree between
         # processes.
         A.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, True)
@@ -221,3 +238,9 @@ class Discretization:
         for mesh, values in shares:
             sums[mesh.node_rows] += values.reshape(-1, 3)
         self._scatter.scatter(self._local_values, vector, PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
+
+
+def matrix_kind(A: PETSc.Mat) -> MatrixKind:
+    """Return the kind of a matrix, on one process or several."""
+    name = A.getType()
+    return "sbaij" if name.endswith("sbaij") else "baij" if name.endswith("baij") else "aij"

@@ -100,7 +100,7 @@ def negative_curvature_direction(problem: LoadedProblem, x: PETSc.Vec) -> Mode:
 
 def _lowest(problem: LoadedProblem, x: PETSc.Vec) -> float:
     """Lowest eigenvalue of K v = lambda T v, known to be below -WEAK, with its Sturm sequence check."""
-    K, T = problem.tangent(x), problem.stabilizer.matrix.copy()
+    K, T = problem.tangent(x), problem.stabilizer.matrix("aij").copy()
     with problem.discretization.work(1) as (b,):
         problem.constraints.constrain_tangent(x, K, b)
     for matrix in (K, T):  # T, too, for an equal pattern

@@ -11,6 +11,7 @@ from typing import cast
 from petsc4py import PETSc
 
 from .. import _dolfinx
+from ..assembly.discretization import MatrixKind
 from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from . import factorization, petsc_options
@@ -58,7 +59,7 @@ class NewtonLoop:
 
     def __init__(self, problem: Problem, line_search: bool, control: ShiftControl):
         self.line_search, self.control = line_search, control
-        self.A = problem.discretization.create_matrix()
+        self.matrices: dict[MatrixKind, PETSc.Mat] = {}
         self.b = problem.discretization.create_vector()
         create = problem.discretization.create_vector
         self.work, self.here = create(), create()
@@ -78,6 +79,19 @@ class NewtonLoop:
         self.history: list[Iteration] = []
         self.iterates, self.first = 0, True
         self.symmetric, self.counts_pivots, self.from_stable, self.lost_stability = True, True, False, False
+
+    @property
+    def A(self) -> PETSc.Mat:
+        """The tangent; the upper triangle of its blocks if it is symmetric."""
+        return self.matrix(self.symmetric)
+
+    def matrix(self, symmetric: bool) -> PETSc.Mat:
+        """Return the matrix for a symmetric or a general tangent, made on first use; few linear solvers take blocks."""
+        blocks: MatrixKind = "sbaij" if symmetric else "baij"
+        kind: MatrixKind = "aij" if petsc_options.choose_solver() else blocks
+        if kind not in self.matrices:
+            self.matrices[kind] = self.problem.discretization.create_matrix(kind)
+        return self.matrices[kind]
 
     def attempt(self, x: PETSc.Vec, rtol: float, most: int, proceed: Proceed = always) -> Solution:
         """Run the iteration from x.
@@ -112,9 +126,8 @@ class NewtonLoop:
         """
         if self.problem.terms.without_potential:
             return False
-        self.problem.tangent(x, self.A)
-        self.problem.constraints.constrain_tangent(x, self.A, self.b)
-        return factorization.is_symmetric(self.A)
+        A = self.problem.tangent(x, self.matrix(symmetric=False))
+        return factorization.is_symmetric(self.problem.constraints.close(A))
 
     def without_end(self, x: PETSc.Vec) -> _Stop:
         """Outcome and reason of an iteration whose last iterate is no solution."""
@@ -142,7 +155,6 @@ class NewtonLoop:
         """Tangent and right-hand side with constraints; end an attempt that is not to proceed."""
         if not self.proceed(self.history):
             raise self.without_end(x)
-        A.setOption(PETSc.Mat.Option.SYMMETRIC, self.symmetric)
         self.problem.tangent(x, A)
         self.problem.constraints.constrain_tangent(x, A, self.b)
         shift, self.shift = self.control.next(self.length, self.shift, self.history), 0.0

@@ -161,11 +161,8 @@ def print_bounds(structure: Structure) -> None:
     """Print the time of a tangent beside one pass over its non-zeros and one product."""
     problem = Problem(structure)
     view, x, b = problem.under(), problem.create_vector(), problem.create_vector()
-    create: Any = problem.discretization.create_matrix
-    kind = "sbaij" if "kind" in create.__code__.co_varnames else "aij"
-    general = problem.create_matrix()
-    tangents = {"aij": general} | ({kind: create(kind)} if kind != "aij" else {})
-    nonzeros = int(general.getInfo()["nz_allocated"])
+    tangents = {kind: problem.discretization.create_matrix(kind) for kind in ("aij", "baij", "sbaij")}
+    nonzeros = int(tangents["aij"].getInfo()["nz_allocated"])
     first, second = np.ones(nonzeros), np.ones(nonzeros)
     total = np.zeros(nonzeros)
     once = least(lambda: np.add(first, second, out=total))
