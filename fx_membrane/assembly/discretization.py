@@ -24,6 +24,7 @@ from ..model.structure import Structure
 from ..runtime.processes import gathered
 from .partition import bisect, number_nodes
 
+STRIP = 65536  # cells of a strip of a mesh
 MatrixKind = Literal["aij", "baij", "sbaij"]
 
 
@@ -37,7 +38,8 @@ class PartMesh:
         mesh: dolfinx mesh of the cells of this process.
         cell_rows: Row in `part.cells` of each cell of the mesh.
         node_rows: Position in `Discretization.local_nodes` of each node of the mesh, in the order of the displacement's
-            dofs.
+            dofs; nodes on a seam between strips of the mesh come several times.
+        seam: Nodes of the mesh that come again later in `node_rows`.
         u: Displacement, P1 [m].
         lgmap: Position of each node of the mesh in the PETSc system, for `Mat.setLGMap`.
     """
@@ -47,6 +49,7 @@ class PartMesh:
     mesh: Any
     cell_rows: NDArray[np.int64]
     node_rows: NDArray[np.int64]
+    seam: NDArray[np.intp]
     u: fem.Function
     lgmap: PETSc.LGMap
 
@@ -111,17 +114,27 @@ class Discretization:
         self._scatter = PETSc.Scatter().create(self.create_vector(), where, self._local_values, None)
 
     def _part_mesh(self, name: str, share: NDArray[np.int64]) -> PartMesh:
-        part = self.structure.parts[name]
-        nodes, cells = np.unique(part.cells[share], return_inverse=True)
+        part, count = self.structure.parts[name], len(self.structure.points)
+        # dolfinx orders cells in a time that grows as the length of a mesh times the square of its width: strips of
+        # cells, each with nodes of its own on its seams, keep it linear.
+        number = self.block_of_node[part.cells[share, 0]]
+        strips = -(-len(share) // STRIP)
+        strip = (number - number.min()) * strips // (np.ptp(number) + 1)
+        own_nodes, cells = np.unique(strip[:, None] * count + part.cells[share], return_inverse=True)
+        nodes = own_nodes % count
         mesh = _dolfinx.create_mesh(self.structure.points[nodes], cells.reshape(-1, part.dimension + 1))
         V = _dolfinx.functionspace(mesh, "Lagrange", 1, 3)
         nodes = nodes[_dolfinx.node_order(V)]
+        rows = np.asarray(np.searchsorted(self.local_nodes, nodes))
+        again = np.ones(len(rows), dtype=bool)
+        again[len(rows) - 1 - np.unique(rows[::-1], return_index=True)[1]] = False
         return PartMesh(
             name=name,
             part=part,
             mesh=mesh,
             cell_rows=share[_dolfinx.cell_order(mesh)],
-            node_rows=np.asarray(np.searchsorted(self.local_nodes, nodes)),
+            node_rows=rows,
+            seam=np.flatnonzero(again),
             u=fem.Function(V),
             lgmap=PETSc.LGMap().create(self.block_of_node[nodes].astype(PETSc.IntType), bsize=3, comm=MPI.COMM_SELF),
         )
@@ -236,7 +249,10 @@ class Discretization:
         sums = self._local_values.array.reshape(-1, 3)
         sums[:] = 0
         for mesh, values in shares:
-            sums[mesh.node_rows] += values.reshape(-1, 3)
+            here = values.reshape(-1, 3)
+            seam = mesh.node_rows[mesh.seam]
+            sums[mesh.node_rows] += here  # of a node that comes several times, the last value alone
+            np.add.at(sums, seam, here[mesh.seam])
         self._scatter.scatter(self._local_values, vector, PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
 
 
