@@ -171,6 +171,19 @@ def form(a: Any) -> Any:
     return _compile(fem.form, a)
 
 
+def coefficients(compiled: Any) -> list[Any]:
+    """List the functions in a compiled form, in the order of the columns of `packed`."""
+    return list(getattr(compiled, "_cpp_object", compiled).coefficients)  # 0.9, 0.11: wrapped; 0.5: of C++
+
+
+def packed(compiled: Any) -> Any:
+    """Values of the functions in a compiled form, cell by cell, as assembly takes them.
+
+    Forms whose functions are the first of this form take them, too: each column belongs to one function.
+    """
+    return fem.assemble.pack_coefficients(compiled)
+
+
 def cell_expression(expression: Any, msh: Any) -> Callable[..., NDArray[np.float64]]:
     """Compile a vector-valued UFL expression; a call gives its values at the midpoints of all or given cells.
 

@@ -157,7 +157,7 @@ class LoadedProblem:
         """
         A = self.discretization.create_matrix() if A is None else A
         self._update(x)
-        self.assembler.matrix(lambda part: part.tangent, A)
+        self.assembler.tangent(A)
         self.terms.add_tangent(A)
         if self.shift:
             self.stabilizer.add_tangent(self.shift, A)
@@ -281,6 +281,9 @@ class LoadedProblem:
 
     def _pressure_forces(self, x: PETSc.Vec, total: PETSc.Vec) -> PETSc.Vec:
         self._update(x)
+        if not self.actions.pressed:
+            total.set(0.0)
+            return total
         return self.assembler.vector(lambda part: part.pressure, total)
 
     def _following(self, x: PETSc.Vec, total: PETSc.Vec) -> PETSc.Vec:

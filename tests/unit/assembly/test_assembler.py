@@ -1,7 +1,10 @@
 """Sums over the parts are assembled once for each state."""
 
+import itertools
+
 import numpy as np
 import pytest
+from dolfinx import fem
 
 from fx_membrane import (
     Analysis,
@@ -15,8 +18,8 @@ from fx_membrane import (
     boundary_edges,
     rectangle,
 )
+from fx_membrane.assembly import assembler
 from fx_membrane.assembly.actions import unloaded
-from fx_membrane.assembly.assembler import Assembler
 from fx_membrane.assembly.problem import Problem
 
 
@@ -27,25 +30,36 @@ def square() -> Structure:
 
 
 @pytest.fixture
-def states(monkeypatch):
-    """Displacements at which an energy was assembled, in order."""
+def calls(monkeypatch):
+    """Forms that were assembled or packed, each with the displacement on this process, in order."""
     seen = []
-    scalar = Assembler.scalar
 
-    def counted(self, form):
-        seen.append(b"".join(part.mesh.u.x.array.tobytes() for part in self.parts.values()))
-        return scalar(self, form)
+    def record(owner, name, kind):
+        function = getattr(owner, name)
 
-    monkeypatch.setattr(Assembler, "scalar", counted)
+        def counted(*args, **kwargs):
+            form = next(a for a in args if hasattr(getattr(a, "_cpp_object", a), "coefficients"))
+            functions = getattr(form, "_cpp_object", form).coefficients
+            seen.append((kind, functions[0].x.array.tobytes()))
+            return function(*args, **kwargs)
+
+        monkeypatch.setattr(owner, name, counted)
+
+    record(assembler.fem, "assemble_scalar", "energy")
+    record(assembler.fem_petsc, "assemble_matrix", "tangent")
+    record(fem.assemble, "pack_coefficients", "packing")
     return seen
 
 
-def test_no_state_of_a_run_is_assembled_twice(states):
+@pytest.mark.parametrize("kind", ["energy", "tangent", "packing"])
+def test_no_state_of_a_run_is_assembled_or_packed_twice(calls, kind):
     load = DistributedLoad((0, 0, -500.0), "fabric")
-    Analysis(square(), progress=False).run([Stage("load", [load], increments=2)])
-    again = [i for i in range(1, len(states)) if states[i] == states[i - 1]]
+    analysis = Analysis(square(), progress=False)
+    calls.clear()
+    analysis.run([Stage("load", [load], increments=2)])
+    states = [state for what, state in calls if what == kind]
     assert len(states) > 6
-    assert not again
+    assert all(a != b for a, b in itertools.pairwise(states))
 
 
 def test_kept_sums_follow_displacement_actions_and_reference_shape():

@@ -33,7 +33,9 @@ def tent() -> Structure:
         "cable": Cable(edges, 1e6, prestress=2e3),
         "mast": Mast([[middle, len(points) - 1]], 1e7),
     }
-    return Structure(points, parts, [Support([24, 29], "xyz"), Support([0, 5], "xy"), Support([len(points) - 1], "xyz")])
+    return Structure(
+        points, parts, [Support([24, 29], "xyz"), Support([0, 5], "xy"), Support([len(points) - 1], "xyz")]
+    )
 
 
 def actions(problem: Problem, pressure: float):
