@@ -92,7 +92,7 @@ class Structure:
             for cell in np.flatnonzero(((part.cells < 0) | (part.cells >= count)).any(axis=1))[:1]:
                 validation.in_range(f"Part {name!r}, cell {cell},", part.cells[cell], count, "node")
             self._check_measures(name, part)
-            if part.dimension == 2:
+            if isinstance(part, Membrane) and part.warp is not None:
                 self.warp(name)
         object.__setattr__(self, "parts", {name: self._turned(name, part) for name, part in self.parts.items()})
         for number, support in enumerate(self.supports):

@@ -51,7 +51,7 @@ PHASES = {
     "fx_membrane.assembly.discretization:Discretization.scatter_add": "scatter",
     "fx_membrane.assembly.assembler:Assembler.matrix": "tangent",
     "fx_membrane.assembly.assembler:Assembler.vector": "residual",
-    "fx_membrane.assembly.assembler:Assembler.scalar": "energy",
+    "fx_membrane.assembly.assembler:Assembler.strain_energy": "energy",
     "fx_membrane.assembly.constraints:Constraints.constrain_tangent": "constraints of the tangent",
     "dolfinx.fem:assemble_vector": "residual",
     "dolfinx.fem:pack_coefficients": "packing of coefficients",
