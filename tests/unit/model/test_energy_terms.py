@@ -305,7 +305,7 @@ def test_digest_is_the_same_in_another_process():
 
 def test_recipe_of_the_readme():
     readme = (Path(__file__).parents[3] / "README.md").read_text()
-    recipe = readme.split("## How to add a load")[1].split("\n## ")[0]
+    recipe = readme.split("### A load\n")[1].split("\n### ")[0]
     script = "\n".join(line[4:] for line in recipe.splitlines() if line.startswith("    "))
     names = {"dataclass": dataclass}
     exec(script, names)
