@@ -114,6 +114,8 @@ class NewtonLoop:
                 converged = self.iterate(x)
         except _Stop as stop:
             return Solution(stop.outcome, str(stop), tuple(self.history))
+        finally:
+            self.proceed = always  # a closure of the caller keeps a solver that is dropped, in a circle
         if converged:
             return Solution(Outcome.CONVERGED, Outcome.CONVERGED.value, tuple(self.history))
         end = self.without_end(x)
