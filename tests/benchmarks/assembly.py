@@ -11,8 +11,9 @@ pass, c = a + b, over as many numbers as the matrix has non-zeros, and one produ
 import os
 import resource
 import sys
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable
+from functools import partial
 from importlib import import_module
 from time import process_time
 from typing import Any
@@ -69,7 +70,7 @@ class Clock:
     """CPU time by phase, and the number of calls."""
 
     def __init__(self) -> None:
-        self.times, self.calls = Counter[str](), Counter[str]()
+        self.times, self.calls = defaultdict[str, float](float), Counter[str]()
         self._phases, self._last = ["other"], process_time()
 
     def enter(self, phase: str) -> None:
@@ -111,7 +112,7 @@ def instrument(clock: Clock) -> None:
             owner = getattr(owner, entry)
         if hasattr(owner, name):
             setattr(owner, name, clock.timed(getattr(owner, name), phase))
-    newton: Any = import_module("fx_membrane.solvers.newton")._NewtonRaphson
+    newton: Any = import_module("fx_membrane.solvers.newton_loop").NewtonLoop
     tangent, step = newton.tangent, newton.step
 
     def then_solve(self: Any, *args: Any) -> None:
@@ -137,7 +138,7 @@ def run(n: int) -> tuple[Structure, StageResults]:
 def print_phases(clock: Clock) -> None:
     """Print CPU seconds, share and calls of each phase, and the share outside assembly, factorization and solve."""
     total = sum(clock.times.values())
-    for phase, time in clock.times.most_common():
+    for phase, time in sorted(clock.times.items(), key=lambda item: -item[1]):
         print(f"{phase:32}{time:9.3f} s{100 * time / total:7.1f} %{clock.calls[phase]:6}")
     events = {name: PETSc.Log.Event(name).getPerfInfo()["time"] for name in (SYMBOLIC, NUMERIC, SOLVE)}
     spent = sum(events.values())
@@ -168,8 +169,7 @@ def print_bounds(structure: Structure) -> None:
     once = least(lambda: np.add(first, second, out=total))
     triangles = sum(len(part.cells) for part in structure.parts.values())
     for name, A in tangents.items():
-        tangent = least(lambda A=A: view.tangent(x, A))
-        product = least(lambda A=A: A.mult(x, b))
+        tangent, product = least(partial(view.tangent, x, A)), least(partial(A.mult, x, b))
         print(
             f"tangent in {name}: {tangent:.3f} s, {1e6 * tangent / triangles:.3f} us per triangle; "
             f"{tangent / once:.1f} passes over its non-zeros, {tangent / product:.1f} products"

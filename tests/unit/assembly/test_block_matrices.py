@@ -41,7 +41,7 @@ def tent() -> Structure:
 def actions(problem: Problem, pressure: float):
     moved = PrescribedDisplacement([0, 5], (0.0, 0.0, 0.02))
     loads = [Pressure(pressure, "fabric")] if pressure else []
-    return problem.actions(Stage("move", loads, [moved]))
+    return problem.actions_of(Stage("move", loads, [moved]))
 
 
 @pytest.fixture

@@ -37,7 +37,7 @@ def test_strips_change_no_sum_and_no_result(order, monkeypatch):
         monkeypatch.setattr(discretization, "STRIP", cells)
         structure = sheet(order)
         problem = Problem(structure)
-        view = problem.under(problem.actions(Stage("wind", [Pressure(200.0, "fabric")])))
+        view = problem.under(problem.actions_of(Stage("wind", [Pressure(200.0, "fabric")])))
         rng = np.random.default_rng(3)
         x, v = (problem.to_petsc(0.01 * rng.normal(size=structure.points.shape)) for _ in range(2))
         product = problem.create_vector()
