@@ -22,6 +22,7 @@ from .geometry.edges import edges_where
 from .geometry.grids import polyline, rectangle
 from .geometry.topology import boundary_edges
 from .model.coincidence import CoincidentNodesWarning
+from .model.energy_terms import EnergyTerm, ForceTerm
 from .model.laws import Law
 from .model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
 from .model.materials import Axial, Fabric, MooneyRivlin, NeoHooke, OrthotropicFabric
@@ -39,6 +40,7 @@ from .results.states import (
     MembraneResult,
     StageResult,
     StageResults,
+    TermResult,
     UnstableStateWarning,
 )
 from .results.strain_limits import LargeStrainWarning
@@ -59,9 +61,11 @@ __all__ = [
     "ConjugateGradient",
     "ConvergenceError",
     "DistributedLoad",
+    "EnergyTerm",
     "Equilibrium",
     "EquilibriumPath",
     "Fabric",
+    "ForceTerm",
     "Form",
     "FormStep",
     "Increment",
@@ -99,6 +103,7 @@ __all__ = [
     "SteepestDescent",
     "Structure",
     "Support",
+    "TermResult",
     "UnbalancedStateWarning",
     "UnsettledFormWarning",
     "UnstableStateWarning",

@@ -10,6 +10,7 @@ import sys
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
+from functools import cache
 from typing import Any
 
 from .runtime import petsc as _petsc  # noqa: F401  (before dolfinx is imported)
@@ -63,6 +64,17 @@ def functionspace(msh: Any, family: str, degree: int, size: int | tuple[int, ...
     """Make a space of vectors with `size` components, or of tensors of a shape; () is a scalar."""
     create = getattr(fem, "functionspace", None) or fem.FunctionSpace  # 0.9, 0.11: function; 0.5: class
     return _compile(create, msh, _element(family, CELL[msh.topology.dim], degree, size))
+
+
+@cache
+def abstract_mesh(dimension: int) -> Any:
+    """Make a mesh of intervals or triangles in space for UFL alone, without cells; the same each time."""
+    return ufl.Mesh(_element("Lagrange", CELL[dimension], 1, 3))
+
+
+def abstract_space(family: str, degree: int, dimension: int, size: int) -> Any:
+    """Make a space of vectors with `size` components on an abstract mesh."""
+    return ufl.FunctionSpace(abstract_mesh(dimension), _element(family, CELL[dimension], degree, size))
 
 
 def _table(dofmap: Any) -> NDArray[np.int32]:
@@ -157,6 +169,19 @@ def _compile(function: Any, *args: Any) -> Any:
 def form(a: Any) -> Any:
     """Compile a form, or load it from the cache on disk."""
     return _compile(fem.form, a)
+
+
+def coefficients(compiled: Any) -> list[Any]:
+    """List the functions in a compiled form, in the order of the columns of `packed`."""
+    return list(getattr(compiled, "_cpp_object", compiled).coefficients)  # 0.9, 0.11: wrapped; 0.5: of C++
+
+
+def packed(compiled: Any) -> Any:
+    """Values of the functions in a compiled form, cell by cell, as assembly takes them.
+
+    Forms whose functions are the first of this form take them, too: each column belongs to one function.
+    """
+    return fem.assemble.pack_coefficients(compiled)
 
 
 def cell_expression(expression: Any, msh: Any) -> Callable[..., NDArray[np.float64]]:

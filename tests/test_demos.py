@@ -17,6 +17,7 @@ from mpi4py import MPI
 DEMOS = Path(__file__).parent.parent / "demos"
 PICTURES: dict[str, list[str]] = {
     "forms_alone": [],
+    "own_energy": [],
     "own_law": [],
     "own_solver": [],
     "shade_pavilion": [

@@ -126,7 +126,7 @@ def equilibrium_path(
     before = unloaded(structure) if isinstance(start, Structure) else start.actions
     problem = Problem(structure, comm) if isinstance(start, Structure) else problem_of(start, comm)
     after = problem.actions_of(stage, before)
-    check_supports(structure, after.held)
+    check_supports(structure, after.held, [acting.term for acting in after.terms])
     begin = with_constraints_of(before, after, shape)
     fixed = after.held & (after.displacement == begin.displacement)
     ends = path_ends.ends(problem, load_factor, displacement, fixed, shape)

@@ -30,7 +30,7 @@ class PathPoint(NamedTuple):
         displacement: Displacement from the reference position, shape (n, 3) [m].
         negative_pivots: Number of negative eigenvalues of the tangent under the loads at this point: 0 where stable. At
             a limit point, where one eigenvalue is zero up to rounding, it may be counted or not. None for an
-            unsymmetric tangent: under a pressure without a potential.
+            unsymmetric tangent: under a pressure or a `ForceTerm`, without a potential.
         iterations: The iterates of the corrector, the predictor first.
         limit: True if the load factor turns here.
         kept: Fraction of each `compression_stiffness` in effect: 1, but 0.01 at a limit point with wrinkled or slack

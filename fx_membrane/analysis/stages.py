@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from mpi4py import MPI
@@ -16,6 +16,7 @@ from ..assembly.load_cases import prescribed
 from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from ..checks import paths, validation
+from ..model.energy_terms import is_term
 from ..model.fingerprints import fingerprint, of_stages
 from ..model.restraint import check_supports
 from ..model.stages import Stage, check_stages
@@ -202,16 +203,18 @@ class Analysis:
     def _check(self, stages: Sequence[Stage]) -> None:
         check_stages(self.structure, stages)
         held: dict[str | None, NDArray[np.bool_]] = {None: self.structure.supported}
+        terms: dict[str | None, list[Any]] = {None: []}
         for stage in stages:
             held[stage.name] = held[stage.after] | prescribed(stage, self.structure)[0]
-            check_supports(self.structure, held[stage.name])
+            terms[stage.name] = [*terms[stage.after], *filter(is_term, stage.loads)]
+            check_supports(self.structure, held[stage.name], terms[stage.name])
 
     def _run(
         self, course: _Course, state: Progress, results: StageResults, save: Callable[[str, Progress], None]
     ) -> StageResult:
         """Run the load increments of a stage from a converged state."""
         stage = course.stage
-        balanced = stage.after is not None or not self.problem.magnitudes.prestress_forces
+        balanced = stage.after is not None or not (self.problem.magnitudes.prestress_forces or self.structure.terms)
         control = IncrementControl(stage, state, balanced)
         x = self.problem.create_vector()
         with Report(stage.name, float(state.factor), shown=self._progress and self._comm.rank == 0) as report:

@@ -2,10 +2,12 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.energy_terms import Acting, Term
 from ..model.structure import Structure
 
 Array = NDArray[np.float64]
@@ -20,12 +22,19 @@ class Actions:
         held: Components with a given displacement, shape (n, 3).
         displacement: The given displacements, shape (n, 3) [m]; without meaning at free components.
         pressures: For membranes by name, pressure along `Structure.normals`, shape (cells,) [Pa].
+        terms: Energy terms of the stages with their factors, each once; those of the structure always act.
     """
 
     loads: Array
     held: NDArray[np.bool_]
     displacement: Array
     pressures: Mapping[str, Array] = field(default_factory=dict)
+    terms: tuple[Acting, ...] = ()
+
+    @property
+    def pressed(self) -> bool:
+        """True if a pressure acts on a membrane."""
+        return any(pressure.any() for pressure in self.pressures.values())
 
 
 def unloaded(structure: Structure) -> Actions:
@@ -49,7 +58,7 @@ def change(start: Actions, end: Actions) -> Actions:
     return _combined(start, end, lambda a, b: b - a)
 
 
-def _combined(start: Actions, end: Actions, combine: Callable[[Array, Array], Array]) -> Actions:
+def _combined(start: Actions, end: Actions, combine: Callable[[Any, Any], Any]) -> Actions:
     def pressure(name: str) -> Array:
         return start.pressures.get(name, np.zeros_like(end.pressures[name]))
 
@@ -58,4 +67,10 @@ def _combined(start: Actions, end: Actions, combine: Callable[[Array, Array], Ar
         held=end.held,
         displacement=combine(start.displacement, end.displacement),
         pressures={name: combine(pressure(name), end.pressures[name]) for name in end.pressures},
+        terms=tuple(Acting(term, combine(factor_of(start, term), factor)) for term, factor in end.terms),
     )
+
+
+def factor_of(actions: Actions, term: Term) -> float:
+    """Factor of an energy term in actions; 0 if it does not act. Terms are told apart by identity, as loads are."""
+    return sum(acting.factor for acting in actions.terms if acting.term is term)

@@ -39,11 +39,29 @@ class Constraints:
 
     def constrain_tangent(self, x: PETSc.Vec, A: PETSc.Mat, b: PETSc.Vec) -> None:
         """Constrain A dx = b: dx closes the error of constrained components, b gets its effect on others."""
-        with self.discretization.work(1) as (gap,):
+        rows = self.rows
+        with self.discretization.work(2) as (gap, work):
             gap.set(0.0)
-            rows = self.rows
             gap.array[rows] = x.array_r[rows] - self.prescribed
-            A.zeroRowsColumns(self.constrained, diag=self.stiffness, x=gap, b=b)
+            if gap.norm():
+                A.mult(gap, work)
+                b.axpy(-1.0, work)
+            b.array[rows] = self.stiffness * gap.array_r[rows]
+        self.close(A)
+
+    def close(self, A: PETSc.Mat) -> PETSc.Mat:
+        """Replace rows and columns of constrained components by `stiffness` on the diagonal.
+
+        PETSc's `zeroRowsColumns` does not take an upper triangle that several processes share.
+        """
+        with self.discretization.work(1) as (free,):
+            free.set(1.0)
+            self.zero_constrained(free)
+            A.diagonalScale(free, free)
+            A.getDiagonal(free)
+            free.array[self.rows] = self.stiffness
+            A.setDiagonal(free)
+        return A
 
     def impose(self, x: PETSc.Vec) -> bool:
         """Impose the prescribed displacements; return True if a component was elsewhere."""

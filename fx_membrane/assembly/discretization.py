@@ -9,7 +9,7 @@ a part.
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from dolfinx import fem
@@ -21,7 +21,11 @@ from .. import _dolfinx
 from ..geometry.topology import node_graph
 from ..model.parts import Part
 from ..model.structure import Structure
+from ..runtime.processes import gathered
 from .partition import bisect, number_nodes
+
+STRIP = 65536  # cells of a strip of a mesh
+MatrixKind = Literal["aij", "baij", "sbaij"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +38,8 @@ class PartMesh:
         mesh: dolfinx mesh of the cells of this process.
         cell_rows: Row in `part.cells` of each cell of the mesh.
         node_rows: Position in `Discretization.local_nodes` of each node of the mesh, in the order of the displacement's
-            dofs.
+            dofs; nodes on a seam between strips of the mesh come several times.
+        seam: Nodes of the mesh that come again later in `node_rows`.
         u: Displacement, P1 [m].
         lgmap: Position of each node of the mesh in the PETSc system, for `Mat.setLGMap`.
     """
@@ -44,6 +49,7 @@ class PartMesh:
     mesh: Any
     cell_rows: NDArray[np.int64]
     node_rows: NDArray[np.int64]
+    seam: NDArray[np.intp]
     u: fem.Function
     lgmap: PETSc.LGMap
 
@@ -72,6 +78,7 @@ class Discretization:
         owned_nodes: Nodes whose values this process holds, in the order of its part of a PETSc vector.
         local_nodes: Nodes that the meshes of this process touch, ascending.
         parts: Meshes of the parts of which this process has cells.
+        state: Number that changes with the displacement or the reference positions of a mesh of this process.
     """
 
     def __init__(self, structure: Structure, comm: MPI.Intracomm = MPI.COMM_WORLD):
@@ -88,7 +95,8 @@ class Discretization:
         self.owned_nodes = used[mine]
         self.first_block = int(comm.exscan(len(mine)) or 0)
         self._size = (3 * len(mine), 3 * len(used))
-        self._rows = graph[mine][:, ordered]  # of the node graph, in the numbering of the system
+        rows = graph[mine][:, ordered]  # of the node graph, in the numbering of the system
+        self._columns, self._pointers = rows.indices, rows.indptr
 
         shares = {
             name: np.flatnonzero(owner[compact[part.cells[:, 0]]] == comm.rank)
@@ -98,6 +106,7 @@ class Discretization:
         self.local_nodes = np.unique(np.concatenate(touched))
         self.parts = {name: self._part_mesh(name, share) for name, share in shares.items() if len(share)}
 
+        self.state = 0
         self._spare: list[PETSc.Vec] = []
         blocks = self.block_of_node[self.local_nodes].astype(PETSc.IntType)
         where = PETSc.IS().createBlock(3, blocks, comm=MPI.COMM_SELF)
@@ -105,17 +114,27 @@ class Discretization:
         self._scatter = PETSc.Scatter().create(self.create_vector(), where, self._local_values, None)
 
     def _part_mesh(self, name: str, share: NDArray[np.int64]) -> PartMesh:
-        part = self.structure.parts[name]
-        nodes, cells = np.unique(part.cells[share], return_inverse=True)
+        part, count = self.structure.parts[name], len(self.structure.points)
+        # dolfinx orders cells in a time that grows as the length of a mesh times the square of its width: strips of
+        # cells, each with nodes of its own on its seams, keep it linear.
+        number = self.block_of_node[part.cells[share, 0]]
+        strips = -(-len(share) // STRIP)
+        strip = (number - number.min()) * strips // (np.ptp(number) + 1)
+        own_nodes, cells = np.unique(strip[:, None] * count + part.cells[share], return_inverse=True)
+        nodes = own_nodes % count
         mesh = _dolfinx.create_mesh(self.structure.points[nodes], cells.reshape(-1, part.dimension + 1))
         V = _dolfinx.functionspace(mesh, "Lagrange", 1, 3)
         nodes = nodes[_dolfinx.node_order(V)]
+        rows = np.asarray(np.searchsorted(self.local_nodes, nodes))
+        again = np.ones(len(rows), dtype=bool)
+        again[len(rows) - 1 - np.unique(rows[::-1], return_index=True)[1]] = False
         return PartMesh(
             name=name,
             part=part,
             mesh=mesh,
             cell_rows=share[_dolfinx.cell_order(mesh)],
-            node_rows=np.asarray(np.searchsorted(self.local_nodes, nodes)),
+            node_rows=rows,
+            seam=np.flatnonzero(again),
             u=fem.Function(V),
             lgmap=PETSc.LGMap().create(self.block_of_node[nodes].astype(PETSc.IntType), bsize=3, comm=MPI.COMM_SELF),
         )
@@ -139,16 +158,30 @@ class Discretization:
         finally:
             self._spare += taken
 
-    def create_matrix(self) -> PETSc.Mat:
-        """Matrix with the sparsity pattern of all parts together, exactly preallocated."""
-        first = self.first_block
-        own = (self._rows.indices >= first) & (self._rows.indices < first + len(self.owned_nodes))
-        before = np.concatenate([[0], np.cumsum(own)])[self._rows.indptr]
-        diagonal = 3 * np.diff(before)
-        other = 3 * np.diff(self._rows.indptr) - diagonal
-        counts = tuple(np.repeat(count, 3).astype(PETSc.IntType) for count in (diagonal, other))
-        A = PETSc.Mat().createAIJ((self._size, self._size), bsize=3, nnz=counts, comm=self.comm)
+    def create_matrix(self, kind: MatrixKind = "aij") -> PETSc.Mat:
+        """Matrix with the sparsity pattern of all parts together, exactly preallocated.
+
+        Args:
+            kind: "aij"; "baij", blocks of 3 x 3, filled in half the time; "sbaij", the upper triangle of these blocks,
+                for a symmetric matrix in a third of the memory.
+        """
+        columns, pointers = self._columns, self._pointers
+        first, count = self.first_block, len(self.owned_nodes)
+        own = (columns >= first) & (columns < first + count)
+        other = ~own
+        if kind == "sbaij":
+            upper = columns >= np.repeat(np.arange(first, first + count), np.diff(pointers))
+            own, other = own & upper, other & upper
+        counts = [np.diff(np.concatenate([[0], np.cumsum(mask)])[pointers]) for mask in (own, other)]
+        if kind == "aij":
+            counts = [np.repeat(3 * blocks, 3) for blocks in counts]
+        A = PETSc.Mat().create(self.comm)
+        A.setSizes((self._size, self._size), bsize=3)
+        A.setType(kind)
+        A.setPreallocationNNZ(tuple(blocks.astype(PETSc.IntType) for blocks in counts))
         A.setOption(PETSc.Mat.Option.KEEP_NONZERO_PATTERN, True)
+        if kind == "sbaij":
+            A.setOption(PETSc.Mat.Option.IGNORE_LOWER_TRIANGULAR, True)
         # petsc4py derives it from the counts; a process without rows has none, and options must agree between
         # processes.
         A.setOption(PETSc.Mat.Option.NEW_NONZERO_ALLOCATION_ERR, True)
@@ -179,15 +212,20 @@ class Discretization:
 
     def to_numpy(self, vector: PETSc.Vec) -> NDArray[np.float64]:
         """Nodal values in the user's order on every process, shape (n, 3); zero at nodes that no part uses."""
-        blocks = np.concatenate(self.comm.allgather(vector.array_r)).reshape(-1, 3)
-        return np.where(self.structure.used[:, None], blocks[self.block_of_node], 0.0)
+        values: NDArray[np.float64] = gathered(self.comm, vector.array_r.reshape(-1, 3))[self.block_of_node]
+        values[self.block_of_node < 0] = 0.0
+        return values
 
-    def gather_cells(self, name: str, values: NDArray[np.float64] | None, size: int) -> NDArray[np.float64]:
-        """Values of all cells of a part on every process, shape (cells, size), from those of each process's mesh."""
-        result = np.empty((len(self.structure.parts[name].cells), size))
-        share = (self.parts[name].cell_rows, values) if name in self.parts else None
-        for entry in filter(None, self.comm.allgather(share)):
-            result[entry[0]] = entry[1]
+    def gather_cells(self, name: str, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Values of all cells of a part on every process, shape (cells, size), from those of each process's mesh.
+
+        Args:
+            name: Name of the part.
+            values: Values in the order of this process's mesh, shape (its cells, size); (0, size) without a mesh.
+        """
+        result = np.empty((len(self.structure.parts[name].cells), values.shape[1]))
+        rows = self.parts[name].cell_rows if name in self.parts else np.empty(0, dtype=np.int64)
+        result[gathered(self.comm, rows)] = gathered(self.comm, values)
         return result
 
     def scatter(self, vector: PETSc.Vec) -> None:
@@ -195,10 +233,14 @@ class Discretization:
         self._scatter.scatter(vector, self._local_values, PETSc.InsertMode.INSERT, PETSc.ScatterMode.FORWARD)
         values = self._local_values.array_r.reshape(-1, 3)
         for mesh in self.parts.values():
-            mesh.u.x.array[:] = values[mesh.node_rows].ravel()
+            there = values[mesh.node_rows].ravel()
+            if not np.array_equal(there, mesh.u.x.array):
+                mesh.u.x.array[:] = there
+                self.state += 1
 
     def move(self, points: NDArray[np.float64]) -> None:
         """Set the reference positions of all meshes from the user's nodes, shape (n, 3) [m]."""
+        self.state += 1
         for mesh in self.parts.values():
             mesh.move(points[self.local_nodes[mesh.node_rows]])
 
@@ -207,5 +249,14 @@ class Discretization:
         sums = self._local_values.array.reshape(-1, 3)
         sums[:] = 0
         for mesh, values in shares:
-            sums[mesh.node_rows] += values.reshape(-1, 3)
+            here = values.reshape(-1, 3)
+            seam = mesh.node_rows[mesh.seam]
+            sums[mesh.node_rows] += here  # of a node that comes several times, the last value alone
+            np.add.at(sums, seam, here[mesh.seam])
         self._scatter.scatter(self._local_values, vector, PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
+
+
+def matrix_kind(A: PETSc.Mat) -> MatrixKind:
+    """Return the kind of a matrix, on one process or several."""
+    name = A.getType()
+    return "sbaij" if name.endswith("sbaij") else "baij" if name.endswith("baij") else "aij"

@@ -1,16 +1,18 @@
 """Conversion of a stage to nodal and cell actions."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..checks import validation
 from ..geometry.measures import normals
+from ..model.energy_terms import Acting, is_term
 from ..model.loads import PlanLoad, PointLoad, Pressure
 from ..model.stages import Stage
 from ..model.structure import Structure
-from .actions import Actions
+from .actions import Actions, factor_of
 
 Array = NDArray[np.float64]
 
@@ -26,10 +28,12 @@ def at_end(
         stage: The stage.
         start: Actions at its start.
     """
+    loads: list[Any] = [load for load in stage.loads if not is_term(load)]
+    terms = [load for load in stage.loads if is_term(load)]
     point_loads = np.zeros(structure.points.shape)
     distributed_loads: dict[str, Array] = {}
     pressures = {name: pressure.copy() for name, pressure in start.pressures.items()}
-    for load in stage.loads:
+    for load in loads:
         if isinstance(load, PointLoad):
             point_loads[np.asarray(load.nodes)] += np.asarray(load.force)
             continue
@@ -49,7 +53,16 @@ def at_end(
         held=start.held | held,
         displacement=np.where(held, displacement, start.displacement),
         pressures=pressures,
+        terms=_with(start, terms),
     )
+
+
+def _with(start: Actions, terms: Sequence[Any]) -> tuple[Acting, ...]:
+    """Energy terms of actions, and those that a stage adds; one that is there already acts twice."""
+    factors = {id(term): Acting(term, factor_of(start, term)) for term in [*(a.term for a in start.terms), *terms]}
+    for term in terms:
+        factors[id(term)] = Acting(term, factors[id(term)].factor + 1.0)
+    return tuple(factors.values())
 
 
 def prescribed(stage: Stage, structure: Structure) -> tuple[NDArray[np.bool_], Array]:

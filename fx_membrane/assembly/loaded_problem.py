@@ -10,14 +10,17 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 from petsc4py import PETSc
 
+from ..model.energy_terms import Acting
 from ..model.structure import Structure
 from . import parameters
 from .actions import Actions, change
 from .assembler import Assembler, CellData
 from .constraints import Constraints, constraints
 from .discretization import Discretization
+from .energy_terms import Terms, terms_of
 from .rounding import UNIT, Magnitudes
 from .stabilization import Stabilization
+from .work import work
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -37,9 +40,10 @@ class LoadedProblem:
         assembler: Sums over the parts.
         stabilizer: Stabilization of unit shift.
         magnitudes: Typical forces and stiffnesses.
-        symmetric: True if the tangent is symmetric: without follower pressure.
+        symmetric: True if the tangent is symmetric: without follower pressure and terms without a potential.
         own_loads: Dead loads on the nodes of this process, in the order of a PETSc vector [N].
         cells: Pressures and compression stiffness of the cells of this process.
+        terms: Energy terms of the structure and of the actions.
         shift: Stabilization: artificial tension in all parts, as a strain, times the stiffness of each. It is in the
             energy, the residual and the tangent; nonzero only during a homotopy.
     """
@@ -52,6 +56,7 @@ class LoadedProblem:
     symmetric: bool
     own_loads: NDArray[np.float64]
     cells: CellData
+    terms: Terms
     shift: float = 0.0
 
     def __repr__(self) -> str:
@@ -91,18 +96,22 @@ class LoadedProblem:
     # Energy and its derivatives
 
     def energy(self, x: PETSc.Vec) -> float:
-        """Strain energy less the work of the dead loads [J], Gil (70); without pressures."""
+        """Strain energy less the work of the dead loads, and energy terms [J], Gil (70); without pressures.
+
+        Terms without a potential are left out, too.
+        """
         self._update(x)
         with np.errstate(all="ignore"):  # of an iterate that diverges
-            work = float(self.own_loads @ x.array_r)
-        energy = float(self.comm.allreduce(self.assembler.scalar(lambda part: part.energy) - work))
+            energy = self.terms.energy() - float(self.own_loads @ x.array_r)
+        energy = float(self.comm.allreduce(energy + self.assembler.strain_energy()))
         return energy + self.shift * self.stabilizer.energy(x) if self.shift else energy
 
     def energy_along(self, x: PETSc.Vec, step: PETSc.Vec) -> Callable[[float], float]:
         """Energy at x + length step as a function of the length, with the work of pressures along the step [J].
 
         The force of a pressure is quadratic in the displacement. Three points give its power along a straight line, so
-        that its work is exact with or without a potential.
+        that its work is exact with or without a potential. For terms without a potential, five points give the work of
+        forces up to the fourth power of the displacement, and a good estimate of others.
         """
 
         def energy(length: float) -> float:
@@ -116,15 +125,12 @@ class LoadedProblem:
         def power(length: float) -> float:
             with self.discretization.work(2) as (trial, forces):
                 trial.waxpy(length, step, x)
-                return float(self._pressure_forces(trial, forces).dot(step))
+                self._pressure_forces(trial, forces)
+                self.terms.add_forces(self.terms.without_potential, forces)
+                return float(forces.dot(step))
 
-        p0, p1, p2 = power(0.0), power(0.5), power(1.0)
-        linear, square = 4 * p1 - 3 * p0 - p2, 2 * (p0 + p2) - 4 * p1
-
-        def work(length: float) -> float:
-            return length * (p0 + length * (linear / 2 + length * square / 3))
-
-        return lambda length: energy(length) - work(length)
+        without_potential = work(power, 5 if self.terms.without_potential else 3)
+        return lambda length: energy(length) - without_potential(length)
 
     def residual(self, x: PETSc.Vec, b: PETSc.Vec | None = None) -> PETSc.Vec:
         """Residual: internal minus external nodal forces [N], Gil (50); at constrained components, the reaction.
@@ -135,8 +141,9 @@ class LoadedProblem:
         """
         b = self.discretization.create_vector() if b is None else b
         self._update(x)
-        self.assembler.vector(lambda part: part.residual, b)
+        self.assembler.internal_forces(b)
         b.array -= self.own_loads
+        self.terms.add_forces(self.terms.all, b, -1.0)
         if self.shift:
             self.stabilizer.add_residual(self.shift, x, b)
         return b
@@ -150,7 +157,8 @@ class LoadedProblem:
         """
         A = self.discretization.create_matrix() if A is None else A
         self._update(x)
-        self.assembler.matrix(lambda part: part.tangent, A)
+        self.assembler.tangent(A)
+        self.terms.add_tangent(A)
         if self.shift:
             self.stabilizer.add_tangent(self.shift, A)
         return A
@@ -202,20 +210,22 @@ class LoadedProblem:
         Args:
             x: Displacement [m].
             start: Actions at the load factor 0, those of this problem being at 1; None for none at all, so that the
-                factor multiplies all loads and pressures.
+                factor multiplies all loads, pressures and energy terms. Terms of the structure do not follow it.
             b: Vector for the result; a new one if None.
         """
         b = self.discretization.create_vector() if b is None else b
         rate = self if start is None else self.under(change(start, self.actions))
-        rate.loads(x, b)
+        rate._following(x, b)
+        b.array += rate.own_loads
         b.scale(-1.0)
         return b
 
     # Loads
 
     def loads(self, x: PETSc.Vec, total: PETSc.Vec) -> None:
-        """Set a vector to the nodal loads in the shape x, dead loads and pressures [N]."""
-        self._pressure_forces(x, total)
+        """Set a vector to the nodal loads in the shape x: dead loads, pressures and all energy terms [N]."""
+        self._following(x, total)
+        self.terms.add_forces(self.terms.standing, total)
         total.array += self.own_loads
 
     def pressure_loads(self, x: PETSc.Vec) -> NDArray[np.float64]:
@@ -223,18 +233,34 @@ class LoadedProblem:
         with self.discretization.work(1) as (total,):
             return self.discretization.to_numpy(self._pressure_forces(x, total))
 
+    def term_forces(self, x: PETSc.Vec) -> list[tuple[Acting, NDArray[np.float64]]]:
+        """Energy terms, and their nodal forces in the shape x, shape (n, 3) [N]."""
+        self._update(x)
+        with self.discretization.work(1) as (total,):
+            gather = self.discretization.to_numpy
+            return [(acting, gather(self.terms.forces([acting], total))) for acting in self.terms.all]
+
+    def standing_norm(self, x: PETSc.Vec) -> float:
+        """2-norm of the nodal forces of the structure's energy terms in the shape x [N]."""
+        if not self.terms.standing:
+            return 0.0
+        self._update(x)
+        with self.discretization.work(1) as (total,):
+            return float(self.terms.forces(self.terms.standing, total).norm())
+
     def load_norm(self, x: PETSc.Vec) -> float:
-        """2-norm of the nodal loads in the shape x, dead loads and pressures [N]."""
+        """2-norm of the nodal loads in the shape x: dead loads, pressures, energy terms of the actions [N]."""
         dead = self._norm(self.own_loads)
-        if self.symmetric:
+        if not (self.actions.pressed or self.terms.applied):
             return dead
         with self.discretization.work(1) as (total,):
-            return dead + float(self._pressure_forces(x, total).norm())
+            return dead + float(self._following(x, total).norm())
 
     def unloaded(self) -> bool:
         """Return True if there are supports and prestress alone, without loads or prescribed displacements."""
         loaded = bool(self.own_loads.any() or self.constraints.prescribed.any())
-        return self.symmetric and not self.comm.allreduce(loaded, MPI.LOR)
+        following = self.actions.pressed or self.terms.applied
+        return not (following or self.comm.allreduce(loaded, MPI.LOR))
 
     def beyond_rounding(self, x: PETSc.Vec, b: PETSc.Vec) -> float:
         """Norm (2-norm) of a constrained residual in the state x beyond the rounding of each entry [N]."""
@@ -255,7 +281,16 @@ class LoadedProblem:
 
     def _pressure_forces(self, x: PETSc.Vec, total: PETSc.Vec) -> PETSc.Vec:
         self._update(x)
+        if not self.actions.pressed:
+            total.set(0.0)
+            return total
         return self.assembler.vector(lambda part: part.pressure, total)
+
+    def _following(self, x: PETSc.Vec, total: PETSc.Vec) -> PETSc.Vec:
+        """Set a vector to the nodal loads that depend on the shape, of the actions [N]."""
+        self._pressure_forces(x, total)
+        self.terms.add_forces(self.terms.applied, total)
+        return total
 
 
 def loaded_problem(
@@ -276,10 +311,12 @@ def _of_actions(
         for name, part in assembler.parts.items()
         if name in actions.pressures
     }
+    terms = terms_of(assembler.terms, actions.terms)
     return {
         "actions": actions,
         "constraints": constraints(discretization, actions, magnitudes.stiffness),
-        "symmetric": not any(pressure.any() for pressure in actions.pressures.values()),
+        "symmetric": not (actions.pressed or terms.without_potential),
         "own_loads": actions.loads[discretization.owned_nodes].ravel(),
         "cells": CellData(pressures, compression),
+        "terms": terms,
     }

@@ -56,8 +56,7 @@ def scales(structure: Structure, elastic: bool) -> Scales:
     found = Scales(meeting(structure, prestress), np.zeros(len(structure.points)))
     for name, part in structure.parts.items():
         length = _length(part, measures(structure.points, part.cells))
-        for corner in part.cells.T:
-            np.add.at(found.stiffness, corner, (prestress[name] + elastic * stiffness(part)) / length)
+        found.stiffness[:] += _at_nodes(structure, part, (prestress[name] + elastic * stiffness(part)) / length)
     return found
 
 
@@ -75,10 +74,13 @@ def meeting(structure: Structure, stresses: Mapping[str, NDArray[np.float64]]) -
     """
     found = np.zeros(len(structure.points))
     for name, part in structure.parts.items():
-        force = stresses[name] * _width(part, measures(structure.points, part.cells))
-        for corner in part.cells.T:
-            np.add.at(found, corner, force)
+        found += _at_nodes(structure, part, stresses[name] * _width(part, measures(structure.points, part.cells)))
     return found
+
+
+def _at_nodes(structure: Structure, part: Part, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Sum of the values of the cells that meet at each node, shape (n,), from values of shape (cells,)."""
+    return np.asarray(sum(np.bincount(corner, values, len(structure.points)) for corner in part.cells.T))
 
 
 def prestress_force(structure: Structure) -> float:

@@ -8,6 +8,7 @@ With a shift s [-] and the matrix T, the stiffness of the tension of strain one,
 from petsc4py import PETSc
 
 from .assembler import Assembler
+from .discretization import MatrixKind, matrix_kind
 from .part_forms import tension_form
 
 
@@ -21,15 +22,13 @@ class Stabilization:
     def __init__(self, assembler: Assembler):
         self._assembler, self._discretization = assembler, assembler.discretization
         self._points = self._discretization.to_petsc(self._discretization.structure.points)
-        self._matrix: PETSc.Mat | None = None
+        self._matrices: dict[MatrixKind, PETSc.Mat] = {}
 
-    @property
-    def matrix(self) -> PETSc.Mat:
+    def matrix(self, kind: MatrixKind = "sbaij") -> PETSc.Mat:
         """Stiffness T of the artificial tension [N/m], symmetric; the same in every state."""
-        if self._matrix is None:
-            self._matrix = self._discretization.create_matrix()
-            self._assembler.matrix(tension_form, self._matrix)
-        return self._matrix
+        if kind not in self._matrices:
+            self._matrices[kind] = self._assembler.matrix(tension_form, self._discretization.create_matrix(kind))
+        return self._matrices[kind]
 
     def energy(self, x: PETSc.Vec) -> float:
         """Energy of the tension in the shape of a displacement x [J]."""
@@ -41,15 +40,19 @@ class Stabilization:
         """Add the nodal forces of a shift in the shape of a displacement x [N]."""
         with self._discretization.work(2) as (position, forces):
             position.waxpy(1.0, self._points, x)
-            self.matrix.mult(position, forces)
+            self.matrix().mult(position, forces)
             b.axpy(shift, forces)
 
     def add_tangent(self, shift: float, A: PETSc.Mat) -> None:
         """Add the stiffness of a shift to a tangent [N/m]."""
-        A.axpy(shift, self.matrix, PETSc.Mat.Structure.SAME_NONZERO_PATTERN)
+        kind = matrix_kind(A)
+        # With the same pattern PETSc 3.18 to 3.25 adds one entry of each block of an upper triangle on processes.
+        broken = kind == "sbaij" and A.comm.size > 1
+        same = PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN if broken else PETSc.Mat.Structure.SAME_NONZERO_PATTERN
+        A.axpy(shift, self.matrix(kind), same)
 
     def work(self, v: PETSc.Vec) -> float:
         """Double the work of a displacement against the tension, v . T v [J]."""
         with self._discretization.work(1) as (forces,):
-            self.matrix.mult(v, forces)
+            self.matrix().mult(v, forces)
             return float(v.dot(forces))

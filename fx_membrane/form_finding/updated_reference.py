@@ -29,6 +29,7 @@ from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from ..checks import validation
 from ..geometry.measures import measures, normals, projected
+from ..model.energy_terms import described
 from ..model.fingerprints import of_settings
 from ..model.loads import DistributedLoad, PointLoad, Pressure
 from ..model.parts import Mast, Membrane, Part
@@ -85,7 +86,7 @@ def updated_reference(
 
     Raises:
         ValueError: The structure has no prestress at all, or a compressive one in a membrane or a cable; it is not
-            supported; the loads do not fit it.
+            supported; the loads do not fit it; it has energy terms.
         RuntimeError: A step found no equilibrium, or the shape collapses, as a catenoid between rings too far apart; a
             cable or a mast shrinks to a point or grows without bound; or dead loads grow with the form faster than the
             prestress can carry.
@@ -104,6 +105,11 @@ def updated_reference(
     validation.communicator("updated_reference comm", comm)
     with together(comm):
         validation.instance("updated_reference structure", structure, Structure)
+        if structure.terms:
+            raise ValueError(
+                f"The structure has energy terms ({described(structure.terms[0])}), which form finding does not take; "
+                "leave them out by dataclasses.replace(structure, terms=()), and add them to the form."
+            )
         tolerance = validation.positive("tolerance", tolerance)
         max_iterations = validation.positive_integer("max_iterations", max_iterations)
         stage = Stage("form", validation.instances("loads", loads, PointLoad | DistributedLoad | Pressure))

@@ -13,17 +13,22 @@ FLAT = 1e-10  # height over side that counts as zero
 
 def measures(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.float64]:
     """Areas of triangles [m2] or lengths of segments [m], shape (cells,)."""
-    side = np.diff(points[cells], axis=1)
     if cells.shape[1] == 2:
-        return np.asarray(np.linalg.norm(side[:, 0], axis=1))
-    return np.asarray(np.linalg.norm(np.cross(side[:, 0], side[:, 1]), axis=1) / 2)
+        return np.asarray(np.linalg.norm(points[cells[:, 1]] - points[cells[:, 0]], axis=1))
+    return np.asarray(np.linalg.norm(_area_vectors(points, cells), axis=1) / 2)
 
 
 def normals(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.float64]:
     """Return unit normals of triangles, by the right-hand rule from the order of nodes, shape (cells, 3) [-]."""
-    side = np.diff(points[triangles], axis=1)
-    area = np.cross(side[:, 0], side[:, 1])
+    area = _area_vectors(points, triangles)
     return np.asarray(area / np.linalg.norm(area, axis=1, keepdims=True))
+
+
+def _area_vectors(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return normals of length twice the area, shape (cells, 3) [m2]; `np.cross` takes three times as long."""
+    a, b, c = (points[corner].T for corner in triangles.T)
+    (x, y, z), (u, v, w) = b - a, c - b
+    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)
 
 
 def projected(vectors: NDArray[np.float64], normal: NDArray[np.float64]) -> NDArray[np.float64]:

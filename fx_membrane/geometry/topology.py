@@ -9,6 +9,8 @@ from scipy.sparse.csgraph import connected_components
 
 from ..checks import validation
 
+_Edges = tuple[NDArray[np.int64], NDArray[np.intp], NDArray[np.intp]]
+
 
 def boundary_edges(triangles: ArrayLike) -> NDArray[np.int64]:
     """Edges that belong to one triangle only, shape (edges, 2), in the sense of their triangle.
@@ -33,8 +35,12 @@ def orientation(triangles: NDArray[np.int64]) -> NDArray[np.float64] | None:
 
     Edges with two triangles connect pieces; where more meet, each sheet has its own sense. None means that no signs do.
     """
-    n = len(triangles)
-    edges, edge, count = _edges(triangles)
+    return _signs(_edges(triangles))
+
+
+def _signs(topology: _Edges) -> NDArray[np.float64] | None:
+    edges, edge, count = topology
+    n = len(edges) // 3
     owner = np.tile(np.arange(n), 3)
     forward = edges[:, 0] < edges[:, 1]
     order = np.argsort(edge, kind="stable")
@@ -58,7 +64,8 @@ def with_one_sense(triangles: NDArray[np.int64]) -> tuple[NDArray[np.int64], str
     The first node of a turned triangle stays first; the other two change places. The reason for a membrane without two
     sides ends a sentence that begins with the surface: it branches, or has one side only.
     """
-    signs, branch = orientation(triangles), branching_edge(triangles)
+    topology = _edges(triangles)
+    signs, branch = _signs(topology), _branch(topology)
     if signs is None:
         return triangles, (
             "has only one side, like a Moebius strip, so that a normal, a pressure and a shear have no direction on "
@@ -75,7 +82,11 @@ def with_one_sense(triangles: NDArray[np.int64]) -> tuple[NDArray[np.int64], str
 
 def branching_edge(triangles: NDArray[np.int64]) -> NDArray[np.int64] | None:
     """Find an edge with three triangles or more, shape (2,); None if there is none."""
-    edges, edge, count = _edges(triangles)
+    return _branch(_edges(triangles))
+
+
+def _branch(topology: _Edges) -> NDArray[np.int64] | None:
+    edges, edge, count = topology
     return np.sort(edges[edge == np.argmax(count)][0]) if count.max() > 2 else None
 
 
@@ -101,7 +112,7 @@ def node_graph(cells: Iterable[NDArray[np.int64]], count: int) -> sparse.csr_arr
     return graph
 
 
-def _edges(triangles: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.intp], NDArray[np.intp]]:
+def _edges(triangles: NDArray[np.int64]) -> _Edges:
     """List all first edges, then all second, then all third ones, shape (3 cells, 2).
 
     Also return the number of each edge, equal for both directions, shape (3 cells,), and the count of its triangles.

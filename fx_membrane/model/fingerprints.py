@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.topology import from_smallest
-from . import laws
+from . import energy_terms, laws
 from .materials import SHIPPED
 from .stages import Stage
 from .structure import Structure
@@ -27,6 +27,8 @@ def fingerprints(data: Structure | Stage) -> dict[str, str]:
         if type(part.material) not in SHIPPED:
             digests[f"energy of part {name!r}"] = fingerprint(laws.energies(part.material, part.dimension))
         digests[f"cells of part {name!r}"] = fingerprint(from_smallest(part.cells))
+    if data.terms:
+        digests["terms"] = fingerprint(data.terms)
     return digests
 
 
@@ -53,6 +55,8 @@ def fingerprint(data: Any) -> str:
             digest.update(type(value).__name__.encode())
             for entry in dataclasses.fields(value):
                 add(getattr(value, entry.name))
+            if hasattr(value, "part") and energy_terms.is_term(value):
+                add(energy_terms.signature(value))
         elif isinstance(value, Mapping):
             for key in value:
                 add(key)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..checks import validation
+from . import energy_terms
+from .energy_terms import Term
 from .structure import Structure
 
 
@@ -121,11 +124,26 @@ def _check_cells(load: _SpreadLoad | Pressure) -> None:
         validation.keep(load, cells=validation.unique_indices(f"{type(load).__name__} cells", load.cells, "cell"))
 
 
-Load = PointLoad | DistributedLoad | PlanLoad | Pressure
+OwnLoad = PointLoad | DistributedLoad | PlanLoad | Pressure
+Load = OwnLoad | Term
+
+
+def checked_loads(what: str, loads: Any) -> tuple[Load, ...]:
+    """Make a tuple of loads, from any sequence of them; energy terms of a user's own are checked by their contract.
+
+    Raises:
+        ValueError: It is no sequence, or has another object or one of a derived class; a term does not keep to its
+            contract.
+    """
+    return energy_terms.checked(what, loads, OwnLoad)
 
 
 def check_load(structure: Structure, stage: str, load: Load) -> None:
     """Refuse a load that names a node, a part or a cell which does not exist, or a part that it cannot act on."""
+    if energy_terms.is_term(load):
+        energy_terms.check_on(structure, stage, load)
+        return
+    assert isinstance(load, OwnLoad)
     if isinstance(load, PointLoad):
         structure.check_nodes(f"{stage}: a point load", np.asarray(load.nodes))
         return

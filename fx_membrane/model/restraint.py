@@ -1,17 +1,21 @@
 """Rigid-body motions that supports leave free."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
 from ..geometry.topology import node_graph
+from . import energy_terms
+from .energy_terms import Term
 from .parts import Mast
 from .structure import Structure
 
 MOTIONS = ("move along x", "move along y", "move along z", "turn about x", "turn about y", "turn about z")
 
 
-def check_supports(structure: Structure, held: NDArray[np.bool_]) -> None:
+def check_supports(structure: Structure, held: NDArray[np.bool_], terms: Sequence[Term] = ()) -> None:
     """Refuse a structure with a connected piece that can move as a rigid body.
 
     One free turn is allowed, as of a cable or a banner about the line between its two anchors. Loads and prestress can
@@ -20,17 +24,22 @@ def check_supports(structure: Structure, held: NDArray[np.bool_]) -> None:
     Args:
         structure: The structure.
         held: Constrained components of the nodes, shape (n, 3).
+        terms: Energy terms that act beside those of the structure. They may hold a piece, as an elastic bed does: the
+            solver reports if they do not.
 
     Raises:
         ValueError: A piece is free; the message names a node, the parts of the piece and the motion, or the free end of
             a mast.
     """
-    _check_masts(structure, held)
+    on_terms = energy_terms.touched(structure, [*structure.terms, *terms])
+    _check_masts(structure, held | on_terms[:, None])
     graph = node_graph((part.cells for part in structure.parts.values()), len(structure.points))
     used = np.flatnonzero(structure.used)
     count, piece = connected_components(graph[used][:, used], directed=False)
     order = used[np.argsort(piece, kind="stable")]
     for nodes in np.split(order, np.cumsum(np.bincount(piece, minlength=count))[:-1]):
+        if on_terms[nodes].any():
+            continue
         motions = free_motions(structure.points[nodes], held[nodes])
         translates = np.linalg.norm(motions[:, 3:], axis=1) < 1e-6
         if len(motions) > 1 or translates.any():

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..checks import validation
-from .loads import Load, check_load
+from .loads import Load, check_load, checked_loads
 from .structure import Structure
 
 INCREMENTS = 1_000_000  # maximum number of increments of a stage: all their iterates are kept
@@ -56,7 +56,7 @@ class Stage:
 
     Args:
         name: Name of the stage; its results are found under it.
-        loads: Loads that this stage adds.
+        loads: Loads that this stage adds; also terms of your own, see `EnergyTerm`.
         displacements: Displacements that this stage prescribes.
         increments: Number of equal load increments to begin with, at most a million; a failed one is halved, see
             `Analysis`.
@@ -83,7 +83,7 @@ class Stage:
         validation.keep(self, name=validation.name("stage", self.name))
         what = f"Stage {self.name!r}:"
         moves = validation.instances(f"{what} displacements", self.displacements, PrescribedDisplacement)
-        validation.keep(self, loads=validation.instances(f"{what} loads", self.loads, Load), displacements=moves)
+        validation.keep(self, loads=checked_loads(f"{what} loads", self.loads), displacements=moves)
         validation.keep(
             self, increments=validation.positive_integer(f"{what} increments", self.increments, most=INCREMENTS)
         )

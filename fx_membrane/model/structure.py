@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 from ..checks import validation
 from ..geometry.measures import SLENDER, SLIVER, aspects, normals, projected
 from ..geometry.topology import with_one_sense
+from . import energy_terms
 from .coincidence import CoincidentNodesWarning, coincident_nodes
+from .energy_terms import Term
 from .parts import Cable, Kind, Mast, Membrane, Part
 from .supports import Support
 
@@ -43,12 +45,15 @@ class Structure:
         supports: Constrained nodes.
         separate: Pairs of names of parts that lie on each other without being joined, as the two skins of a cushion:
             `[("top", "bottom")]`. Their nodes may coincide. Pair a part with itself for a slit.
+        terms: Terms of your own that act in every stage, and in full: an elastic bed, the ground that a cable touches;
+            see `EnergyTerm`.
 
     Raises:
         ValueError: A cell names a node that does not exist, has no area or no length, or is normal to its warp vector;
             a triangle is more than 1e7 times as long as it is high; a part is of a class derived from `Membrane`,
             `Cable` or `Mast`; a support is on a node that does not exist or that no part uses; a value is not finite; a
-            membrane without two sides has one prestress tensor with shear; separate names a part that is not there.
+            membrane without two sides has one prestress tensor with shear; separate names a part that is not there; a
+            term does not fit, see `EnergyTerm`.
 
     Warns:
         CoincidentNodesWarning: Nodes of the parts are closer than 1e-9 of the size of the structure, and supports do
@@ -69,6 +74,7 @@ class Structure:
     parts: Mapping[str, Part]
     supports: Sequence[Support] = ()
     separate: Sequence[tuple[str, str]] = ()
+    terms: Sequence[Term] = ()
     _no_sides: dict[str, str] = field(init=False, repr=False, default_factory=dict)  # membrane: reason
 
     def __post_init__(self) -> None:
@@ -86,12 +92,15 @@ class Structure:
             for cell in np.flatnonzero(((part.cells < 0) | (part.cells >= count)).any(axis=1))[:1]:
                 validation.in_range(f"Part {name!r}, cell {cell},", part.cells[cell], count, "node")
             self._check_measures(name, part)
-            if part.dimension == 2:
+            if isinstance(part, Membrane) and part.warp is not None:
                 self.warp(name)
         object.__setattr__(self, "parts", {name: self._turned(name, part) for name, part in self.parts.items()})
         for number, support in enumerate(self.supports):
             self.check_nodes(f"Support {number}", np.asarray(support.nodes))
         object.__setattr__(self, "separate", self._checked_separate())
+        object.__setattr__(self, "terms", energy_terms.checked("terms", self.terms))
+        for term in self.terms:
+            energy_terms.check_on(self, "terms", term)
         self._warn_of_coincident_nodes()
 
     def __repr__(self) -> str:

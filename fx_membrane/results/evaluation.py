@@ -1,6 +1,7 @@
 """Evaluation of states: stresses in the cells, and everything gathered in the user's order."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from ..assembly.problem import Problem
 from ..forms import kinematics, stress
 from ..model.parts import Membrane
 from ..solvers.base import LIMITS
-from .states import BarResult, Equilibrium, Increment, MembraneResult, StageResult
+from .states import BarResult, Equilibrium, Increment, MembraneResult, StageResult, TermResult
 
 STATES = np.array(["taut", "wrinkled", "slack"])  # in the order of `forms.wrinkling`
 
@@ -30,6 +31,7 @@ MEMBRANE = {
     "state": (),
 }
 BAR = {"strain": (), "force": (), "state": ()}
+CHUNK = 65536  # cells evaluated at once: all quantities of all cells would double the memory of the result
 
 
 class StateEvaluator:
@@ -48,7 +50,8 @@ class StateEvaluator:
         with discretization.work(1) as (b,):
             problem.residual(x, b)
             residual, displacement = discretization.to_numpy(b), discretization.to_numpy(x)
-        loads = actions.loads + problem.pressure_loads(x)
+        terms = tuple(TermResult(*acting, forces) for acting, forces in problem.term_forces(x))
+        loads = actions.loads + problem.pressure_loads(x) + sum(entry.forces for entry in terms)
         reactions = np.where(actions.held, residual, 0.0)
         unbalanced = np.abs(residual - reactions).max(axis=1)
         position = problem.structure.points + displacement
@@ -69,6 +72,7 @@ class StateEvaluator:
                 unbalanced=unbalanced,
             ),
             increments=increments,
+            terms=terms,
             owner=self.problem,
             parts={name: self._part_result(name) for name in problem.structure.parts},
         )
@@ -78,14 +82,10 @@ class StateEvaluator:
         part = self.problem.structure.parts[name]
         membrane = isinstance(part, Membrane)
         shapes = MEMBRANE if membrane else BAR
-        sizes = [int(np.prod(shape)) for shape in shapes.values()]
-        here = self.expressions[name]() if name in self.expressions else None
-        values = discretization.gather_cells(name, here, sum(sizes))
-        columns = np.split(values, np.cumsum(sizes)[:-1], axis=1)
-        fields: dict[str, NDArray[Any]] = {
-            field: np.ascontiguousarray(column).reshape(-1, *shape)
-            for (field, shape), column in zip(shapes.items(), columns, strict=True)
-        }
+        here = self._cell_values(name, shapes)
+        fields: dict[str, NDArray[Any]] = {}
+        for field, shape in shapes.items():  # one by one: they fill the memory
+            fields[field] = discretization.gather_cells(name, here.pop(field)).reshape(-1, *shape)
         state = STATES[fields.pop("state").astype(int)]
         if membrane:
             return MembraneResult(**fields, state=state)
@@ -93,6 +93,19 @@ class StateEvaluator:
         if not part.carries_compression:  # cables without force, or with rounding
             slack |= fields["force"] <= LIMITS.rounding * (part.material.stiffness + np.abs(part.prestress))
         return BarResult(**fields, slack=slack)
+
+    def _cell_values(self, name: str, shapes: Mapping[str, tuple[int, ...]]) -> dict[str, NDArray[np.float64]]:
+        """Quantities in the cells of this process, in the order of its mesh, shape (its cells, size)."""
+        part = self.problem.parts.get(name)
+        count = len(part.mesh.cell_rows) if part else 0
+        sizes = [math.prod(shape) for shape in shapes.values()]
+        fields = {field: np.empty((count, size)) for field, size in zip(shapes, sizes, strict=True)}
+        for first in range(0, count, CHUNK):
+            end = min(first + CHUNK, count)
+            columns = np.split(self.expressions[name](np.arange(first, end)), np.cumsum(sizes)[:-1], axis=1)
+            for field, column in zip(fields.values(), columns, strict=True):
+                field[first:end] = column
+        return fields
 
 
 def _expression(part: PartForms) -> Callable[[], NDArray[np.float64]]:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.measures import measures
+from ..model.energy_terms import touched
 from ..model.parts import Mast, Membrane
 from ..solvers.curvature import WEAK
 from .slack_forces import LIMIT, compression, rounding, slack_cells
@@ -48,8 +49,11 @@ def loose_masts(result: StageResult) -> list[Loose]:
     masts in one plane with their guys do. Joints of masts alone are none: solvers meet the missing stiffness
     themselves.
     """
+    if not any(isinstance(part, Mast) for part in result.structure.parts.values()):
+        return []
     ends = _ends(result)
     could = ends.mast & ~ends.fabric & ~result.actions.held.all(axis=1)
+    could &= ~touched(result.structure, result.structure.terms)  # an elastic bed may hold them
     blocks = np.zeros((len(could), 3, 3))
     for name, part in result.structure.parts.items():
         if not isinstance(part, Membrane):

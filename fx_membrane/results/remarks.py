@@ -19,6 +19,7 @@ from ..solvers.outcome import Outcome
 from .balance import UnbalancedStateWarning, balance_remarks
 from .loose_masts import Loose, loose_masts
 from .motions import Motion, motion_of
+from .principal import principal_values
 from .slack_forces import Push, pushes, slack_cells
 from .states import BarResult, LostPrestressWarning, Remark, StageResult
 from .strain_limits import LargeStrainWarning, strain_remarks
@@ -183,7 +184,7 @@ def _has_lost_its_prestress(result: StageResult, name: str) -> bool:
 
 def _tensions(structure: Structure, name: str) -> NDArray[np.floating[Any]]:
     """Largest prestress of each cell of a part, shape (cells,); negative without tension."""
-    return np.linalg.eigvalsh(structure.parts[name].prestress_tensors())[:, -1]
+    return principal_values(structure.parts[name].prestress_tensors())[:, -1]
 
 
 def _hanging(structure: Structure, push: Push) -> str:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..checks import validation
+from ..model.energy_terms import described
 from ..model.parts import Cable, Membrane
 from ..model.restraint import loose_ends
 from ..solvers.outcome import Outcome
@@ -25,6 +26,8 @@ def report(
     The number of slack or wrinkled cells and free cable ends come last. Largest values (in masts of either sign) come
     with their cell, a row of the part's cells, and its centroid in the reference shape. The largest displacement is the
     length of a vector.
+
+    Each energy term has a line with the sum of its forces, which is part of the sum of loads.
 
     No number is converted: a structure in kN and m gives a report in kN and m, labelled by the names of the units.
 
@@ -124,6 +127,10 @@ def _balance(result: StageResult, force_unit: str, length_unit: str) -> list[str
     moment = np.abs(balance.load_moment + balance.reaction_moment).max()
     loads, reactions = _vector(result, balance.loads), _vector(result, balance.reactions)
     return [
+        *(
+            f"  {described(entry.term)}: sum of forces {_vector(result, entry.forces.sum(axis=0))} {force_unit}"
+            for entry in result.terms
+        ),
         f"  sum of loads {loads}, of reactions {reactions} {force_unit}",
         f"  they balance to {force:.0e} {force_unit}, moments to {moment:.0e} {force_unit} {length_unit}; "
         f"largest unbalanced nodal force {balance.residual:.0e} {force_unit}",

@@ -46,6 +46,8 @@ def pushes(result: StageResult) -> list[Push]:
     piece: folds of too much fabric that hangs push each other aside, and carry nothing.
     """
     names, held = list(result.parts), result.actions.held
+    if not any(compression(result, name).any() for name in names):
+        return []
     pieces = Pieces(result.structure, held.all(axis=1))
     forces = {name: _corner_forces(result, name) for name in names}
     at_node = np.linalg.norm(np.where(held, 0.0, result.loads), axis=1)
@@ -142,15 +144,22 @@ def _corner_forces(result: StageResult, name: str) -> tuple[Array, Array]:
         unit = np.stack([direction, -direction], axis=1)
         kept = -compression(result, name)
         return kept[:, None, None] * unit, (part.force - kept)[:, None, None] * unit
-    values, directions = np.linalg.eigh(part.cauchy)
-    pressed = np.where((part.state == "taut")[:, None], 0.0, np.minimum(values, 0.0))
     normal = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
     # Across the side opposite to a corner, half its length times the stress acts on the corner.
     across = np.cross(np.roll(x, -2, axis=1) - np.roll(x, -1, axis=1), normal[:, None]) / 2
 
-    def forces(principal: Array) -> Array:
-        stress = (directions * principal[:, None, :]) @ directions.transpose(0, 2, 1)
-        return across @ stress
+    pressed = _pressed(part, normal)
+    return across @ pressed, across @ (part.cauchy - pressed)
 
-    return forces(pressed), forces(values - pressed)
+
+def _pressed(part: MembraneResult, normal: Array) -> Array:
+    """Compressive part of the Cauchy stress of slack and wrinkled cells, shape (cells, 3, 3) [N/m]; 0 in taut ones."""
+    larger, smaller = part.principal.T
+    loose = part.state != "taut"
+    pressed = np.where((loose & (larger <= 0))[:, None, None], part.cauchy, 0.0)
+    one = np.flatnonzero(loose & (larger > 0) & (smaller < 0))
+    n, s1, s2 = normal[one], larger[one, None, None], smaller[one, None, None]
+    plane = np.eye(3) - n[:, :, None] * n[:, None, :]
+    pressed[one] = s2 * (s1 * plane - part.cauchy[one]) / (s1 - s2)  # Sylvester's formula
+    return pressed

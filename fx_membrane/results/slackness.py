@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from ..model.parts import Cable
 from ..model.restraint import loose_ends
+from .principal import principal_values
 from .states import BarResult, StageResult
 
 
@@ -28,9 +29,7 @@ def slack_parts(state: StageResult) -> str:
     if not most:
         return ""
     words = [f"{name!r} is slack in {np.count_nonzero(slack[name])} of {len(slack[name])} cells" for name in most]
-    given = [
-        repr(name) for name in most if np.linalg.eigvalsh(state.structure.parts[name].prestress_tensors()).max() > 0
-    ]
+    given = [repr(name) for name in most if principal_values(state.structure.parts[name].prestress_tensors()).max() > 0]
     advice = ": give it prestress, or a shorter length to begin with."
     if given:
         advice = (

@@ -96,6 +96,20 @@ class BarResult:
     slack: NDArray[np.bool_]
 
 
+class TermResult(NamedTuple):
+    """State of an energy term.
+
+    Attributes:
+        term: The term.
+        factor: Its factor: 1 for a term of the structure, the load factor for one of the last stage.
+        forces: Its forces on the nodes, shape (n, 3) [N].
+    """
+
+    term: Any
+    factor: float
+    forces: Array
+
+
 @dataclass(frozen=True, eq=False)
 class Equilibrium:
     """Balance of all forces on the structure in its current shape; moments about the origin.
@@ -125,13 +139,15 @@ class StageResult:
         name: Name of the stage.
         structure: The structure.
         displacement: Displacement from the reference position, shape (n, 3) [m].
-        actions: Constraints and loads of the structure: constrained components, dead loads, pressures of the cells.
-        loads: Loads on the nodes, those of pressures in the current shape, shape (n, 3) [N].
+        actions: Constraints and loads of the structure: constrained components, dead loads, pressures of the cells,
+            energy terms.
+        loads: Loads on the nodes, those of pressures and energy terms in the current shape, shape (n, 3) [N].
         reactions: Forces of the supports and the prescribed displacements, shape (n, 3) [N]; zero at free components.
-        energy: Total potential energy [J].
+        energy: Total potential energy [J], without pressures and terms without a potential.
         equilibrium: Balance of loads and reactions.
         increments: The load increments of this stage, in order.
         parts: State of each part by name.
+        terms: Energy terms that act, those of the structure first; their forces are in `loads`.
         remarks: Sentences on the state to be read before its numbers, those of the warnings: that it is not stable, has
             snapped or fallen, hangs on slack parts, has lost its prestress, is strained beyond its material law, or is
             not in balance.
@@ -160,6 +176,7 @@ class StageResult:
     increments: tuple[Increment, ...]
     parts: dict[str, MembraneResult | BarResult]
     remarks: tuple[Remark, ...] = ()
+    terms: tuple[TermResult, ...] = ()
     owner: Problem | None = field(default=None, kw_only=True)
 
     @property

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from ..model import laws
 from ..model.parts import Mast, Part
 from ..model.structure import Structure
+from .principal import principal_values
 from .states import BarResult, MembraneResult, Remark, StageResult
 
 ABSURD = 1.0  # strain that no fabric or cable bears
@@ -79,12 +80,14 @@ def strain_remarks(result: StageResult) -> Iterator[Remark]:
 
 def _sizes(part: Part, result: MembraneResult | BarResult) -> NDArray[np.float64]:
     """Largest strain that each cell resists, in tension or compression, shape (cells,) [-]."""
-    excess = _elastic(part, _compression(part.prestress_tensors()))
+    prestress = part.prestress_tensors()
+    strain = result.strain if isinstance(result, MembraneResult) else result.strain[:, None, None]
+    if (principal_values(prestress) < 0).any():
+        strain = strain + _elastic(part, _compression(prestress))
+    largest = principal_values(strain)[:, -1]
     if isinstance(result, BarResult):
-        stretched = result.strain + excess[:, 0, 0]
-        return np.where(result.slack, 0.0, np.maximum(stretched, -result.strain))
-    largest = np.linalg.eigvalsh(result.strain + excess)[:, 1]
-    least = np.linalg.eigvalsh(result.strain)[:, 0]
+        return np.where(result.slack, 0.0, np.maximum(largest, -result.strain))
+    least = principal_values(result.strain)[:, 0]
     sizes = np.maximum(largest, np.where(result.state == "taut", -least, 0.0))
     return np.where(result.state == "slack", 0.0, sizes)
 
@@ -116,5 +119,5 @@ def _compression(stress: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _largest(tensors: NDArray[np.float64]) -> NDArray[np.float64]:
     """Principal values of largest magnitude, with their sign, shape (cells,)."""
-    values = np.linalg.eigvalsh(tensors)
+    values = principal_values(tensors)
     return np.where(-values[:, 0] > values[:, -1], values[:, 0], values[:, -1])

@@ -1,12 +1,15 @@
 """Processes that share the work: errors of one raised by all, and refusal of differing input."""
 
+import math
 import pickle
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import wraps
-from typing import ParamSpec
+from typing import Any, ParamSpec
 
+import numpy as np
 from mpi4py import MPI
+from numpy.typing import NDArray
 
 OUTCOME = 2003  # tag of messages with the outcome of an act
 
@@ -82,6 +85,21 @@ def refuse_differences(comm: MPI.Intracomm, digests: Callable[[], Mapping[str, s
                 f"The input of process {number} differs from that of process 0 in: {', '.join(names[:3])}{more}; give "
                 "all processes the same: draw random numbers and read files on one of them, and broadcast."
             )
+
+
+def gathered(comm: MPI.Intracomm, rows: NDArray[Any]) -> NDArray[Any]:
+    """Rows of all processes on each, one process after the other; those of a single process are not copied.
+
+    Args:
+        comm: The processes.
+        rows: Rows of this process, of the same type and length on all, shape (n, ...).
+    """
+    if comm.size == 1:
+        return rows
+    counts = np.asarray(comm.allgather(len(rows)))
+    total = np.empty((counts.sum(), *rows.shape[1:]), dtype=rows.dtype)
+    comm.Allgatherv(np.ascontiguousarray(rows), [total, counts * math.prod(rows.shape[1:])])
+    return total
 
 
 def _portable(error: Exception | None) -> Exception | None:

@@ -16,18 +16,20 @@ class Callbacks(Protocol):
     """Callbacks and workspace of the iteration.
 
     Attributes:
-        A: The tangent.
         b: The right-hand side.
         balanced: True if the last residual is within the tolerance.
         most: Maximum number of iterations.
         newton: dolfinx's NewtonSolver, or None.
     """
 
-    A: PETSc.Mat
     b: PETSc.Vec
     balanced: bool
     most: int
     newton: Any
+
+    @property
+    def A(self) -> PETSc.Mat:
+        """The tangent of this solve."""
 
     def residual(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
         """Residual with held components."""
@@ -52,7 +54,6 @@ def by_dolfinx(owner: Callbacks) -> Backend:
         x.axpy(-1.0, dx)
 
     newton.setF(residual, owner.b)
-    newton.setJ(lambda x, A: owner.tangent(x, A), owner.A)  # noqa: PLW0108  (a bound method would be a strong reference)
     newton.set_form(lambda x: None)
     newton.set_update(update)
     newton.convergence_criterion = "residual"
@@ -60,6 +61,7 @@ def by_dolfinx(owner: Callbacks) -> Backend:
     newton.rtol = 0.0  # `atol` returns the verdict of `residual`
 
     def solve(x: PETSc.Vec) -> bool:
+        owner.newton.setJ(lambda x, A: owner.tangent(x, A), owner.A)  # noqa: PLW0108  (no strong reference)
         owner.newton.max_it = owner.most
         return bool(owner.newton.solve(x)[1])
 
@@ -80,18 +82,18 @@ def by_snes(owner: Callbacks) -> Backend:
             return reasons.CONVERGED_FNORM_ABS
         return reasons.DIVERGED_MAX_IT if iteration == owner.most else reasons.ITERATING
 
-    snes = PETSc.SNES().create(owner.A.comm)
+    snes = PETSc.SNES().create(owner.b.comm)
     snes.setType("newtonls")
     snes.setOptionsPrefix(SNES)
     PETSc.Options(SNES)["snes_linesearch_type"] = "basic"
     snes.setFromOptions()
     snes.setMaxLinearSolveFailures(1_000_000_000)  # `step` judges them
     snes.setFunction(lambda _, x, b: owner.residual(x, b), owner.b)
-    snes.setJacobian(lambda _, x, A, P: owner.tangent(x, A), owner.A)
     snes.setLineSearchPreCheck(shorten)
     snes.setConvergenceTest(test)
 
     def solve(x: PETSc.Vec) -> bool:
+        snes.setJacobian(lambda _, x, A, P: owner.tangent(x, A), owner.A)
         try:
             snes.solve(None, x)
         except PETSc.Error as error:  # PETSc 3.25 wraps exceptions of callbacks

@@ -134,7 +134,7 @@ def tolerance(problem: LoadedProblem, x: PETSc.Vec, b: PETSc.Vec, rtol: float) -
             pass `rounding`, so that loads far below the prestress take their step too.
     """
     loads = problem.load_norm(x)
-    forces = float(b.norm()) + loads
+    forces = float(b.norm()) + loads + problem.standing_norm(x)
     return max(rtol * min(forces, LIMITS.scale * loads or forces), 1e-300)
 
 

@@ -99,11 +99,11 @@ class BorderedNewton:
         self.compression = 1.0
         self.monitor: Monitor = no_monitor
         self.pulse = Pulse("equilibrium path", problem.comm.rank == 0)
-        self.A = problem.discretization.create_matrix()
         create = problem.discretization.create_vector
         self.b, self.du_residual, self.du_load, self.work, self.zero = create(), create(), create(), create(), create()
         self.size = problem.structure.size
         self.symmetric = self.has_potential(x)
+        self.A = problem.discretization.create_matrix("sbaij" if self.symmetric else "baij")
         self.ksp = PETSc.KSP().create(problem.comm)
         factorization.choose(self.ksp, self.A, self.symmetric)
 
@@ -129,14 +129,17 @@ class BorderedNewton:
 
     def has_potential(self, x: PETSc.Vec) -> bool:
         """Return True if pressures keep the tangent symmetric, as uniform ones on closed surfaces or in held edges."""
-        for actions in (self.start, self.end):
-            loaded = self.problem.under(actions)
-            if not loaded.symmetric:
-                loaded.tangent(x, self.A)
-                loaded.constraints.constrain_tangent(x, self.A, self.work)
-                if not factorization.is_symmetric(self.A):
-                    return False
-        return True
+        views = [self.problem.under(actions) for actions in (self.start, self.end)]
+        if any(view.terms.without_potential for view in views):  # symmetric here, perhaps, and not elsewhere
+            return False
+        views = [view for view in views if not view.symmetric]
+        if not views:
+            return True
+        A = self.problem.discretization.create_matrix("baij")
+        try:
+            return all(factorization.is_symmetric(view.constraints.close(view.tangent(x, A))) for view in views)
+        finally:
+            A.destroy()
 
     def find(self, guess: Point, plane: Plane) -> Point | None:
         """Return the point of the path in a plane, from an initial guess in it, or None."""
@@ -180,7 +183,6 @@ class BorderedNewton:
 
     def linearize(self, x: PETSc.Vec, factor: float) -> bool:
         """Factor the tangent, solve for `du_load`; return True if it is regular."""
-        self.A.setOption(PETSc.Mat.Option.SYMMETRIC, self.symmetric)
         self.under(factor).tangent(x, self.A)
         with self.problem.discretization.work(1) as (gain,):
             self.rate.load_derivative(x, b=gain)

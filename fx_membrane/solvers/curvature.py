@@ -100,7 +100,7 @@ def negative_curvature_direction(problem: LoadedProblem, x: PETSc.Vec) -> Mode:
 
 def _lowest(problem: LoadedProblem, x: PETSc.Vec) -> float:
     """Lowest eigenvalue of K v = lambda T v, known to be below -WEAK, with its Sturm sequence check."""
-    K, T = problem.tangent(x), problem.stabilizer.matrix.copy()
+    K, T = problem.tangent(x), problem.stabilizer.matrix("aij").copy()
     with problem.discretization.work(1) as (b,):
         problem.constraints.constrain_tangent(x, K, b)
     for matrix in (K, T):  # T, too, for an equal pattern
@@ -122,13 +122,14 @@ def negative_between(problem: LoadedProblem, start: PETSc.Vec, end: PETSc.Vec) -
 
     It is if Hill's second-order work on the chord is negative, by differences of the residual. Both ends of a snap are
     stable, so that their inertia does not show it. Negative curvature of wrinkled and slack cells is ignored; without
-    masts and pressures there is none. Constrained components keep their end values.
+    masts, pressures and energy terms there is none. Constrained components keep their end values.
 
     Source: R. Hill, A general theory of uniqueness and stability in elastic-plastic solids, J. Mech. Phys. Solids 6
     (1958) 236-249.
     """
     parts = problem.structure.parts.values()
-    if problem.symmetric and not any(part.carries_compression for part in parts):
+    loaded = not problem.symmetric or problem.terms.all
+    if not loaded and not any(part.carries_compression for part in parts):
         return False
     forces = []
     with problem.discretization.work(3) as (at, way, b):

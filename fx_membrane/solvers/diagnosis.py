@@ -8,6 +8,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
+from ..assembly.discretization import matrix_kind
 from ..assembly.loaded_problem import LoadedProblem
 from ..geometry.measures import measures
 from ..model.parts import Cable, Mast, Membrane
@@ -255,6 +256,7 @@ def loose_nodes(problem: LoadedProblem, A: PETSc.Mat) -> list[tuple[int, list[fl
     """Nodes, in the user's numbering, without stiffness in some direction, and that direction."""
     discretization = problem.discretization
     first = A.getOwnershipRange()[0]
+    A = A if matrix_kind(A) == "aij" else A.convert("aij", PETSc.Mat())
     pointers, columns, values = A.getValuesCSR()
     rows = np.repeat(np.arange(len(pointers) - 1), np.diff(pointers))
     same_node = (columns - first) // 3 == rows // 3

@@ -20,7 +20,7 @@ from ..checks import validation
 from . import petsc_options
 from .base import LIMITS, Iteration, Monitor, Solution, Solve, max_norm, no_monitor
 from .convergence import Patience, nearer
-from .curvature import WEAK, negative_between
+from .curvature import negative_between
 from .diagnosis import collapsed, mechanism, slack_mechanism, unlikely_units
 from .homotopy import HomotopyControl, stabilized_start
 from .inertia_correction import ShiftControl
@@ -165,11 +165,11 @@ class _Globalized:
     def escape_saddle(self, x: PETSc.Vec, solution: Solution) -> Solution:
         """Escape from an unstable equilibrium to a stable one.
 
-        A last tangent with hardly a shift had no negative curvature, so that the equilibrium is stable.
+        A last tangent without shift had no negative curvature, so that the equilibrium is stable.
         """
         loop = self.loop
         for _ in range(self.saddle.attempts):
-            if len(solution.iterations) == 1 or (loop.counts_pivots and loop.shift <= WEAK):
+            if len(solution.iterations) == 1 or (loop.counts_pivots and loop.shift == 0):
                 return solution
             x.copy(self.before)
             if not leave_saddle(self.problem, x, self.saddle):

@@ -11,6 +11,7 @@ from typing import cast
 from petsc4py import PETSc
 
 from .. import _dolfinx
+from ..assembly.discretization import MatrixKind
 from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from . import factorization, petsc_options
@@ -58,7 +59,7 @@ class NewtonLoop:
 
     def __init__(self, problem: Problem, line_search: bool, control: ShiftControl):
         self.line_search, self.control = line_search, control
-        self.A = problem.discretization.create_matrix()
+        self.matrices: dict[MatrixKind, PETSc.Mat] = {}
         self.b = problem.discretization.create_vector()
         create = problem.discretization.create_vector
         self.work, self.here = create(), create()
@@ -78,6 +79,19 @@ class NewtonLoop:
         self.history: list[Iteration] = []
         self.iterates, self.first = 0, True
         self.symmetric, self.counts_pivots, self.from_stable, self.lost_stability = True, True, False, False
+
+    @property
+    def A(self) -> PETSc.Mat:
+        """The tangent; the upper triangle of its blocks if it is symmetric."""
+        return self.matrix(self.symmetric)
+
+    def matrix(self, symmetric: bool) -> PETSc.Mat:
+        """Return the matrix for a symmetric or a general tangent, made on first use; few linear solvers take blocks."""
+        blocks: MatrixKind = "sbaij" if symmetric else "baij"
+        kind: MatrixKind = "aij" if petsc_options.choose_solver() else blocks
+        if kind not in self.matrices:
+            self.matrices[kind] = self.problem.discretization.create_matrix(kind)
+        return self.matrices[kind]
 
     def attempt(self, x: PETSc.Vec, rtol: float, most: int, proceed: Proceed = always) -> Solution:
         """Run the iteration from x.
@@ -100,16 +114,22 @@ class NewtonLoop:
                 converged = self.iterate(x)
         except _Stop as stop:
             return Solution(stop.outcome, str(stop), tuple(self.history))
+        finally:
+            self.proceed = always  # a closure of the caller keeps a solver that is dropped, in a circle
         if converged:
             return Solution(Outcome.CONVERGED, Outcome.CONVERGED.value, tuple(self.history))
         end = self.without_end(x)
         return Solution(end.outcome, str(end), tuple(self.history))
 
     def conservative(self, x: PETSc.Vec) -> bool:
-        """Return True if pressures have a potential here, as within held edges: the tangent is symmetric."""
-        self.problem.tangent(x, self.A)
-        self.problem.constraints.constrain_tangent(x, self.A, self.b)
-        return factorization.is_symmetric(self.A)
+        """Return True if pressures have a potential here, as within held edges: the tangent is symmetric.
+
+        That of a term without a potential may be symmetric here and not elsewhere, as with friction.
+        """
+        if self.problem.terms.without_potential:
+            return False
+        A = self.problem.tangent(x, self.matrix(symmetric=False))
+        return factorization.is_symmetric(self.problem.constraints.close(A))
 
     def without_end(self, x: PETSc.Vec) -> _Stop:
         """Outcome and reason of an iteration whose last iterate is no solution."""
@@ -137,7 +157,6 @@ class NewtonLoop:
         """Tangent and right-hand side with constraints; end an attempt that is not to proceed."""
         if not self.proceed(self.history):
             raise self.without_end(x)
-        A.setOption(PETSc.Mat.Option.SYMMETRIC, self.symmetric)
         self.problem.tangent(x, A)
         self.problem.constraints.constrain_tangent(x, A, self.b)
         shift, self.shift = self.control.next(self.length, self.shift, self.history), 0.0
@@ -170,8 +189,9 @@ class NewtonLoop:
             self.from_stable = self.shift <= (self.control.first if slack else 0.0)
         self.length = length
         dx.scale(length)
-        dx.axpy(1.0, x)
-        dx.axpy(-1.0, start)
+        if moved:  # otherwise the next iterate is the last trial, bit by bit, which is not evaluated again
+            dx.axpy(1.0, x)
+            dx.axpy(-1.0, start)
 
     def is_descent(self, dx: PETSc.Vec) -> bool:
         """Return True if dx solves the linear system and -dx is a descent direction, without negative curvature."""

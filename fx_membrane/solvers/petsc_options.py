@@ -105,8 +105,12 @@ def apply(ksp: PETSc.KSP) -> None:
 
 def name(ksp: PETSc.KSP) -> str:
     """Name of a linear solver that options have chosen, as "cg with jacobi"; empty for the direct default."""
-    chosen = any(option.startswith(("ksp_type", "pc_type", "pc_factor_mat_solver_type")) for option in given())
-    return f"{ksp.getType()} with {ksp.getPC().getType()}" if chosen else ""
+    return f"{ksp.getType()} with {ksp.getPC().getType()}" if choose_solver() else ""
+
+
+def choose_solver() -> bool:
+    """Return True if options choose another linear solver than the direct default."""
+    return any(option.startswith(("ksp_type", "pc_type", "pc_factor_mat_solver_type")) for option in given())
 
 
 def unread() -> list[str]:

@@ -1,87 +1,200 @@
-"""Times of the main steps on a square of 256 x 256 x 2 triangles, beside dolfinx alone on the same mesh and form.
+"""Phases of a whole run on a flat square of triangles under a dead load: CPU time, memory, and two bounds.
+
 
     .venv/bin/python tests/benchmarks/assembly.py [cells along a side]
 
-Each time is the minimum of five. The bound is the bare `assemble_matrix` of dolfinx into a matrix of its own.
+
+One core (OMP_NUM_THREADS=1). CPU seconds belong to the innermost phase. The bounds of the tangent are one STREAM-like
+pass, c = a + b, over as many numbers as the matrix has non-zeros, and one product of matrix and vector.
 """
 
+import os
+import resource
 import sys
+from collections import Counter, defaultdict
 from collections.abc import Callable
-from time import perf_counter
+from functools import partial
+from importlib import import_module
+from time import process_time
+from typing import Any
 
-import numpy as np
-from dolfinx.fem import petsc as fem_petsc
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+started = process_time()
 
-from fx_membrane import (
+
+import numpy as np  # noqa: E402
+from petsc4py import PETSc  # noqa: E402
+
+from fx_membrane import (  # noqa: E402
     Analysis,
     DistributedLoad,
     Fabric,
     Membrane,
     Stage,
+    StageResults,
     Structure,
     Support,
     boundary_edges,
     rectangle,
 )
-from fx_membrane.assembly.problem import Problem
+from fx_membrane.assembly.problem import Problem  # noqa: E402
+
+WORK = "factorization and solve"
+# Functions that are timed, as module and qualified name, and their phase; those that a version lacks are left out.
+PHASES = {
+    "fx_membrane.model.structure:Structure.__init__": "structure and its checks",
+    "fx_membrane.analysis.stages:Analysis._check": "structure and its checks",
+    "fx_membrane.assembly.discretization:Discretization.__init__": "numbering",
+    "fx_membrane._dolfinx:create_mesh": "meshes",
+    "fx_membrane._dolfinx:_compile": "compilation, or its cache",
+    "fx_membrane.assembly.discretization:Discretization.create_matrix": "preallocation",
+    "fx_membrane.assembly.discretization:Discretization.scatter": "scatter",
+    "fx_membrane.assembly.discretization:Discretization.scatter_add": "scatter",
+    "fx_membrane.assembly.assembler:Assembler.matrix": "tangent",
+    "fx_membrane.assembly.assembler:Assembler.vector": "residual",
+    "fx_membrane.assembly.assembler:Assembler.strain_energy": "energy",
+    "fx_membrane.assembly.constraints:Constraints.constrain_tangent": "constraints of the tangent",
+    "dolfinx.fem:assemble_vector": "residual",
+    "dolfinx.fem:pack_coefficients": "packing of coefficients",
+    "dolfinx.fem.assemble:_pack_coefficients": "packing of coefficients",
+    "dolfinx.fem.petsc:_pack_coefficients": "packing of coefficients",
+    "fx_membrane.assembly.discretization:Discretization.to_numpy": "gather",
+    "fx_membrane.assembly.discretization:Discretization.gather_cells": "gather",
+    "fx_membrane.results.evaluation:StateEvaluator.__call__": "evaluation of results",
+    "fx_membrane.analysis.stages:remarked": "remarks on results",
+}
+NUMERIC, SYMBOLIC, SOLVE = "MatCholFctrNum", "MatCholFctrSym", "MatSolve"
 
 
-def least(action: Callable[[], object], repeat: int = 5) -> float:
-    """Shortest time of an action [s]."""
-    times = []
-    for _ in range(repeat):
-        start = perf_counter()
-        action()
-        times.append(perf_counter() - start)
-    return min(times)
+class Clock:
+    """CPU time by phase, and the number of calls."""
+
+    def __init__(self) -> None:
+        self.times, self.calls = defaultdict[str, float](float), Counter[str]()
+        self._phases, self._last = ["other"], process_time()
+
+    def enter(self, phase: str) -> None:
+        """Begin a phase within the present one."""
+        self._count()
+        self.calls[phase] += 1
+        self._phases.append(phase)
+
+    def leave(self) -> None:
+        """End the present phase."""
+        self._count()
+        self._phases.pop()
+
+    def _count(self) -> None:
+        now = process_time()
+        self.times[self._phases[-1]] += now - self._last
+        self._last = now
+
+    def timed(self, function: Callable[..., Any], phase: str) -> Callable[..., Any]:
+        """Wrap a function that belongs to a phase."""
+
+        def run(*args: Any, **kwargs: Any) -> Any:
+            self.enter(phase)
+            try:
+                return function(*args, **kwargs)
+            finally:
+                self.leave()
+
+        return run
 
 
-def bare_assembly(form: object) -> Callable[[], None]:
-    """dolfinx alone: its matrix, its numbering."""
-    A = fem_petsc.assemble_matrix(form)
-    A.assemble()
+def instrument(clock: Clock) -> None:
+    """Time the functions of `PHASES`; between tangent and step of Newton's iteration PETSc factorizes and solves."""
+    for place, phase in PHASES.items():
+        module, _, path = place.partition(":")
+        *classes, name = path.split(".")
+        owner: Any = import_module(module)
+        for entry in classes:
+            owner = getattr(owner, entry)
+        if hasattr(owner, name):
+            setattr(owner, name, clock.timed(getattr(owner, name), phase))
+    newton: Any = import_module("fx_membrane.solvers.newton_loop").NewtonLoop
+    tangent, step = newton.tangent, newton.step
 
-    def run() -> None:
-        A.zeroEntries()
-        fem_petsc.assemble_matrix(A, form)
-        A.assemble()
+    def then_solve(self: Any, *args: Any) -> None:
+        tangent(self, *args)
+        clock.enter(WORK)
 
-    return run
+    def after_solve(self: Any, *args: Any) -> None:
+        clock.leave()
+        step(self, *args)
+
+    newton.tangent, newton.step = then_solve, after_solve
 
 
-def main(n: int) -> None:
-    """Print the table."""
+def run(n: int) -> tuple[Structure, StageResults]:
+    """Run one stage from the flat start."""
     points, triangles = rectangle(1.0, 1.0, n, n)
     fabric = Membrane(triangles, Fabric(1e5, 0.3), prestress=1e3)
     structure = Structure(points, {"fabric": fabric}, [Support(np.unique(boundary_edges(triangles)))])
-    rows = [("meshes, numbering, forms", least(lambda: Problem(structure), 1))]
-    owner = Problem(structure)
-    problem = owner.under()
-    x, b = problem.discretization.create_vector(), problem.discretization.create_vector()
-    A = problem.discretization.create_matrix()
-    problem.tangent(x, A)
-    tangent = least(lambda: problem.tangent(x, A))
-    bare = least(bare_assembly(owner.parts["fabric"].tangent))
-    rows += [
-        ("energy", least(lambda: problem.energy(x))),
-        ("residual", least(lambda: problem.residual(x, b))),
-        ("tangent", tangent),
-        ("bare dolfinx assemble_matrix", bare),
-    ]
-    analysis = Analysis(structure)
     stage = Stage("load", [DistributedLoad((0, 0, -500.0), "fabric")])
-    count = 0
+    return structure, Analysis(structure, progress=False).run([stage])
 
-    def solve() -> None:
-        nonlocal count
-        count = len(analysis.run([stage])["load"].history) - 1
 
-    rows.append(("one stage, Newton with MUMPS", least(solve, 1)))
-    print(f"{len(triangles)} triangles, {3 * len(points)} unknowns")
-    for name, time in rows:
-        print(f"{name:32}{time:10.4f} s")
-    print(f"tangent / bare: {tangent / bare:.2f};  Newton iterations: {count}")
+def print_phases(clock: Clock) -> None:
+    """Print CPU seconds, share and calls of each phase, and the share outside assembly, factorization and solve."""
+    total = sum(clock.times.values())
+    for phase, time in sorted(clock.times.items(), key=lambda item: -item[1]):
+        print(f"{phase:32}{time:9.3f} s{100 * time / total:7.1f} %{clock.calls[phase]:6}")
+    events = {name: PETSc.Log.Event(name).getPerfInfo()["time"] for name in (SYMBOLIC, NUMERIC, SOLVE)}
+    spent = sum(events.values())
+    print(f"{'whole':32}{total:9.3f} s")
+    print("factorization and solve, shares: " + ", ".join(f"{k} {100 * t / spent:.0f} %" for k, t in events.items()))
+    outside = 1 - (clock.times["tangent"] + clock.times[WORK]) / total
+    print(f"outside tangent, factorization and solve: {100 * outside:.1f} % of the whole")
+
+
+def least(action: Callable[[], object], repeat: int = 5) -> float:
+    """Least CPU time of an action [s]."""
+    times = []
+    for _ in range(repeat):
+        start = process_time()
+        action()
+        times.append(process_time() - start)
+    return min(times)
+
+
+def print_bounds(structure: Structure) -> None:
+    """Print the time of a tangent beside one pass over its non-zeros and one product."""
+    problem = Problem(structure)
+    view, x, b = problem.under(), problem.create_vector(), problem.create_vector()
+    tangents = {kind: problem.discretization.create_matrix(kind) for kind in ("aij", "baij", "sbaij")}
+    nonzeros = int(tangents["aij"].getInfo()["nz_allocated"])
+    first, second = np.ones(nonzeros), np.ones(nonzeros)
+    total = np.zeros(nonzeros)
+    once = least(lambda: np.add(first, second, out=total))
+    triangles = sum(len(part.cells) for part in structure.parts.values())
+    for name, A in tangents.items():
+        tangent, product = least(partial(view.tangent, x, A)), least(partial(A.mult, x, b))
+        print(
+            f"tangent in {name}: {tangent:.3f} s, {1e6 * tangent / triangles:.3f} us per triangle; "
+            f"{tangent / once:.1f} passes over its non-zeros, {tangent / product:.1f} products"
+        )
+
+
+def main(n: int) -> None:
+    """Print the tables."""
+    PETSc.Log.begin()
+    empty = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    imports = process_time() - started
+    clock = Clock()
+    instrument(clock)
+    structure, results = run(n)
+    clock.enter("end")
+    clock.leave()
+    del clock.times["end"]
+    peak, unknowns = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, structure.points.size
+    iterations = len(results["load"].history) - 1
+    cells = sum(len(part.cells) for part in structure.parts.values())
+    print(f"{cells} triangles, {unknowns} unknowns, {iterations} iterations, imports {imports:.2f} s")
+    print_phases(clock)
+    print(f"peak memory: {1.024 * (peak - empty) / unknowns:.2f} kB per unknown, imports ({empty / 1e3:.0f} MB) aside")
+    print_bounds(structure)
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 256)
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 512)

@@ -110,8 +110,8 @@ CASES = {
         {"name": "text", "loads": "list", "displacements": "list", "increments": "whole", "after": "text?"},
     ),
     Structure: (
-        {"points": POINTS.tolist(), "parts": ARCH.parts, "supports": ARCH.supports, "separate": ()},
-        {"points": "array", "parts": "object", "supports": "list", "separate": "list"},
+        {"points": POINTS.tolist(), "parts": ARCH.parts, "supports": ARCH.supports, "separate": (), "terms": ()},
+        {"points": "array", "parts": "object", "supports": "list", "separate": "list", "terms": "list"},
     ),
     Structure.part: ({"self": ARCH, "name": "arch", "kind": Mast}, {"name": "object", "kind": "object"}),
     type(STATE).mast: ({"self": STATE, "name": "arch"}, {"name": "object"}),
@@ -197,9 +197,9 @@ CASES = {
     ),
 }  # fmt: skip
 NO_INPUT = {  # made by the package
-    "Actions", "BarResult", "Equilibrium", "EquilibriumPath", "LoadedProblem", "Outcome", "Problem",
-    "Form", "FormStep", "Increment", "Iteration", "Law", "MembraneResult", "Modes", "PartFunctions", "PathPoint",
-    "Solution", "Solve", "Solver", "Stability", "StageResult", "StageResults", "plot",
+    "Actions", "BarResult", "EnergyTerm", "Equilibrium", "EquilibriumPath", "LoadedProblem", "Outcome", "Problem",
+    "ForceTerm", "Form", "FormStep", "Increment", "Iteration", "Law", "MembraneResult", "Modes", "PartFunctions",
+    "PathPoint", "Solution", "Solve", "Solver", "Stability", "StageResult", "StageResults", "TermResult", "plot",
 }  # fmt: skip
 NOT_RIGHT = structure_from_gmsh, type(STATE).cable, type(STATE).membrane  # their arguments are refused, too
 SLOW = plot.convergence, plot.compare_convergence, plot.wireframe, plot.contours, equilibrium_path, updated_reference

@@ -29,6 +29,23 @@ def test_problem_is_released(driver, monkeypatch):
     assert problem() is None
 
 
+@pytest.mark.mpi
+def test_solver_is_released_without_the_garbage_collector():
+    """It acts at a different time on each process, so that objects that PETSc frees together stay."""
+    points, triangles = rectangle(1.0, 1.0, 2, 2)
+    edge = np.unique(boundary_edges(triangles))
+    structure = Structure(points, {"fabric": Membrane(triangles, Fabric(1e3, 0.3), prestress=10.0)}, [Support(edge)])
+    analysis = Analysis(structure)
+    analysis.run([Stage("load", [PointLoad(4, (0, 0, -0.1))])])
+    dropped = weakref.ref(analysis._solve), weakref.ref(analysis.problem)
+    gc.disable()
+    try:
+        del analysis
+        assert [reference() for reference in dropped] == [None, None]
+    finally:
+        gc.enable()
+
+
 BOUND = 1.0  # MB; forms left 2.1 behind and conjugate gradients 31, when PETSc kept vectors that Python drops
 
 

@@ -40,7 +40,7 @@ from fx_membrane import (
 )
 from fx_membrane.assembly.actions import Actions
 from fx_membrane.assembly.problem import Problem
-from fx_membrane.solvers.curvature import WEAK, lowest_mode
+from fx_membrane.solvers.curvature import lowest_mode
 from taylor import remainders
 
 N = 6
@@ -104,8 +104,7 @@ def test_line_search_and_inertia_correction_leave_a_fast_end(name):
     load[CENTRE] = (40.0, 20.0, -150.0)
     steps = solve(problem.under(Actions(load, structure.supported, zero)), x).iterations
     assert any(iteration.step < 1 for iteration in steps[1:])
-    assert steps[-1].step == 1
-    assert steps[-1].shift < WEAK  # of a free motion
+    assert (steps[-1].step, steps[-1].shift) == (1, 0)
     residuals = np.array([iteration.residual for iteration in steps])
     residuals = residuals[residuals > 1e-12 * np.abs(load).max()]  # below is rounding
     digits = -np.diff(np.log10(residuals))

@@ -23,8 +23,11 @@ def iterations(structure, stages, solver):
     return sum(number > 0 for number in numbers), len(numbers), solution
 
 
+SLOW = [pytest.param(most, marks=pytest.mark.serial) for most in (60, 300)]
+
+
 @pytest.mark.parametrize("line_search", [True, False])
-@pytest.mark.parametrize("most", [1, 7, 60, 300])
+@pytest.mark.parametrize("most", [1, 7, *SLOW])
 def test_total_of_all_strategies_is_bounded(most, line_search):
     """A sheet twisted out of its plane: a first attempt, the homotopy and the attempt after it take 600 iterations."""
     structure, stages = HARD["pulled"](-0.1, 0.6, 0.0, HARD["FABRIC"])
@@ -36,6 +39,7 @@ def test_total_of_all_strategies_is_bounded(most, line_search):
         assert taken == most
 
 
+@pytest.mark.serial
 def test_first_attempt_leaves_iterations_to_the_homotopy():
     structure, stages = HARD["pulled"](-0.1, 0.6, 0.0, HARD["FABRIC"])
     taken, _, solution = iterations(structure, stages, Newton())

@@ -1,0 +1,210 @@
+"""Energy terms of a user: their compiled forms, and their sums over the parts of this process.
+
+Terms whose integrals are equal in UFL share one form. Before it is assembled, its coefficients get the factor and the
+parameters of the term.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from dolfinx.fem import petsc as fem_petsc
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+from .. import _dolfinx
+from ..forms.energy_terms import State
+from ..model import energy_terms
+from ..model.energy_terms import Acting
+from ..model.term_trial import Kinds, integral, named
+from .discretization import Discretization, PartMesh
+from .part_forms import PartForms
+
+
+class _Symbols:
+    """Weight of the cells and parameters of terms on a part, as coefficients."""
+
+    def __init__(self, mesh: PartMesh, kinds: Kinds):
+        self._count = count = len(mesh.part.cells)
+        self._mesh, self._acting = mesh, Acting(None, 0.0)
+        self.weight = mesh.cell_field(np.zeros(count))
+        self._fields: dict[str, Any] = {}
+        for name, kind, size in kinds:
+            if kind == "constant":
+                self._fields[name] = fem.Constant(mesh.mesh, np.zeros((size,) if size > 1 else ()))
+            else:
+                self._fields[name] = mesh.cell_field(np.zeros((count, size)))
+        single = {name for name, kind, size in kinds if kind == "cells" and size == 1}
+        self.parameters = named({name: f[0] if name in single else f for name, f in self._fields.items()})
+
+    def set(self, acting: Acting) -> None:
+        """Set the coefficients to the factor and the parameters of a term."""
+        if acting.term is self._acting.term and acting.factor == self._acting.factor:
+            return
+        weight = np.zeros(self._count)
+        weight[energy_terms.chosen(acting.term, self._count)] = acting.factor
+        self.weight.x.array[:] = weight[self._mesh.cell_rows]
+        for name, value in energy_terms.values(acting.term, self._count).items():
+            if value.ndim < 2:
+                self._fields[name].value = value
+            else:
+                self._fields[name].x.array[:] = value[self._mesh.cell_rows].ravel()
+        self._acting = acting
+
+
+@dataclass(frozen=True, eq=False)
+class _Forms:
+    """Forms of terms on a part, compiled on first use.
+
+    Attributes:
+        mesh: The part.
+        symbols: Their coefficients.
+        integral: Energy or virtual work in UFL.
+        conservative: True if it is an energy.
+    """
+
+    mesh: PartMesh
+    symbols: _Symbols
+    integral: ufl.Form
+    conservative: bool
+
+    @cached_property
+    def energy(self) -> Any:
+        """Compiled energy."""
+        return _dolfinx.form(self.integral)
+
+    @cached_property
+    def work(self) -> Any:
+        """Compiled virtual work of the forces."""
+        return _dolfinx.form(self._work)
+
+    @cached_property
+    def tangent(self) -> Any:
+        """Compiled derivative of the residual, which is minus the virtual work."""
+        u = self.mesh.u
+        return _dolfinx.form(ufl.derivative(-self._work, u, ufl.TrialFunction(u.function_space)))
+
+    @property
+    def _work(self) -> ufl.Form:
+        return -ufl.derivative(self.integral, self.mesh.u, _v(self.mesh)) if self.conservative else self.integral
+
+
+class TermPool:
+    """Forms of energy terms on the parts of this process, made when a term is first met.
+
+    Args:
+        discretization: The meshes and their common numbering.
+        parts: Forms of the parts of which this process has cells.
+    """
+
+    def __init__(self, discretization: Discretization, parts: Mapping[str, PartForms]):
+        self.discretization, self.parts = discretization, parts
+        self._of_term: dict[int, tuple[Any, _Forms | None]] = {}  # by identity; the term is kept, and so its identity
+        self._symbols: dict[tuple[str, Kinds], _Symbols] = {}
+        self._shared: dict[tuple[ufl.Form, bool], _Forms] = {}
+
+    def check(self, term: Any) -> None:
+        """Refuse a term that does not fit the structure, when it is first met."""
+        if id(term) not in self._of_term:
+            energy_terms.check_on(self.discretization.structure, "Actions", term)
+            self._of_term[id(term)] = term, self._made(term)
+
+    def forms(self, acting: Acting) -> _Forms | None:
+        """Forms of a term with its coefficients; None if this process has no cell of its part."""
+        found = self._of_term[id(acting.term)][1]
+        if found is not None:
+            found.symbols.set(acting)
+        return found
+
+    def _made(self, term: Any) -> _Forms | None:
+        if term.part not in self.parts:
+            return None
+        part, kinds = self.parts[term.part], energy_terms.kinds(term)
+        mesh = part.mesh
+        key = term.part, kinds
+        if key not in self._symbols:
+            self._symbols[key] = _Symbols(mesh, kinds)
+        symbols = self._symbols[key]
+        state = State(mesh.u, ufl.SpatialCoordinate(mesh.mesh), part.F)
+        form = integral(term, state, symbols.parameters, symbols.weight[0], _v(mesh), mesh.mesh)
+        conservative = energy_terms.is_conservative(term)
+        return self._shared.setdefault((form, conservative), _Forms(mesh, symbols, form, conservative))
+
+
+@dataclass(frozen=True, eq=False)
+class Terms:
+    """Energy terms that act in a problem.
+
+    Attributes:
+        pool: Their forms.
+        standing: Terms of the structure, in full.
+        applied: Terms of the actions, with factors other than zero.
+    """
+
+    pool: TermPool
+    standing: tuple[Acting, ...]
+    applied: tuple[Acting, ...]
+
+    @property
+    def all(self) -> tuple[Acting, ...]:
+        """Terms of the structure and of the actions."""
+        return self.standing + self.applied
+
+    @property
+    def without_potential(self) -> tuple[Acting, ...]:
+        """Terms that have a virtual work only."""
+        return tuple(acting for acting in self.all if not energy_terms.is_conservative(acting.term))
+
+    def energy(self) -> float:
+        """Energy on this process, of terms that have one [J]."""
+        conservative = (acting for acting in self.all if energy_terms.is_conservative(acting.term))
+        found = map(self.pool.forms, conservative)
+        return sum(float(fem.assemble_scalar(forms.energy)) for forms in found if forms)
+
+    def forces(self, terms: Iterable[Acting], b: PETSc.Vec) -> PETSc.Vec:
+        """Set a vector to the nodal forces of some terms [N]; collective."""
+        b.set(0.0)
+        found = (forms for forms in map(self.pool.forms, terms) if forms)
+        self.pool.discretization.scatter_add(((forms.mesh, _vector(forms)) for forms in found), b)
+        return b
+
+    def add_forces(self, terms: Sequence[Acting], b: PETSc.Vec, factor: float = 1.0) -> None:
+        """Add the nodal forces of some terms, times a factor, to a vector [N]; collective."""
+        if terms:
+            with self.pool.discretization.work(1) as (forces,):
+                b.axpy(factor, self.forces(terms, forces))
+
+    def add_tangent(self, A: PETSc.Mat) -> None:
+        """Add the derivatives of the residual to a tangent [N/m]; collective."""
+        for acting in self.all:
+            forms = self.pool.forms(acting)
+            if forms:
+                A.setLGMap(forms.mesh.lgmap, forms.mesh.lgmap)
+                fem_petsc.assemble_matrix(A, forms.tangent)
+            else:  # end of assemble_matrix, together on all processes
+                A.assemble(PETSc.Mat.AssemblyType.FLUSH)
+        if self.all:
+            A.assemble()
+
+
+def terms_of(pool: TermPool, actions: Iterable[Acting]) -> Terms:
+    """Energy terms of a structure and of actions; all are checked on first use."""
+    standing = tuple(Acting(term, 1.0) for term in pool.discretization.structure.terms)
+    applied = tuple(acting for acting in actions if acting.factor)
+    for acting in standing + applied:
+        pool.check(acting.term)
+    return Terms(pool, standing, applied)
+
+
+def _v(mesh: PartMesh) -> Any:
+    return ufl.TestFunction(mesh.u.function_space)
+
+
+def _vector(forms: _Forms) -> NDArray[np.float64]:
+    values = np.zeros(len(forms.mesh.u.x.array))
+    fem.assemble_vector(values, forms.work)
+    return values

@@ -1,0 +1,316 @@
+"""The contract of energy terms: what is taken, what is refused in one sentence, and what their digests tell apart."""
+
+import subprocess
+import sys
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from ufl import dx, inner
+
+from fx_membrane import (
+    Analysis,
+    Cable,
+    DistributedLoad,
+    EnergyTerm,
+    Fabric,
+    ForceTerm,
+    Membrane,
+    Stage,
+    Structure,
+    Support,
+    equilibrium_path,
+    updated_reference,
+)
+from fx_membrane.model.fingerprints import fingerprint, fingerprints
+from fx_membrane.model.stages import check_stages
+from models import EDGE, POINTS, TRIANGLES, sheet
+from own_terms import ElasticBed, Ground, Water, WaterWork
+
+COUNT = len(TRIANGLES)
+STRUCTURE = Structure(
+    POINTS, {"fabric": Membrane(TRIANGLES, Fabric(1e5, 0.3), 1e3), "edge": Cable([[0, 1]], 1e6)}, [Support(EDGE)]
+)
+
+
+def term(method=None, fields=("k",), frozen=True, **members):
+    """Instance of a class with a part and other fields, all of the value 2."""
+    annotations = {"part": str} | dict.fromkeys(fields, Any)
+    members = {name: value for name, value in {"energy": method, **members}.items() if value is not None}
+    kind = dataclass(frozen=frozen)(type("Mine", (), {"__annotations__": annotations, **members}))
+    return kind("fabric", *[2.0] * len(fields))
+
+
+def bed(self, state, parameters):
+    return parameters.k * state.u[2] ** 2 / 2
+
+
+# Taken
+
+
+@pytest.mark.parametrize(
+    ("k", "kept"),
+    [
+        (3, 3.0),
+        (np.float32(2), 2.0),
+        ([1] * COUNT, np.ones(COUNT)),
+        (np.ones((COUNT, 1), dtype=int), np.ones((COUNT, 1))),
+    ],
+)
+def test_parameters_are_kept_as_numbers(k, kept):
+    own = ElasticBed("fabric", k)
+    check_stages(STRUCTURE, [Stage("bed", [own])])
+    assert np.shape(own.k) == np.shape(kept)
+    assert np.array_equal(own.k, kept)
+    assert isinstance(own.k, float) or not own.k.flags.writeable
+
+
+def test_terms_need_no_base_class_and_may_have_methods_of_a_parent():
+    @dataclass(frozen=True)
+    class Softer(ElasticBed):
+        share: float = 0.5
+
+        def energy(self, state, parameters):
+            return parameters.share * super().energy(state, parameters)
+
+    for own in (term(bed), Softer("fabric", 3.0)):
+        assert Stage("bed", [own, DistributedLoad((0, 0, 1), "fabric")]).loads[0] is own
+        assert replace(STRUCTURE, terms=[own]).terms == (own,)
+
+
+def test_terms_may_be_derived_from_the_protocols():
+    @dataclass(frozen=True)
+    class Bed(EnergyTerm):
+        part: str
+        k: float
+
+        def energy(self, state, parameters):
+            return parameters.k * state.u[2] ** 2 / 2
+
+    @dataclass(frozen=True)
+    class Push(ForceTerm):
+        part: str
+        k: float
+
+        def virtual_work(self, state, v, parameters):
+            return parameters.k * v[2]
+
+    for own in (Bed("fabric", 2.0), Push("fabric", k=3.0)):
+        assert replace(STRUCTURE, terms=[own]).terms == (own,)
+        assert own.part == "fabric"
+
+
+def test_value_of_cells_outside_those_of_the_term():
+    """A parameter by which the energy divides is not zero there."""
+
+    def energy(self, state, parameters):
+        return state.u[2] ** 2 / parameters.k
+
+    own = replace(term(energy, fields=("k", "cells")), cells=[3, 5], k=[2.0, 4.0])
+    state = Analysis(sheet()).run([Stage("a", [own, DistributedLoad((0, 0, -9.0), "fabric")])])["a"]
+    assert np.isfinite(state.energy)
+    nodes = state.structure.parts["fabric"].cells[[3, 5]]
+    assert set(np.flatnonzero(state.terms[0].forces[:, 2])) <= set(nodes.ravel())
+
+
+# Refused: alone, in a stage
+
+
+class NotFrozen:
+    part, k, energy = "fabric", 2.0, bed
+
+
+@dataclass(frozen=True)
+class Nothing:
+    part: str
+    k: float = 1.0
+
+
+@dataclass(frozen=True)
+class Nowhere:
+    k: float
+
+    def energy(self, state, parameters):
+        return parameters.k * state.u[2]
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (NotFrozen, r"a NotFrozen, whose class is no frozen dataclass; write @dataclass\(frozen=True\)"),
+        (lambda: term(bed, frozen=False), "a Mine, whose class is no frozen dataclass"),
+        (lambda: Nothing("fabric"), r"has Nothing\(.*with the method energy\(state, parameters\) or virtual_work"),
+        (lambda: Nowhere(1.0), "a Nowhere without a part; add the field part"),
+        (lambda: ElasticBed, "has the class ElasticBed; give an object, with brackets behind"),
+        (lambda: term(bed, virtual_work=bed), "a Mine with energy and virtual_work; define one of the two"),
+        (lambda: ElasticBed(3, 1.0), "ElasticBed part is 3; give a text"),
+        (lambda: ElasticBed("fabric", "soft"), "ElasticBed k is the text 'soft'; give a number"),
+        (lambda: ElasticBed("fabric", None), "ElasticBed k must be a number, not None"),
+        (lambda: ElasticBed("fabric", True), "ElasticBed k must be a number, not True"),
+        (lambda: ElasticBed("fabric", np.nan), "ElasticBed k is nan; give a finite number"),
+        (lambda: ElasticBed("fabric", [1.0, np.inf]), r"ElasticBed k has .* not finite \(inf\) at index \(1,\)"),
+        (lambda: ElasticBed("fabric", ["a", "b"]), "ElasticBed k must be an array of numbers"),
+        (lambda: ElasticBed("fabric", {"k": 1}), "ElasticBed k must be a number"),
+        (lambda: ElasticBed("fabric", 1.0, cells=[1, 1]), "ElasticBed cells names cell 1 twice"),
+        (lambda: ElasticBed("fabric", 1.0, cells=[]), "ElasticBed cells is empty"),
+        (lambda: ElasticBed("fabric", 1.0, cells=0.5), "ElasticBed cells must be a list of whole numbers"),
+        (lambda: Ground("fabric", 1.0, 0.0, quadrature_degree=99), "Ground quadrature_degree is 99; give a whole"),
+        (lambda: Ground("fabric", 1.0, 0.0, quadrature_degree="high"), "Ground quadrature_degree is 'high'"),
+        (lambda: term(bed, fields=("_k",)), "Mine has a parameter _k; give it a name without an underscore"),
+    ],
+)
+@pytest.mark.parametrize("where", ["stage", "structure"])
+def test_refused_alone(make, words, where):
+    given = make()
+    with pytest.raises(ValueError, match=f"^{'Stage .a.: loads' if where == 'stage' else 'terms'}.*{words}") as refusal:
+        _ = Stage("a", [given]) if where == "stage" else replace(STRUCTURE, terms=[given])
+    assert str(refusal.value).endswith(".")
+
+
+# Refused: with a structure
+
+
+def raising(self, state, parameters):
+    return parameters.missing
+
+
+def missing_argument(self, state):
+    return state.u[2]
+
+
+def works(self, state, v, parameters):
+    return {"no v": parameters.k * state.u[2], "square": v[2] ** 2, "rest": v[2] + 1.0}
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: ElasticBed("roof", 1.0), r"an ElasticBed on part 'roof', which does not exist; the parts are \["),
+        (
+            lambda: ElasticBed("fabric", 1.0, cells=[3, 99]),
+            "ElasticBed on 'fabric' names cell 99, which does not exist",
+        ),
+        (lambda: ElasticBed("fabric", [1.0] * 7), rf"parameter k of shape \(7,\); .* each of its {COUNT} cells"),
+        (lambda: ElasticBed("fabric", np.ones((COUNT, 2))), r"parameter k of shape \(32, 2\)"),
+        (lambda: ElasticBed("fabric", [1.0, 2.0], cells=[4]), r"parameter k of shape \(2,\); .* its 1 cells"),
+        (lambda: term(raising), "raises AttributeError: .*missing.*; mend it"),
+        (lambda: term(missing_argument), "raises TypeError: .*; mend it"),
+        (lambda: term(lambda self, state, parameters: None), "returns None; return a scalar in UFL"),
+        (lambda: term(lambda self, state, parameters: 3.0), r"returns 3\.0; return a scalar in UFL"),
+        (lambda: term(lambda self, state, parameters: state.u), "return a scalar in UFL without dx"),
+        (lambda: term(lambda self, state, parameters: state.u[2] * dx), "return a scalar in UFL without dx"),
+        (
+            lambda: term(lambda self, state, parameters: parameters.k * state.X[0]),
+            "does not depend on the displacement",
+        ),
+        (lambda: term(virtual_work=lambda *a: works(*a)["no v"]), "virtual work that is not linear in v"),
+        (lambda: term(virtual_work=lambda *a: works(*a)["square"]), "virtual work that is not linear in v"),
+        (lambda: term(virtual_work=lambda *a: works(*a)["rest"]), "virtual work that is not linear in v"),
+        (lambda: replace(Water("fabric", 1.0, 1.0), part="edge"), "ValueError: state.n is the normal of a membrane"),
+    ],
+)
+@pytest.mark.parametrize("where", ["stage", "structure", "path"])
+def test_refused_with_a_structure(make, words, where):
+    given = make()
+    place = {
+        "structure": lambda: replace(STRUCTURE, terms=[given]),
+        "stage": lambda: check_stages(STRUCTURE, [Stage("a"), Stage("b", [given])]),
+        "path": lambda: equilibrium_path(STRUCTURE, Stage("b", [given])),
+    }[where]
+    with pytest.raises(ValueError, match=f"^{'terms' if where == 'structure' else 'Stage .b.'}.*{words}") as refusal:
+        place()
+    assert str(refusal.value).endswith(".")
+
+
+def test_normal_of_a_surface_without_sides():
+    sheets = [[0, 1, 2], [0, 1, 3], [0, 1, 4]]
+    points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1]]
+    structure = Structure(points, {"fabric": Membrane(sheets, Fabric(1e5, 0.3))})
+    for own in (Water("fabric", 1.0, 0.0), WaterWork("fabric", 1.0, 0.0)):
+        with pytest.raises(ValueError, match=r"^Part 'fabric' branches"):
+            replace(structure, terms=[own])
+    assert replace(structure, terms=[ElasticBed("fabric", 1.0)])
+
+
+def test_terms_that_are_no_list():
+    with pytest.raises(ValueError, match=r"^terms must be a list of energy terms, not ElasticBed.*put it in brackets"):
+        replace(STRUCTURE, terms=ElasticBed("fabric", 1.0))
+    with pytest.raises(ValueError, match=r"^terms has a DistributedLoad; give energy terms"):
+        replace(STRUCTURE, terms=[DistributedLoad((0, 0, 1), "fabric")])
+
+
+def test_form_finding_takes_no_terms():
+    with pytest.raises(ValueError, match=r"^The structure has energy terms .ElasticBed on 'fabric'., .* terms="):
+        updated_reference(replace(sheet(), terms=[ElasticBed("fabric", 1.0)]))
+    with pytest.raises(ValueError, match=r"^loads has ElasticBed"):
+        updated_reference(sheet(), [ElasticBed("fabric", 1.0)])
+
+
+# Digests
+
+
+def digests(own):
+    return fingerprints(Stage("a", [own]))["loads"], fingerprints(replace(STRUCTURE, terms=[own]))["terms"]
+
+
+def test_parameters_and_formula_are_in_the_digest():
+    assert digests(term(bed)) == digests(term(lambda self, state, parameters: parameters.k * state.u[2] ** 2 / 2))
+    others = [
+        replace(term(bed), k=2.5),
+        term(lambda self, state, parameters: parameters.k * state.u[1] ** 2 / 2),
+        term(lambda self, state, parameters: parameters.k * state.u[2] ** 2),
+        term(lambda self, state, parameters: self.k * state.u[2] ** 2 / 2),
+        term(virtual_work=lambda self, state, v, parameters: parameters.k * state.u[2] * v[2]),
+    ]
+    found = {digests(own) for own in [term(bed), *others]}
+    assert len(found) == len(others) + 1
+
+
+def test_digest_tells_parameters_apart():
+    def use(name):
+        return lambda self, state, parameters: getattr(parameters, name) * inner(state.u, state.u)
+
+    first, second = (term(use(name), fields=("a", "b")) for name in "ab")
+    assert fingerprint(first) != fingerprint(second)
+
+
+SCRIPT = """
+import sys
+sys.path.insert(0, {tests!r})
+from fx_membrane.model.fingerprints import fingerprint
+from own_terms import ElasticBed, Water
+{before}
+print(fingerprint([ElasticBed("fabric", [1.0, 2.0], [0, 1]), Water("fabric", 2.0, 3.0)]))
+"""
+
+
+@pytest.mark.serial
+def test_digest_is_the_same_in_another_process():
+    """Symbols are numbered by a global count of UFL: other symbols made before do not matter."""
+    tests = str(Path(__file__).parents[2])
+    before = "import ufl; ufl.variable(ufl.as_ufl(1.0)); fingerprint([Water('fabric', 1.0, 1.0)])"
+    found = [
+        subprocess.run(
+            [sys.executable, "-c", SCRIPT.format(tests=tests, before=words)], capture_output=True, text=True, check=True
+        ).stdout
+        for words in ("", before)
+    ]
+    assert found[0] == found[1]
+
+
+# README
+
+
+def test_recipe_of_the_readme():
+    readme = (Path(__file__).parents[3] / "README.md").read_text()
+    recipe = readme.split("### A load\n")[1].split("\n### ")[0]
+    script = "\n".join(line[4:] for line in recipe.splitlines() if line.startswith("    "))
+    names = {"dataclass": dataclass}
+    exec(script, names)
+    uses = [use.split("`")[0] for use in (recipe.split("`Stage(")[1], recipe.split("`Structure(")[1])]
+    own = eval(uses[0].split("[")[1].split("]")[0], names)
+    assert uses[1] == f'..., terms=[ElasticBed("{own.part}", 2e3)])'
+    state = Analysis(sheet()).run([Stage("bed", [own, DistributedLoad((0, 0, -50.0), "fabric")])])["bed"]
+    assert state.terms[0].forces[:, 2].sum() > 1
