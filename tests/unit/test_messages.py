@@ -66,7 +66,7 @@ SENTENCES = {
     ),
     "warning": (
         "Part 'tie' is prestressed by 30 %, the strain that belongs to the prestress by the stiffness (cell "
-        "0); the linear law is meant for less than 5 %. Check prestress, stiffness and units; if they are "
+        "0); its law (Axial) is meant for less than 5 %. Check prestress, stiffness and units; if they are "
         "right, take stiffness there for a rough value."
     ),
 }

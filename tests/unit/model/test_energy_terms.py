@@ -139,26 +139,26 @@ class Nowhere:
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (NotFrozen, r"a NotFrozen, whose class is no frozen dataclass; write @dataclass\(frozen=True\)"),
-        (lambda: term(bed, frozen=False), "a Mine, whose class is no frozen dataclass"),
-        (lambda: Nothing("fabric"), r"has Nothing\(.*with the method energy\(state, parameters\) or virtual_work"),
-        (lambda: Nowhere(1.0), "a Nowhere without a part; add the field part"),
-        (lambda: ElasticBed, "has the class ElasticBed; give an object, with brackets behind"),
-        (lambda: term(bed, virtual_work=bed), "a Mine with energy and virtual_work; define one of the two"),
+        (NotFrozen, r"NotFrozen.*class.*no frozen dataclass; write @dataclass\(frozen=True\)"),
+        (lambda: term(bed, frozen=False), "Mine.*class.*no frozen dataclass"),
+        (lambda: Nothing("fabric"), r"Nothing\(.*with.*method energy\(state, parameters\).*virtual_work"),
+        (lambda: Nowhere(1.0), "Nowhere without.*part; add.*field part"),
+        (lambda: ElasticBed, "class ElasticBed.*object.*brackets behind"),
+        (lambda: term(bed, virtual_work=bed), "Mine.*energy.*virtual_work; define one.*two"),
         (lambda: ElasticBed(3, 1.0), "ElasticBed part is 3; give a text"),
-        (lambda: ElasticBed("fabric", "soft"), "ElasticBed k is the text 'soft'; give a number"),
-        (lambda: ElasticBed("fabric", None), "ElasticBed k must be a number, not None"),
-        (lambda: ElasticBed("fabric", True), "ElasticBed k must be a number, not True"),
-        (lambda: ElasticBed("fabric", np.nan), "ElasticBed k is nan; give a finite number"),
+        (lambda: ElasticBed("fabric", "soft"), "ElasticBed k.*text 'soft'.*number"),
+        (lambda: ElasticBed("fabric", None), "ElasticBed k.*number.*None"),
+        (lambda: ElasticBed("fabric", True), "ElasticBed k.*number.*True"),
+        (lambda: ElasticBed("fabric", np.nan), "ElasticBed k is nan.*finite number"),
         (lambda: ElasticBed("fabric", [1.0, np.inf]), r"ElasticBed k has .* not finite \(inf\) at index \(1,\)"),
-        (lambda: ElasticBed("fabric", ["a", "b"]), "ElasticBed k must be an array of numbers"),
-        (lambda: ElasticBed("fabric", {"k": 1}), "ElasticBed k must be a number"),
+        (lambda: ElasticBed("fabric", ["a", "b"]), "ElasticBed k.*array.*numbers"),
+        (lambda: ElasticBed("fabric", {"k": 1}), "ElasticBed k.*number"),
         (lambda: ElasticBed("fabric", 1.0, cells=[1, 1]), "ElasticBed cells names cell 1 twice"),
         (lambda: ElasticBed("fabric", 1.0, cells=[]), "ElasticBed cells is empty"),
-        (lambda: ElasticBed("fabric", 1.0, cells=0.5), "ElasticBed cells must be a list of whole numbers"),
+        (lambda: ElasticBed("fabric", 1.0, cells=0.5), "ElasticBed cells.*list.*whole numbers"),
         (lambda: Ground("fabric", 1.0, 0.0, quadrature_degree=99), "Ground quadrature_degree is 99; give a whole"),
         (lambda: Ground("fabric", 1.0, 0.0, quadrature_degree="high"), "Ground quadrature_degree is 'high'"),
-        (lambda: term(bed, fields=("_k",)), "Mine has a parameter _k; give it a name without an underscore"),
+        (lambda: term(bed, fields=("_k",)), "Mine.*parameter _k.*name without.*underscore"),
     ],
 )
 @pytest.mark.parametrize("where", ["stage", "structure"])
@@ -187,28 +187,28 @@ def works(self, state, v, parameters):
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: ElasticBed("roof", 1.0), r"an ElasticBed on part 'roof', which does not exist; the parts are \["),
+        (lambda: ElasticBed("roof", 1.0), r"ElasticBed.*part 'roof'.*not exist.*parts.*\["),
         (
             lambda: ElasticBed("fabric", 1.0, cells=[3, 99]),
-            "ElasticBed on 'fabric' names cell 99, which does not exist",
+            "ElasticBed.*'fabric' names cell 99.*not exist",
         ),
-        (lambda: ElasticBed("fabric", [1.0] * 7), rf"parameter k of shape \(7,\); .* each of its {COUNT} cells"),
-        (lambda: ElasticBed("fabric", np.ones((COUNT, 2))), r"parameter k of shape \(32, 2\)"),
-        (lambda: ElasticBed("fabric", [1.0, 2.0], cells=[4]), r"parameter k of shape \(2,\); .* its 1 cells"),
+        (lambda: ElasticBed("fabric", [1.0] * 7), rf"parameter k.*shape \(7,\).*{COUNT} cells"),
+        (lambda: ElasticBed("fabric", np.ones((COUNT, 2))), r"parameter k.*shape \(32, 2\)"),
+        (lambda: ElasticBed("fabric", [1.0, 2.0], cells=[4]), r"parameter k.*shape \(2,\).*1 cells"),
         (lambda: term(raising), "raises AttributeError: .*missing.*; mend it"),
         (lambda: term(missing_argument), "raises TypeError: .*; mend it"),
-        (lambda: term(lambda self, state, parameters: None), "returns None; return a scalar in UFL"),
-        (lambda: term(lambda self, state, parameters: 3.0), r"returns 3\.0; return a scalar in UFL"),
-        (lambda: term(lambda self, state, parameters: state.u), "return a scalar in UFL without dx"),
-        (lambda: term(lambda self, state, parameters: state.u[2] * dx), "return a scalar in UFL without dx"),
+        (lambda: term(lambda self, state, parameters: None), "returns None; return.*scalar.*UFL"),
+        (lambda: term(lambda self, state, parameters: 3.0), r"returns 3\.0; return.*scalar.*UFL"),
+        (lambda: term(lambda self, state, parameters: state.u), "return.*scalar.*UFL without dx"),
+        (lambda: term(lambda self, state, parameters: state.u[2] * dx), "return.*scalar.*UFL without dx"),
         (
             lambda: term(lambda self, state, parameters: parameters.k * state.X[0]),
-            "does not depend on the displacement",
+            "not depend.*displacement",
         ),
-        (lambda: term(virtual_work=lambda *a: works(*a)["no v"]), "virtual work that is not linear in v"),
-        (lambda: term(virtual_work=lambda *a: works(*a)["square"]), "virtual work that is not linear in v"),
-        (lambda: term(virtual_work=lambda *a: works(*a)["rest"]), "virtual work that is not linear in v"),
-        (lambda: replace(Water("fabric", 1.0, 1.0), part="edge"), "ValueError: state.n is the normal of a membrane"),
+        (lambda: term(virtual_work=lambda *a: works(*a)["no v"]), "virtual work.*not linear.*v"),
+        (lambda: term(virtual_work=lambda *a: works(*a)["square"]), "virtual work.*not linear.*v"),
+        (lambda: term(virtual_work=lambda *a: works(*a)["rest"]), "virtual work.*not linear.*v"),
+        (lambda: replace(Water("fabric", 1.0, 1.0), part="edge"), "ValueError: state.n.*normal.*membrane"),
     ],
 )
 @pytest.mark.parametrize("where", ["stage", "structure", "path"])
@@ -235,14 +235,14 @@ def test_normal_of_a_surface_without_sides():
 
 
 def test_terms_that_are_no_list():
-    with pytest.raises(ValueError, match=r"^terms must be a list of energy terms, not ElasticBed.*put it in brackets"):
+    with pytest.raises(ValueError, match=r"^terms.*list.*energy terms.*ElasticBed.*put.*brackets"):
         replace(STRUCTURE, terms=ElasticBed("fabric", 1.0))
     with pytest.raises(ValueError, match=r"^terms has a DistributedLoad; give energy terms"):
         replace(STRUCTURE, terms=[DistributedLoad((0, 0, 1), "fabric")])
 
 
 def test_form_finding_takes_no_terms():
-    with pytest.raises(ValueError, match=r"^The structure has energy terms .ElasticBed on 'fabric'., .* terms="):
+    with pytest.raises(ValueError, match=r"^The structure.*energy terms .ElasticBed.*'fabric'..*terms="):
         updated_reference(replace(sheet(), terms=[ElasticBed("fabric", 1.0)]))
     with pytest.raises(ValueError, match=r"^loads has ElasticBed"):
         updated_reference(sheet(), [ElasticBed("fabric", 1.0)])
