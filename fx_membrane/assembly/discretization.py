@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from .. import _dolfinx
-from ..geometry.topology import node_graph
+from ..geometry.topology import distinct, node_graph
 from ..model.parts import Part
 from ..model.structure import Structure
 from ..runtime.processes import gathered
@@ -102,8 +102,10 @@ class Discretization:
             name: np.flatnonzero(owner[compact[part.cells[:, 0]]] == comm.rank)
             for name, part in structure.parts.items()
         }
-        touched = [structure.parts[name].cells[share].ravel() for name, share in shares.items()]
-        self.local_nodes = np.unique(np.concatenate(touched))
+        touched = np.zeros(len(structure.points), dtype=bool)
+        for name, share in shares.items():
+            touched[structure.parts[name].cells[share]] = True
+        self.local_nodes = np.flatnonzero(touched)
         self.parts = {name: self._part_mesh(name, share) for name, share in shares.items() if len(share)}
 
         self.state = 0
@@ -120,9 +122,9 @@ class Discretization:
         number = self.block_of_node[part.cells[share, 0]]
         strips = -(-len(share) // STRIP)
         strip = (number - number.min()) * strips // (np.ptp(number) + 1)
-        own_nodes, cells = np.unique(strip[:, None] * count + part.cells[share], return_inverse=True)
+        own_nodes, cells = distinct(strip[:, None] * count + part.cells[share], strips * count)
         nodes = own_nodes % count
-        mesh = _dolfinx.create_mesh(self.structure.points[nodes], cells.reshape(-1, part.dimension + 1))
+        mesh = _dolfinx.create_mesh(self.structure.points[nodes], cells)
         V = _dolfinx.functionspace(mesh, "Lagrange", 1, 3)
         nodes = nodes[_dolfinx.node_order(V)]
         rows = np.asarray(np.searchsorted(self.local_nodes, nodes))

@@ -12,6 +12,19 @@ from ..checks import validation
 _Edges = tuple[NDArray[np.int64], NDArray[np.intp], NDArray[np.intp]]
 
 
+def distinct(numbers: NDArray[np.int64], bound: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Distinct whole numbers, ascending, and the position of each given one among them, without sorting.
+
+    Args:
+        numbers: Numbers from 0 up to, but without, the bound; any shape.
+        bound: The bound; as many numbers are held for a while.
+    """
+    there = np.zeros(bound, dtype=bool)
+    there[numbers] = True
+    position = np.cumsum(there, dtype=np.int64) - 1
+    return np.flatnonzero(there), position[numbers]
+
+
 def boundary_edges(triangles: ArrayLike) -> NDArray[np.int64]:
     """Edges that belong to one triangle only, shape (edges, 2), in the sense of their triangle.
 

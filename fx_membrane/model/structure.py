@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -107,15 +108,16 @@ class Structure:
         kinds = ", ".join(f"{name!r}: {len(part.cells)} x {type(part).__name__}" for name, part in self.parts.items())
         return f"Structure({len(self.points)} points, {{{kinds}}}, {len(self.supports)} supports)"
 
-    @property
+    @cached_property
     def used(self) -> NDArray[np.bool_]:
         """Nodes that belong to a part, shape (n,)."""
         used = np.zeros(len(self.points), dtype=bool)
         for part in self.parts.values():
             used[part.cells] = True
+        used.setflags(write=False)
         return used
 
-    @property
+    @cached_property
     def size(self) -> float:
         """Largest extent along an axis, of the nodes that belong to a part [m]."""
         return float(np.ptp(self.points[self.used], axis=0).max())

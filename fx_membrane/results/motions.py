@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.measures import lengths
 from ..model.parts import Mast
 from ..model.structure import Structure
 from ..solvers.base import LIMITS
@@ -48,7 +49,7 @@ def motion_of(result: StageResult, start: Array | None) -> Motion:
 def _moved(result: StageResult, start: Array) -> str:
     """Name the node that moved further than prescribed displacements in the same piece."""
     structure, held, motion = result.structure, result.actions.held, result.displacement - start
-    moved, given = (np.linalg.norm(np.where(where, motion, 0.0), axis=1) for where in (~held, held))
+    moved, given = (lengths(np.where(where, motion, 0.0)) for where in (~held, held))
     pieces = Pieces(structure, held.all(axis=1))
     far = (LIMITS.fallen * _sizes(structure, pieces) + _largest(given, structure, pieces))[pieces.nodes]
     beyond = np.where(structure.used & ~held.all(axis=1), moved - far, -np.inf)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.part_forms import stiffness
+from ..geometry.measures import lengths
 from ..model.parts import Mast
 from ..model.structure import Structure
 from .pieces import Pieces
@@ -50,9 +51,9 @@ def pushes(result: StageResult) -> list[Push]:
         return []
     pieces = Pieces(result.structure, held.all(axis=1))
     forces = {name: _corner_forces(result, name) for name in names}
-    at_node = np.linalg.norm(np.where(held, 0.0, result.loads), axis=1)
+    at_node = lengths(np.where(held, 0.0, result.loads))
     for name, (_, others) in forces.items():
-        np.maximum.at(at_node, result.structure.parts[name].cells, np.linalg.norm(others, axis=2))
+        np.maximum.at(at_node, result.structure.parts[name].cells, lengths(others))
     found = []
     for kind in (BarResult, MembraneResult):
         here = {name: forces[name] for name in names if isinstance(result.parts[name], kind)}
@@ -60,7 +61,7 @@ def pushes(result: StageResult) -> list[Push]:
         for name, (kept, _) in here.items():
             np.add.at(net, result.structure.parts[name].cells, kept)
         net[held] = 0.0
-        size = np.linalg.norm(net, axis=1)
+        size = lengths(net)
         carried = _carried_loads(result, net, pieces) if kind is MembraneResult else _strong(here, size, pieces)
         nodes = np.flatnonzero(np.where(_mast_ends(result.structure), size > LIMIT * at_node, carried))
         if push := _push(result, list(here), nodes[np.argsort(-size[nodes], kind="stable")]):
@@ -72,14 +73,14 @@ def _strong(forces: dict[str, tuple[Array, Array]], size: Array, pieces: Pieces)
     """Nodes at which the net force, shape (n,) [N], is large beside the others of its piece, shape (n,)."""
     largest = np.zeros(pieces.count)
     for name, (_, others) in forces.items():
-        np.maximum.at(largest, pieces.cells[name], np.linalg.norm(others, axis=2).max(axis=1))
+        np.maximum.at(largest, pieces.cells[name], lengths(others).max(axis=1))
     return np.asarray(size > LIMIT * largest[pieces.nodes])
 
 
 def _carried_loads(result: StageResult, net: Array, pieces: Pieces) -> NDArray[np.bool_]:
     """Nodes of which net forces, shape (n, 3) [N], carry most of the load, if that is much in their piece, (n,)."""
     loads = np.where(result.actions.held, 0.0, result.loads)
-    load = np.linalg.norm(loads, axis=1)
+    load = lengths(loads)
     against = -(net * loads).sum(axis=1) / np.maximum(load, 1e-300)
     most = against > load / 2
     of_piece = np.bincount(pieces.nodes, load, pieces.count)
