@@ -23,6 +23,7 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
@@ -265,10 +266,10 @@ def factorizations() -> int:
 def count_assemblies() -> None:
     """Make the problem note each residual and each tangent in `assemblies`."""
 
-    def counted(assemble: Callable[[LoadedProblem, PETSc.Vec, PETSc.Object], None]) -> Callable[..., None]:
-        def call(problem: LoadedProblem, x: PETSc.Vec, result: PETSc.Object) -> None:
+    def counted(assemble: Callable[..., PETSc.Object]) -> Callable[..., PETSc.Object]:
+        def call(*args: Any) -> PETSc.Object:
             assemblies[assemble.__name__] += 1
-            assemble(problem, x, result)
+            return assemble(*args)
 
         return call
 
