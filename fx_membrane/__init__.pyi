@@ -17,6 +17,7 @@ from .files.dolfinx_mesh import structure_from_dolfinx
 from .files.gmsh import structure_from_gmsh
 from .form_finding.force_density import force_density
 from .form_finding.form import Form, FormStep
+from .form_finding.projected_stress import projected_stress
 from .form_finding.updated_reference import UnsettledFormWarning, updated_reference
 from .geometry.edges import edges_where
 from .geometry.grids import polyline, rectangle
@@ -116,6 +117,7 @@ __all__ = [
     "natural_frequencies",
     "plot",
     "polyline",
+    "projected_stress",
     "rectangle",
     "report",
     "stability",

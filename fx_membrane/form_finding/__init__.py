@@ -1,3 +1,3 @@
-"""Shapes in equilibrium, by force densities and by prescribed stress."""
+"""Shapes in equilibrium, by force densities, by stress in projection and by prescribed stress."""
 
 from ..runtime import petsc as _petsc  # noqa: F401  (before any module imports PETSc)

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..model.energy_terms import described
 from ..model.structure import Structure
 
 
@@ -64,3 +65,16 @@ class Form:
     def __repr__(self) -> str:
         shape = f"{len(self.points)} points" if self.made is None else repr(self.made)
         return f"Form({shape}, {len(self.steps)} steps, converged={self.converged})"
+
+
+def refuse_terms(structure: Structure) -> None:
+    """Refuse a structure with energy terms.
+
+    Raises:
+        ValueError: It has one.
+    """
+    if structure.terms:
+        raise ValueError(
+            f"The structure has energy terms ({described(structure.terms[0])}), which form finding does not take; "
+            "leave them out by dataclasses.replace(structure, terms=()), and add them to the form."
+        )

@@ -29,7 +29,6 @@ from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from ..checks import validation
 from ..geometry.measures import measures, normals, projected
-from ..model.energy_terms import described
 from ..model.fingerprints import of_settings
 from ..model.loads import DistributedLoad, PointLoad, Pressure
 from ..model.parts import Mast, Membrane, Part
@@ -43,7 +42,7 @@ from ..solvers.base import Iteration, Solution
 from ..solvers.newton import Newton
 from ..solvers.progress import Pulse
 from .bar_balance import balanced_points, has_free_masts
-from .form import Form, FormStep
+from .form import Form, FormStep, refuse_terms
 from .shape_change import change_of_shape, check_collapse, collapse
 
 SAME = 1e-12  # relative change of the loads that counts as none
@@ -53,7 +52,7 @@ STRAY_LOADED = 0.5  # the same with dead loads along lines and surfaces, which n
 
 
 class UnsettledFormWarning(UserWarning):
-    """Form whose shape still changed in the last step: it is in equilibrium, but its stress is not settled."""
+    """Form that has not settled in the steps allowed: it is in equilibrium, but not with the stress prescribed."""
 
 
 def updated_reference(
@@ -105,11 +104,7 @@ def updated_reference(
     validation.communicator("updated_reference comm", comm)
     with together(comm):
         validation.instance("updated_reference structure", structure, Structure)
-        if structure.terms:
-            raise ValueError(
-                f"The structure has energy terms ({described(structure.terms[0])}), which form finding does not take; "
-                "leave them out by dataclasses.replace(structure, terms=()), and add them to the form."
-            )
+        refuse_terms(structure)
         tolerance = validation.positive("tolerance", tolerance)
         max_iterations = validation.positive_integer("max_iterations", max_iterations)
         stage = Stage("form", validation.instances("loads", loads, PointLoad | DistributedLoad | Pressure))

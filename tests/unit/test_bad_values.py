@@ -39,6 +39,7 @@ from fx_membrane import (
     natural_frequencies,
     plot,
     polyline,
+    projected_stress,
     rectangle,
     report,
     stability,
@@ -138,6 +139,12 @@ CASES = {
         {"points": POINTS.tolist(), "branches": [[0, 1], [1, 2]], "q": [1.0, 2.0], "fixed": [Support([0, 2])],
          "loads": None},
         {"points": "array", "branches": "rows", "q": "array", "fixed": "object", "loads": "array?"},
+    ),
+    projected_stress: (
+        {"structure": SHEET, "loads": (), "stress": {}, "cables": "force", "direction": [0.0, 0.0, 1.0],
+         "tolerance": 0.1, "max_iterations": 2},
+        {"structure": "object", "loads": "list", "stress": "table?", "cables": "object", "direction": "array",
+         "tolerance": "number", "max_iterations": "whole"},
     ),
     updated_reference: (
         {"structure": SHEET, "loads": (), "tolerance": 0.1, "max_iterations": 2, **COMM},

@@ -15,7 +15,7 @@ SHOWN = {
     "Analysis", "Cable", "DistributedLoad", "Fabric", "Mast", "Membrane", "OrthotropicFabric", "PlanLoad",
     "PointLoad", "PrescribedDisplacement", "Pressure", "Stage", "StageResult", "Structure", "Support",
     "boundary_edges", "edges_where", "equilibrium_path", "force_density", "natural_frequencies", "polyline",
-    "rectangle", "report", "stability", "updated_reference",
+    "projected_stress", "rectangle", "report", "stability", "updated_reference",
 }  # fmt: skip
 
 

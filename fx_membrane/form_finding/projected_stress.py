@@ -1,0 +1,286 @@
+"""Form finding with stress given in projection: membrane stress in plan, cables by their force in plan.
+
+The stress in plan is the 2nd Piola-Kirchhoff stress with respect to the plan. It turns a cell into the linear operator
+A B^T N B, with its plan area A, the gradients B of its nodes in plan and its stress N. A bar has its force density. The
+sum K of all acts on the three coordinates alike, K x = f, and is positive definite for positive stress. The stress in
+the shape, F N F^T / J with the gradient F from the plan into space, balances the loads at each node exactly.
+
+A constant stress with edge cables along funicular curves balances in plan: the plan stays, and carries the stress
+prescribed. Elsewhere the nodes move in plan, and the stress in plan changes with them.
+"""
+
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import ArrayLike, NDArray
+
+from ..checks import validation
+from ..geometry.measures import SLIVER, aspects, measures, normals
+from ..model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
+from ..model.parts import Membrane, Part
+from ..model.stages import Stage, check_stages
+from ..model.structure import Structure
+from ..solvers.progress import Pulse
+from .cable_forces import MEASURES, Acceleration, check_bars, densities_of, difference
+from .form import Form, FormStep, refuse_terms
+from .linear_balance import LinearBalance
+from .plan import Field, Plan, cauchy, place, plan_of
+from .shape_change import change_of_shape
+from .updated_reference import STRAY, UnsettledFormWarning
+
+Array = NDArray[np.float64]
+
+
+def projected_stress(
+    structure: Structure,
+    loads: Sequence[PointLoad | DistributedLoad | PlanLoad | Pressure] = (),
+    stress: Mapping[str, Field] | None = None,
+    cables: str = "horizontal force",
+    direction: ArrayLike = (0.0, 0.0, 1.0),
+    tolerance: float = 1e-3,
+    max_iterations: int = 100,
+) -> Form:
+    """Find the shape whose stress, projected on a plan, is the prestress of the structure.
+
+    Membrane stress and force densities make one linear system, which has a result for any positive stress. Cables given
+    by force take further steps, each a linear solve. Every step is in exact equilibrium with the stress that it hands
+    over. The heights of free nodes do not matter; their places in plan are the mesh of the plan.
+
+    The nodes rest in plan if the stress balances there: a constant one with edge cables along their arcs, or with
+    (r n_radial)' = n_tangential about an axis. Else they move in plan, which changes the stress there:
+    `FormStep.stress_error`. A start from `dataclasses.replace(structure, points=form.points)` comes nearer. To keep a
+    plan whose stress does not balance, hold its nodes by `Support(nodes, "xy")`: only heights are found then, and the
+    reactions of these nodes are the missing balance.
+
+    Args:
+        structure: The mesh in plan, and the held nodes in space. The prestress of a membrane is its stress in plan,
+            force per length of the plan [N/m]; warp is a vector whose projection on the plan is the warp direction
+            there. That of the form is the same thread in space. Masts with a force need two held ends.
+        loads: Loads that the form balances; all but point loads are per area or length of the form.
+        stress: By membrane, its stress in plan as a function of place instead of its prestress: called with the
+            centres of the cells in space, shape (3, cells) [m]. It returns numbers, shape (cells,), pairs along warp
+            and weft, (cells, 2), or tensors in that frame, (cells, 2, 2) [N/m]. About an axis, let warp be radial.
+        cables: Meaning of the prestress of cables: "horizontal force", in projection on the plan [N]; "force" [N]; or
+            "force density", ratio of force to length [N/m].
+        direction: Normal of the plan, shape (3,), any length.
+        tolerance: Accepted relative difference of cable forces from the prescribed ones [-].
+        max_iterations: Maximum number of steps towards the cable forces; 1 is a single linear solve.
+
+    Returns:
+        The form. It has converged if the cable forces are within the tolerance, the stress in its plan within 10 % of
+        the prescribed one, and the plan has no fold.
+
+    Raises:
+        ValueError: The stress of a membrane is not positive, or that of a cable compressive; a cell has no area in
+            plan, or the plan folds over itself; a warp vanishes in plan; a cable has no length in plan; a part is tied
+            to no held node in some component; stresses differ too much for the number of digits; the loads do not fit
+            the structure; it has energy terms.
+        RuntimeError: The loads grow with the form faster than the stress can carry; in the first step a cell shrinks to
+            nothing, or a cable of given horizontal force becomes upright.
+
+    Warns:
+        UnsettledFormWarning: The form has not converged; it says in which respect, and where. Where the next step would
+            collapse, the form is the last one before it.
+
+    Source:
+        R. M. O. Pauletti, P. M. Pimenta, The natural force density method for the shape finding of taut structures,
+        Computer Methods in Applied Mechanics and Engineering 197 (2008) 4419-4428; A. Pucher, Über den Spannungszustand
+        in gekrümmten Flächen, Beton und Eisen 33 (1934) 298-304, for the equilibrium of stress in projection.
+
+    Example:
+        >>> points, triangles = rectangle(2.0, 2.0, 4, 4)
+        >>> rim = np.unique(boundary_edges(triangles))
+        >>> points[rim, 2] = points[rim, 0] * points[rim, 1]
+        >>> film = Membrane(triangles, Fabric(4e5, 0.3), prestress=(3e3, 2e3), warp=(1, 0, 0))
+        >>> form = projected_stress(Structure(points, {"film": film}, [Support(rim)]))
+        >>> bool(np.allclose(form.points[:, 2], points[:, 0] * points[:, 1]))
+        True
+
+        About the z axis, radial and tangential stress that balance in plan:
+
+        >>> def about_axis(x):
+        ...     r = np.hypot(x[0], x[1])
+        ...     return np.stack([1e3 / r + 2e3, np.full_like(r, 2e3)], axis=1)
+        >>> radial = points[triangles].mean(axis=1) * [1, 1, 0]
+        >>> film = Membrane(triangles, Fabric(4e5, 0.3), warp=radial)
+        >>> form = projected_stress(Structure(points, {"film": film}, [Support(rim)]), stress={"film": about_axis})
+        >>> form.steps[-1].stress_error < 0.1
+        True
+    """
+    validation.instance("projected_stress structure", structure, Structure)
+    refuse_terms(structure)
+    kinds = PointLoad | DistributedLoad | PlanLoad | Pressure
+    stage = Stage("form", validation.instances("loads", loads, kinds))
+    check_stages(structure, [stage])
+    fields = _checked_fields(structure, stress)
+    validation.choice("cables", cables, MEASURES, f"one of {list(MEASURES)}")
+    axes = _axes(validation.direction("direction", direction))
+    tolerance = validation.positive("tolerance", tolerance)
+    max_iterations = validation.positive_integer("max_iterations", max_iterations)
+    check_bars(structure)
+
+    membranes = {name: part for name, part in structure.parts.items() if isinstance(part, Membrane)}
+    plans = {name: plan_of(name, part, structure.points, axes, fields.get(name)) for name, part in membranes.items()}
+    pulse = Pulse("form finding", MPI.COMM_WORLD.rank == 0)
+    points, reactions, error, stray, steps = structure.points, np.zeros(0), np.inf, np.inf, list[FormStep]()
+    densities, following = {}, densities_of(structure, points, axes, cables)
+    collapse, accelerated = "", Acceleration()
+    while error > tolerance and len(steps) < max_iterations:
+        pulse(f"step {len(steps) + 1} towards the forces of cables")
+        found, balance = _solved(structure, stage.loads, points, plans, following)
+        collapse = _collapse(structure, found)
+        try:
+            wanted = densities_of(structure, found, axes, cables)
+        except ValueError as upright:
+            collapse = collapse or str(upright)
+        if collapse:
+            break
+        before, points, reactions, densities = points, found, balance, following
+        error, following = difference(densities, wanted), accelerated(densities, wanted)
+        stray = max([_stray(plan, points @ axes[:, :2]).max() for plan in plans.values()], default=0.0)
+        area = float(sum(measures(points, plan.cells).sum() for plan in plans.values()))
+        steps.append(FormStep(area, change_of_shape(structure, before, points - before), max(error, stray)))
+    if not steps:
+        raise RuntimeError(f"Form finding has no form after its first step: {collapse}")
+    problem = collapse or _fold(plans, points, axes) or _excess(error, tolerance, len(steps))
+    problem = problem or _motion(plans, points, axes)
+    if problem:
+        warnings.warn(
+            f"The form is in equilibrium with the stress it is handed over with, but {problem}",
+            UnsettledFormWarning,
+            stacklevel=2,
+        )
+    parts, forces = _stressed(structure, points, plans, densities)
+    return Form(points, forces, reactions, tuple(steps), not problem, replace(structure, points=points, parts=parts))
+
+
+def _axes(normal: Array) -> Array:
+    """Axes of the plan and its normal as columns, right-handed, shape (3, 3); x, y and z for the normal z."""
+    first = np.eye(3)[0 if abs(normal[0]) < 0.9 else 1]
+    first = first - (first @ normal) * normal
+    first /= np.linalg.norm(first)
+    return np.stack([first, np.cross(normal, first), normal], axis=1)
+
+
+def _checked_fields(structure: Structure, stress: Any) -> dict[str, Field]:
+    validation.instance("stress", stress, Mapping | None)
+    fields = dict(stress or {})
+    for name, field in fields.items():
+        if not isinstance(structure.parts.get(name) if isinstance(name, str) else None, Membrane):
+            raise ValueError(f"stress names {validation.short_repr(name)}, which is no membrane of the structure.")
+        if not callable(field):
+            raise ValueError(
+                f"stress of part {name!r} is {validation.short_repr(field)}; give a function of place, or the number "
+                "as the prestress of the part."
+            )
+    return fields
+
+
+def _solved(
+    structure: Structure, loads: Sequence[Any], start: Array, plans: Mapping[str, Plan], densities: Mapping[str, Array]
+) -> tuple[Array, Array]:
+    """Shape in equilibrium with stress and force densities, and its reactions, both of shape (n, 3)."""
+    line = np.array([[1.0, -1.0], [-1.0, 1.0]])
+    blocks = [(plan.cells, plan.stiffness()) for plan in plans.values()]
+    blocks += [(structure.parts[name].cells, q[:, None, None] * line) for name, q in densities.items()]
+    return LinearBalance(structure, blocks).solve(start, lambda points: _nodal_loads(structure, loads, points))
+
+
+def _nodal_loads(structure: Structure, loads: Sequence[Any], points: Array) -> Array:
+    """Spread loads on the nodes of a shape, shape (n, 3) [N]."""
+    total = np.zeros(points.shape)
+    for load in loads:
+        if isinstance(load, PointLoad):
+            total[np.asarray(load.nodes)] += np.asarray(load.force)
+            continue
+        cells = structure.parts[load.part].cells
+        cells = cells if load.cells is None else cells[np.asarray(load.cells)]
+        size = measures(points, cells)[:, None]
+        if isinstance(load, Pressure):
+            force = load.pressure * size * normals(points, cells)
+        elif isinstance(load, PlanLoad):
+            force = size * np.abs(normals(points, cells)[:, 2:]) * np.asarray(load.load)
+        else:
+            force = size * np.asarray(load.load)
+        for corner in cells.T:
+            np.add.at(total, corner, force / cells.shape[1])
+    return total
+
+
+def _collapse(structure: Structure, points: Array) -> str:
+    """Tell of a cell that has shrunk to nothing, in words; empty without one."""
+    for name, part in structure.parts.items():
+        gone = np.flatnonzero(aspects(points, part.cells) > SLIVER)
+        if len(gone):
+            return (
+                f"part {name!r}, cell {gone[0]} shrinks to nothing at {place(points, part.cells, gone[0])}: the forces "
+                "around it pull its nodes together; hold one of them, or change the forces there."
+            )
+    return ""
+
+
+def _stray(plan: Plan, flat: Array) -> Array:
+    """Difference of the stress in the plan of a shape from the prescribed one, over its largest, shape (cells,) [-]."""
+    gradient = plan.deformation(flat)
+    ratio = np.maximum(np.abs(np.linalg.det(gradient)), np.finfo(float).eps)
+    stress = gradient @ plan.stress @ gradient.swapaxes(1, 2) / ratio[:, None, None]
+    difference = np.abs(np.linalg.eigvalsh(stress - plan.stress)).max(axis=1)
+    return np.asarray(difference / np.linalg.eigvalsh(plan.stress).max())
+
+
+def _fold(plans: Mapping[str, Plan], points: Array, axes: Array) -> str:
+    """Tell of a cell that a shape has turned over in plan, in words; empty without one."""
+    for name, plan in plans.items():
+        turned = np.flatnonzero(np.linalg.det(plan.deformation(points @ axes[:, :2])) <= 0)
+        if len(turned):
+            return (
+                f"part {name!r} folds over itself in plan at cell {turned[0]}, {place(points, plan.cells, turned[0])}: "
+                "edge cables there are too weak for the stress of the membrane, or the stress does not balance in "
+                "plan; give larger forces to the cables, or hold nodes."
+            )
+    return ""
+
+
+def _excess(error: float, tolerance: float, steps: int) -> str:
+    """Tell how far the forces of cables are from the prescribed ones, in words; empty if they are near."""
+    if error <= tolerance:
+        return ""
+    return (
+        f"forces of cables are off by {100 * error:.3g} % of the prescribed ones after step {steps}, the last; allow "
+        "more steps (max_iterations=...) or a larger tolerance."
+    )
+
+
+def _motion(plans: Mapping[str, Plan], points: Array, axes: Array) -> str:
+    """Tell of a cell whose stress in plan has left the prescribed one, in words; empty if it is near."""
+    for name, plan in plans.items():
+        stray = _stray(plan, points @ axes[:, :2])
+        cell = int(stray.argmax())
+        if stray[cell] > STRAY:
+            return (
+                f"nodes of part {name!r} have moved in plan, and its stress there is off by {100 * stray[cell]:.3g} % "
+                f"of the largest prescribed, in cell {cell} at {place(points, plan.cells, cell)}: it does not balance "
+                "in the plan given. Draw edges with cables as arcs, of radius force over stress; or start again from "
+                "dataclasses.replace(structure, points=form.points)."
+            )
+    return ""
+
+
+def _stressed(
+    structure: Structure, points: Array, plans: Mapping[str, Plan], densities: Mapping[str, Array]
+) -> tuple[dict[str, Part], dict[str, Array]]:
+    """Parts with the forces in a shape as prestress, and these forces."""
+    parts: dict[str, Part] = {}
+    forces: dict[str, Array] = {}
+    for name, part in structure.parts.items():
+        if isinstance(part, Membrane):
+            forces[name], warp = cauchy(plans[name], points)
+            parts[name] = replace(part, prestress=forces[name], warp=warp)
+        else:
+            forces[name] = densities[name] * measures(points, part.cells)
+            parts[name] = replace(part, prestress=forces[name])
+    return parts, forces
