@@ -1,4 +1,7 @@
-"""Work of the loads: dead loads have a potential, follower pressure is written as virtual work, Gil (54)-(57), (68)."""
+"""Work of the loads: those of fixed direction have a potential, a follower pressure has a virtual work.
+
+Gil (54)-(57), (68).
+"""
 
 from ufl import cross, dot
 from ufl.core.expr import Expr

@@ -4,9 +4,9 @@ With the tangent K of the state and the consistent mass matrix M, both without t
 
     K phi = omega^2 M phi.
 
-Dead loads do not enter K; follower pressures do, Gil (57). If a pressure has a potential, as a uniform one within held
-edges, K is symmetric. Otherwise K is unsymmetric, and omega may be complex (flutter). Cells stay taut, wrinkled or
-slack, as they are in the state.
+Loads of fixed direction do not enter K; follower pressures do, Gil (57). If a pressure has a potential, as a uniform
+one within held edges, K is symmetric. Otherwise K is unsymmetric, and omega may be complex (flutter). Cells stay taut,
+wrinkled or slack, as they are in the state.
 """
 
 from dataclasses import dataclass

@@ -18,7 +18,7 @@ class Actions:
     """Actions on a structure at one instant, in the user's order of nodes.
 
     Attributes:
-        loads: Dead loads on the nodes, shape (n, 3) [N].
+        loads: Loads of fixed direction on the nodes, shape (n, 3) [N].
         held: Components with a given displacement, shape (n, 3).
         displacement: The given displacements, shape (n, 3) [m]; without meaning at free components.
         pressures: For membranes by name, pressure along `Structure.normals`, shape (cells,) [Pa].

@@ -27,7 +27,7 @@ class PartForms:
         state: Taut, wrinkled or slack, numbered as in `forms.wrinkling`, in UFL; taut where all stiffness is kept.
         follow: Updates the wrinkling direction to the displacement.
         kept: Compression stiffness, as a fraction of the stiffness; None for a part with one energy only.
-        q: Dead load per reference area or length, piecewise constant [N/m2 or N/m].
+        q: Load per reference area or length, piecewise constant [N/m2 or N/m].
         p: Pressure along `Structure.normals`, piecewise constant [Pa]; without meaning in cables and masts.
         prestress: Prestress, row by row, piecewise constant [N/m or N].
         moduli: Numbers of the material by the name of their attribute; empty for a stress without elasticity.

@@ -36,7 +36,7 @@ def force_density(
             carries nothing; if its nodes coincide it has no length, and `Structure` refuses it as a cable: leave it
             out.
         fixed: Constrained nodes, by component: a node fixed in "x" alone slides in the plane normal to x.
-        loads: Dead loads on the nodes, shape (n, 3) [N]; none if not given.
+        loads: Loads on the nodes, shape (n, 3) [N]; none if not given.
 
     Returns:
         The form. Cables with its forces as prestress are in equilibrium under the same loads:

@@ -8,8 +8,8 @@ sliding remains. Equilibrium is exact after each step, with the stress found. Th
 one by the remaining sliding, which vanishes in the end. Loads along a line or a surface, such as the weight of a
 hanging cable, are an exception: no constant stress balances them.
 
-Dead loads are per area of the form, which a step finds only by solving. So each step is solved again with the loads of
-its result until these no longer change.
+Distributed loads are per area of the form, which a step finds only by solving. So each step is solved again with the
+loads of its result until these no longer change.
 
 Source: K.-U. Bletzinger, E. Ramm, A general finite element approach to the form finding of tensile structures by the
 updated reference strategy, Int. J. Space Structures 14 (1999) 131-145; U. Pinkall, K. Polthier, Computing discrete
@@ -48,7 +48,7 @@ from .shape_change import change_of_shape, check_collapse, collapse
 SAME = 1e-12  # relative change of the loads that counts as none
 REPEATS = 100  # maximum number of solves of a step
 STRAY = 0.1  # accepted error of the stress where it can settle, relative to the prescribed stress
-STRAY_LOADED = 0.5  # the same with dead loads along lines and surfaces, which no constant stress balances
+STRAY_LOADED = 0.5  # the same with loads along lines and surfaces, which no constant stress balances
 
 
 class UnsettledFormWarning(UserWarning):
@@ -72,7 +72,7 @@ def updated_reference(
 
     Args:
         structure: Initial shape with the intended prestress and the supports of the form.
-        loads: Loads that the form balances, such as an inner pressure; dead loads are per area or length of the
+        loads: Loads that the form balances, such as an inner pressure; distributed loads are per area or length of the
             form.
         tolerance: Accepted change of shape in a step, `FormStep.change` [-].
         max_iterations: Maximum number of steps.
@@ -87,8 +87,8 @@ def updated_reference(
         ValueError: The structure has no prestress at all, or a compressive one in a membrane or a cable; it is not
             supported; the loads do not fit it; it has energy terms.
         RuntimeError: A step found no equilibrium, or the shape collapses, as a catenoid between rings too far apart; a
-            cable or a mast shrinks to a point or grows without bound; or dead loads grow with the form faster than the
-            prestress can carry.
+            cable or a mast shrinks to a point or grows without bound; or distributed loads grow with the form faster
+            than the prestress can carry.
 
     Warns:
         UnsettledFormWarning: The steps were too few; the form is that of the last one.
@@ -210,8 +210,8 @@ def _equilibrium(
             break
         shape, before = reference + problem.to_numpy(x), actions.loads
     raise RuntimeError(
-        "Form finding found no shape for the dead loads: they grow with the form faster than the prestress can hold. "
-        "Give a larger prestress or smaller loads."
+        "Form finding found no shape for the distributed loads: they grow with the form faster than the "
+        "prestress can hold. Give a larger prestress or smaller loads."
     )
 
 

@@ -101,13 +101,13 @@ def _part(result: StageResult, name: str, first: int, force_unit: str, length_un
         whole = [f"largest principal strain with that of the prestress {largest.max():.5f} {where}"]
     stress, unit = part.principal[:, 0], f"{force_unit}/{length_unit}"
     directed = isinstance(given, Membrane) and given.warp is not None
-    threads = zip(("warp", "weft"), part.warp_weft_stress.T, strict=True) if directed else ()
+    directions = zip(("warp", "weft"), part.warp_weft_stress.T, strict=True) if directed else ()
     return [
         f"{_range(stress)} {unit}, principal stress I, largest {_where(result, name, stress)}",
         f"{_range(part.principal[:, 1])} {unit}, principal stress II",
         *(
-            f"{_range(force)} {unit}, along {thread}, largest {_where(result, name, force)}"
-            for thread, force in threads
+            f"{_range(force)} {unit}, along {direction}, largest {_where(result, name, force)}"
+            for direction, force in directions
         ),
         f"largest principal strain {strain.max():.5f} {_where(result, name, strain)}; cells: {states}",
         *whole,

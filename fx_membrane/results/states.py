@@ -139,7 +139,7 @@ class StageResult:
         name: Name of the stage.
         structure: The structure.
         displacement: Displacement from the reference position, shape (n, 3) [m].
-        actions: Constraints and loads of the structure: constrained components, dead loads, pressures of the cells,
+        actions: Constraints and loads of the structure: constrained components, nodal loads, pressures of the cells,
             energy terms.
         loads: Loads on the nodes, those of pressures and energy terms in the current shape, shape (n, 3) [N].
         reactions: Forces of the supports and the prescribed displacements, shape (n, 3) [N]; zero at free components.

@@ -199,7 +199,7 @@ def test_stress_of_a_hanging_cable_is_not_the_prescribed_one():
 
 
 def test_dead_load_that_grows_faster_than_the_prestress_holds():
-    with pytest.raises(RuntimeError, match=r"^Form finding.*no shape.*dead loads.*larger prestress"):
+    with pytest.raises(RuntimeError, match=r"^Form finding.*no shape.*distributed loads.*larger prestress"):
         updated_reference(*hanging_cable(load=4000.0))
 
 
