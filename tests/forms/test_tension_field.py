@@ -12,8 +12,25 @@ import pytest
 from mpi4py import MPI
 from scipy.optimize import minimize
 
-from fx_membrane import Cable, Fabric, Law, Membrane, MooneyRivlin, NeoHooke, OrthotropicFabric, Structure
+from fx_membrane import (
+    Analysis,
+    Axial,
+    Cable,
+    Fabric,
+    Law,
+    Membrane,
+    MooneyRivlin,
+    NeoHooke,
+    OrthotropicFabric,
+    Stage,
+    Structure,
+    Support,
+    natural_frequencies,
+    rectangle,
+)
 from fx_membrane.assembly.problem import Problem
+from fx_membrane.assembly.tension_field import natural_strains, wrinkles
+from fx_membrane.forms.wrinkling import SLACK, TAUT
 from taylor import remainders
 from wrinkled import COLUMN, FABRICS, ROW, STATES, compliance, run, shapes, strains, tensor
 
@@ -173,6 +190,53 @@ def test_equal_stretches(stretch):
     assert np.isfinite(A.getValuesCSR()[2]).all()
 
 
+# At rest: the strain without stress
+
+AT_REST: dict[str, Law] = {
+    "neo-Hooke": NeoHooke(500.0),
+    "Mooney-Rivlin": MooneyRivlin(200.0, 50.0),
+    "Saint Venant-Kirchhoff": Isotropic(1500.0, 0.5),
+}
+
+
+def frequency_and_tangent(structure):
+    state = Analysis(structure, comm=MPI.COMM_SELF).run([Stage("rest")])["rest"]
+    problem = Problem(structure, MPI.COMM_SELF).under()
+    A = problem.discretization.create_matrix()
+    problem.tangent(problem.discretization.to_petsc(np.zeros_like(structure.points)), A)
+    return state, natural_frequencies(state, 1).frequencies, A.getValuesCSR()[2]
+
+
+@pytest.mark.parametrize("name", AT_REST)
+def test_at_rest_as_the_fabric_of_the_same_modulus(name):
+    """Et = 3 Gt, nu = 0.5: state, tangent and frequency of an unstressed sheet that moves in its plane."""
+    points, cells = rectangle(1.0, 0.6, 4, 3)
+    supports = [Support(np.flatnonzero(points[:, 0] == 0)), Support(np.arange(len(points)), "z")]
+    foil, fabric = (
+        frequency_and_tangent(Structure(points, {"sheet": Membrane(cells, law, mass=0.5)}, supports))
+        for law in (AT_REST[name], Fabric(1500.0, 0.5))
+    )
+    assert set(fabric[0].membrane("sheet").state) == {"taut"}
+    np.testing.assert_array_equal(foil[0].membrane("sheet").state, fabric[0].membrane("sheet").state)
+    np.testing.assert_allclose(foil[1], fabric[1], rtol=1e-9)
+    np.testing.assert_allclose(foil[2], fabric[2], rtol=0, atol=1e-10 * np.abs(fabric[2]).max())
+
+
+@pytest.mark.parametrize("prestress", [0.0, -40.0])
+def test_rounding_does_not_decide_at_rest(prestress):
+    """The strain without stress, found or moved by rounding, is taut; one clearly below it is slack."""
+    size = 5000.0 * np.array([[1.0, 0.3, 0.0], [0.3, 1.0, 0.0], [0.0, 0.0, 1.0]])
+
+    def derivatives(cells, E):
+        return E @ size + prestress * np.array([1.0, 1.0, 0.0]), np.tile(size, (len(cells), 1, 1))
+
+    natural = natural_strains(derivatives, 100, 3)
+    assert np.linalg.norm(derivatives(np.arange(100), natural)[0]) < 1e-10
+    noise = 2e-16 * np.random.default_rng(82).uniform(-1, 1, natural.shape)
+    assert (wrinkles(derivatives, natural + noise, natural).state == TAUT).all()
+    assert (wrinkles(derivatives, natural - [1e-12, 1e-12, 0.0], natural).state == SLACK).all()
+
+
 # Cables
 
 
@@ -214,6 +278,18 @@ def test_cable(eta):
 
     density = (1 - eta) * np.where(S < 0, w(natural), w(E)) + eta * w(E)
     assert state.energy == pytest.approx(density.sum(), rel=1e-11)
+
+
+def test_cable_at_rest_as_the_linear_one():
+    points = np.stack([np.linspace(0, 3, 4), np.zeros(4), np.zeros(4)], axis=1)
+    cells, supports = [[0, 1], [1, 2], [2, 3]], [Support(0), Support([1, 2, 3], "yz")]
+    own, linear = (
+        frequency_and_tangent(Structure(points, {"rope": Cable(cells, material=law, mass=2.0)}, supports))
+        for law in (Stiffening(7000.0, 1e5), Axial(7000.0))
+    )
+    np.testing.assert_array_equal(own[0].cable("rope").slack, linear[0].cable("rope").slack)
+    np.testing.assert_allclose(own[1], linear[1], rtol=1e-10)
+    np.testing.assert_allclose(own[2], linear[2], rtol=0, atol=1e-10 * np.abs(linear[2]).max())
 
 
 @pytest.mark.parametrize("slack", [False, True])

@@ -6,7 +6,7 @@ that stretches by l carries the nominal force T = 2 (l - l^-5) (C10 + C01 l^2) p
     p = 2 T / (l^2 R) = 4 / R (1 / l - l^-7) (C10 + C01 l^2).
 
 Neo-Hooke: largest at l = 7^(1/6). Mooney-Rivlin with C01 = C10 / 10: largest and least where the derivative is zero.
-A sphere without stress is filled to l = 1.1 first.
+A sphere without stress is filled to l = 1.1 first, or begins the path itself.
 Claim: limit pressures, and the pressure at the mean stretch of the last point beyond them, converge with second order;
 negative pivots tell the branches apart.
 Tolerance: orders: the next term has the relative size of the error, 2e-2 on the coarsest mesh: 0.05. The extrapolated
@@ -49,12 +49,16 @@ def limits(c01):
     return [largest, brentq(slope, 2.0, 6.0, args=(c01,), xtol=1e-12)] if c01 else [largest]
 
 
-def inflated(law, c01, n, stretch):
-    """Path from the sphere filled to l = 1.1 to a pole moved outwards to a stretch, and the pressures on it."""
+def sphere(law, n):
+    """Octant of a sphere without stress, and its pole."""
     points, cells = octant(n, R)
     supports = [Support(np.flatnonzero(points[:, i] == 0), "xyz"[i]) for i in range(3)]
-    structure = Structure(points, {"balloon": Membrane(cells, law)}, supports)
-    pole = int(np.argmax(points[:, 2]))
+    return Structure(points, {"balloon": Membrane(cells, law)}, supports), int(np.argmax(points[:, 2]))
+
+
+def inflated(law, c01, n, stretch):
+    """Path from the sphere filled to l = 1.1 to a pole moved outwards to a stretch, and the pressures on it."""
+    structure, pole = sphere(law, n)
     full = Pressure(pressure(1.1, c01), "balloon")
     start = Analysis(structure).run([Stage("fill", [full])])["fill"]
     assert set(start.membrane("balloon").state) == {"taut"}
@@ -108,3 +112,16 @@ def test_balloon_is_unstable_where_the_pressure_falls(paths):
         rises = np.gradient(values) > 0.01 * C10 / R
         assert (path.negative_pivots[falls] > 0).all()
         assert (path.negative_pivots[rises] == 0).all()
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_path_from_the_sphere_without_stress(name):
+    """The same largest pressure as from the filled sphere, where the pressure is flat: 1e-8."""
+    law, c01 = LAWS[name]
+    structure, pole = sphere(law, 6)
+    stage = Stage("blow", [Pressure(C10 / R, "balloon")], increments=10)
+    path = equilibrium_path(structure, stage, None, (pole, "z", R))
+    filled, values = inflated(law, c01, 6, 2.0)
+    assert path.complete
+    assert len(path.limit_points) == 1
+    np.testing.assert_allclose(path.load_factors[path.limit_points] * C10 / R, values[filled.limit_points], rtol=1e-8)
