@@ -21,6 +21,7 @@ STEPS = 60  # maximum number of Newton steps
 HALVINGS = 30
 ROUNDING = 1e-13  # stress across a wrinkle, relative to the tension, that is rounding
 UNIT = 1e-16  # and relative to the stiffness
+REST = 1e-15  # distance from the strain without stress that is rounding [-]
 ACCEPTED = 1e5  # times that, where no step brings it down
 TURN = 0.3  # largest turn of the tension in a step [rad]
 
@@ -55,14 +56,18 @@ def natural_strains(derivatives: Derivatives, count: int, size: int) -> Array:
 
 
 def wrinkles(derivatives: Derivatives, E: Array, natural: Array) -> Wrinkles:
-    """Find the wrinkles of cells at strains E, shape (n, c), with the strains without stress, shape (n, c)."""
+    """Find the wrinkles of cells at strains E, shape (n, c), with the strains without stress, shape (n, c).
+
+    Cells at the strain without stress are taut, as by the formulas of `forms.wrinkling`: they resist both ways.
+    """
     count, size = E.shape
     every = np.arange(count)
     g, _ = derivatives(every, E)
     found = Wrinkles(np.zeros((count, size)), np.zeros((count, size, size)), np.full(count, float(TAUT)))
-    slack = np.flatnonzero(_largest(E - natural) <= 0)
+    at_rest = _norm(E - natural) <= REST + ROUNDING * _norm(natural)
+    slack = np.flatnonzero((_largest(E - natural) <= 0) & ~at_rest)
     pressed = g[:, 0] < 0 if size == 1 else (g[:, 0] + g[:, 1] < 0) | (4 * g[:, 0] * g[:, 1] < g[:, 2] ** 2)
-    pressed[slack] = False
+    pressed[at_rest] = pressed[slack] = False
     found.state[slack] = SLACK
     found.strain[slack] = (natural - E)[slack]
     found.compliance[slack] = np.linalg.pinv(derivatives(slack, natural[slack])[1], hermitian=True)
