@@ -95,6 +95,21 @@ def mechanism(problem: LoadedProblem, x: PETSc.Vec) -> Mechanism | None:
     return free._replace(words=f"{free.words} Add supports, members or prestress that hold it.")
 
 
+def mechanism_or_too_few(found: Mechanism, most: int, residual: float) -> str:
+    """Sentences on a solve whose iterations ran out, from a start with a free motion that a load may yet stiffen.
+
+    Args:
+        found: The free motion.
+        most: Maximum number of iterations.
+        residual: The largest unbalanced force [N].
+    """
+    return (
+        f"the iterations ran out (at most {most} are allowed) with a largest unbalanced force of {residual:.3g}; "
+        "allow more iterations (Newton(max_iterations=...)), or give a small prestress to begin with. If neither "
+        f"helps, {found.words}"
+    )
+
+
 def slack_mechanism(problem: LoadedProblem, x: PETSc.Vec) -> Mechanism | None:
     """Free motion of masts that only the compression stiffness of slack parts resists, or None."""
     structure = problem.structure

@@ -21,7 +21,7 @@ from . import petsc_options
 from .base import LIMITS, Iteration, Monitor, Solution, Solve, max_norm, no_monitor
 from .convergence import Patience, nearer
 from .curvature import negative_between
-from .diagnosis import collapsed, mechanism, slack_mechanism, unlikely_units
+from .diagnosis import collapsed, mechanism, mechanism_or_too_few, slack_mechanism, unlikely_units
 from .homotopy import HomotopyControl, stabilized_start
 from .inertia_correction import ShiftControl
 from .newton_loop import NewtonLoop, Proceed, always
@@ -141,8 +141,19 @@ class _Globalized:
         motion = free() or slack_mechanism(self.problem, start)
         if not motion:
             return replace(solution, reason=solution.reason + units)
+        if free() and not has_fallen() and self.cut_short(solution, thorough):
+            words = mechanism_or_too_few(motion, self.settings.max_iterations, self.loop.history[-1].residual)
+            return replace(solution, outcome=Outcome.MAX_ITERATIONS, reason=words + units, motion=motion.motion)
         outcome = Outcome.MECHANISM if free() else Outcome.SLACK_MECHANISM
         return replace(solution, outcome=outcome, reason=motion.words + units, motion=motion.motion)
+
+    def cut_short(self, first: Solution, thorough: bool) -> bool:
+        """Return True if the strategies were cut off before their end, so that more iterations may help.
+
+        Without the homotopy, the first attempt ends by patience, a share of the limit.
+        """
+        slow = first.outcome in (Outcome.MAX_ITERATIONS, Outcome.STAGNATED)
+        return not self.loop.left or (slow and not thorough)
 
     def attempt(self, x: PETSc.Vec, proceed: Proceed = always) -> Solution:
         """Run the iteration, at most up to the end of the total."""

@@ -6,10 +6,26 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fx_membrane import Analysis, Cable, ConvergenceError, Newton, PointLoad, Stage, Structure, Support
+from fx_membrane import (
+    Analysis,
+    Cable,
+    ConvergenceError,
+    DistributedLoad,
+    Fabric,
+    Mast,
+    Membrane,
+    Newton,
+    PointLoad,
+    PrescribedDisplacement,
+    Stage,
+    Structure,
+    Support,
+    rectangle,
+)
 from fx_membrane.assembly.actions import unloaded
 from fx_membrane.assembly.problem import Problem
 from fx_membrane.solvers.newton_loop import NewtonLoop
+from fx_membrane.solvers.outcome import Outcome
 
 HARD = runpy.run_path(str(Path(__file__).parents[2] / "benchmarks" / "hard_cases.py"))
 
@@ -78,3 +94,50 @@ def test_each_halved_increment_has_the_whole_number(monkeypatch):
     assert counts[0] == 0  # of a solver that is made
     assert len(counts) == 1 + 1 + 8
     assert max(counts) == 2
+
+
+def pushed_in():
+    """Return a flat sheet without prestress: one edge is pushed in, and its weight gives it a shape that holds."""
+    points, triangles = rectangle(2.0, 2.0, 6, 6)
+    edge, pushed = np.flatnonzero(points[:, 0] < -0.99), np.flatnonzero(points[:, 0] > 0.99)
+    points[:, 2] = 1e-6 * np.random.default_rng(0).normal(size=len(points))
+    structure = Structure(points, {"sheet": Membrane(triangles, Fabric(5e5, 0.3))}, [Support(edge)])
+    weight = [DistributedLoad((0, 0, -1.0), part="sheet")]
+    return structure, [Stage("push", weight, displacements=[PrescribedDisplacement(pushed, (-0.4, 0.0, 0.0))])]
+
+
+def test_start_with_a_free_motion_is_no_mechanism_where_iterations_run_out():
+    structure, stages = pushed_in()
+    assert iterations(structure, stages, Newton())[2].converged
+    *_, solution = iterations(structure, stages, Newton(max_iterations=20))
+    assert solution.outcome is Outcome.MAX_ITERATIONS
+    assert solution.outcome.retry
+    assert solution.motion is not None
+    more, mechanism = (solution.reason.index(words) for words in ("Newton(max_iterations=...)", "is a mechanism"))
+    assert more < mechanism
+
+
+@pytest.mark.parametrize("most", [60, 110])
+def test_smaller_increments_need_fewer_iterations(most):
+    structure, stages = pushed_in()
+    result = Analysis(structure, Newton(max_iterations=most)).run(stages)["push"]
+    assert len(result.increments) > 1
+    assert all(len(increment.iterations) <= 1 + most for increment in result.increments)
+    assert result.increments[-1].load_factor == 1
+
+
+def test_failure_in_each_increment_tells_of_the_iterations_first():
+    structure, stages = pushed_in()
+    with pytest.raises(ConvergenceError, match=r"the iterations ran out .*20 are.*max_iterations.*is a mechanism"):
+        Analysis(structure, Newton(max_iterations=20)).run(stages)
+
+
+def test_structure_that_has_fallen_is_a_mechanism_however_few_the_iterations():
+    """Two hinged masts with a cable between their tops are pushed aside."""
+    points = [[0.0, 0, 0], [4, 0, 0], [0, 0, 3], [4, 0, 3]]
+    parts = {"masts": Mast([[0, 2], [1, 3]], 1e6), "tie": Cable([[2, 3]], 1e5)}
+    structure = Structure(points, parts, [Support([0, 1]), Support([2, 3], "y")])
+    with pytest.raises(ConvergenceError, match="the structure is a mechanism") as error:
+        Analysis(structure, Newton(max_iterations=60)).run([Stage("push", [PointLoad(2, (10.0, 0, 0))])])
+    assert error.value.failed.outcome is Outcome.MECHANISM
+    assert error.value.failed.load_factor == 1
