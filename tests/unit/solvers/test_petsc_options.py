@@ -120,6 +120,9 @@ def test_controls_of_mumps_reach_the_factorization(options, solvers):
     [
         ({"mat_mumps_icntl_13": 0}, "-fx_membrane_mat_mumps_icntl_13 is 0; MUMPS counts negative pivots"),
         ({"mat_mumps_icntl_24": 0}, "-fx_membrane_mat_mumps_icntl_24 is 0; MUMPS counts zero pivots"),
+        ({"mat_mumps_icntl_999": 1}, "-fx_membrane_mat_mumps_icntl_999 is 1, which PETSc refuses"),
+        ({"mat_mumps_cntl_99": 1.5}, r"-fx_membrane_mat_mumps_cntl_99 is 1\.5, which PETSc refuses"),
+        ({"ksp_type": "cg", "pc_type": "jacobi", "ksp_rtol": -1}, "-fx_membrane_ksp_rtol is -1, below zero"),
         ({"mat_mumps_icntl_14": "much"}, "with the prefix fx_membrane_ are not all numbers"),
         ({"pc_type": "jacobi"}, "-fx_membrane_pc_type is jacobi, which does not solve for a step"),
         ({"pc_type": "magic"}, "PETSc refuses the options .*'pc_type': 'magic'"),
@@ -136,6 +139,25 @@ def test_refused(given, words, options):
 def test_linear_solver_that_fails_is_named(options):
     options(ksp_type="cg", pc_type="jacobi", ksp_max_it=2)
     with pytest.raises(ConvergenceError, match="the linear solver that the PETSc options choose, cg with jacobi"):
+        run(SNOW)
+
+
+@pytest.mark.parametrize("backend", ["dolfinx", "snes"])
+@pytest.mark.parametrize(
+    ("given", "shown"),
+    [
+        ({"pc_type": "cholesky", "pc_factor_mat_solver_type": "petsc"}, "-fx_membrane_pc_type cholesky"),
+        ({"ksp_type": "cg", "pc_type": "icc"}, "-fx_membrane_ksp_type cg, -fx_membrane_pc_type icc"),
+    ],
+)
+def test_factorization_for_one_process_alone_is_refused_on_several(given, shown, backend, options, monkeypatch):
+    if backend == "snes":
+        monkeypatch.delattr(cpp.nls.petsc, "NewtonSolver", raising=False)
+    options(**given)
+    if MPI.COMM_WORLD.size == 1:
+        run(SNOW)
+        return
+    with pytest.raises(ValueError, match=f"cannot solve for a step with the options .*{shown} .error 92"):
         run(SNOW)
 
 
