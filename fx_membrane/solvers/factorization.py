@@ -41,11 +41,7 @@ def choose(ksp: PETSc.KSP, A: PETSc.Mat, symmetric: bool, steps: bool = False) -
     factor.setMumpsIcntl(24, 1)  # detect zero pivots: otherwise each is delayed, and the workspace overflows
     factor.setMumpsIcntl(13, 1)  # count negative pivots correctly on several processes
     factor.setMumpsIcntl(14, 50)  # per cent of workspace above the estimate
-    icntl, cntl = petsc_options.mumps()
-    for number, whole in icntl.items():
-        factor.setMumpsIcntl(number, whole)
-    for number, real in cntl.items():
-        factor.setMumpsCntl(number, real)
+    petsc_options.set_controls(factor)
 
 
 def counts_pivots(ksp: PETSc.KSP) -> bool:

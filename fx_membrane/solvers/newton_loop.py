@@ -114,6 +114,11 @@ class NewtonLoop:
                 converged = self.iterate(x)
         except _Stop as stop:
             return Solution(stop.outcome, str(stop), tuple(self.history))
+        except (PETSc.Error, RuntimeError) as error:
+            failure = petsc_options.failure(error)
+            if failure:
+                raise failure from None
+            raise
         finally:
             self.proceed = always  # a closure of the caller keeps a solver that is dropped, in a circle
         if converged:

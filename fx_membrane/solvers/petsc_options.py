@@ -4,8 +4,9 @@ An option is honoured, refused in words, or told to have no effect.
 """
 
 import ctypes
+import re
 import warnings
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 from mpi4py import MPI
 from petsc4py import PETSc
@@ -35,12 +36,14 @@ def check(comm: MPI.Intracomm) -> None:
     """Refuse options that cannot be honoured; collective.
 
     Raises:
-        ValueError: They differ between processes; PETSc does not know a type; MUMPS is not to count pivots; steps are
-            not solved to 1e-6.
+        ValueError: They differ between processes; PETSc does not know a type; MUMPS does not know a control, or is not
+            to count pivots; steps are not solved to 1e-6.
     """
     refuse_differences(comm, lambda: {"PETSc options": fingerprint(sorted(given().items()))})
     with together(comm):
-        mumps()
+        controls = mumps()
+    if any(controls):
+        _try_controls(comm)
     ksp = PETSc.KSP().create(comm)
     try:
         ksp.setType("preonly")
@@ -73,6 +76,61 @@ def mumps() -> tuple[dict[int, int], dict[int, float]]:
     return icntl, cntl
 
 
+def set_controls(factor: PETSc.Mat) -> None:
+    """Set the controls of MUMPS in a factorization.
+
+    Raises:
+        ValueError: MUMPS does not have one.
+    """
+    icntl, cntl = mumps()
+    for number, whole in icntl.items():
+        _set_control(factor.setMumpsIcntl, f"{ICNTL}{number}", number, whole)
+    for number, real in cntl.items():
+        _set_control(factor.setMumpsCntl, f"{CNTL}{number}", number, real)
+
+
+def _set_control(setter: Callable[[int, float], None], option: str, number: int, value: float) -> None:
+    try:
+        setter(number, value)
+    except PETSc.Error as error:
+        raise ValueError(
+            f"The PETSc option -{PREFIX}{option} is {value:g}, which PETSc refuses (error {error.ierr}): MUMPS has no "
+            "control of this number; mend the number or leave the option out."
+        ) from None
+
+
+def _try_controls(comm: MPI.Intracomm) -> None:
+    """Set the controls of MUMPS in a factorization of a unit matrix, so that bad ones are refused early."""
+    A, ksp = PETSc.Mat().createAIJ(comm.size, nnz=1, comm=comm), PETSc.KSP().create(comm)
+    try:
+        A.assemble()
+        A.shift(1.0)
+        ksp.setOperators(A)
+        pc = ksp.getPC()
+        pc.setType("lu")
+        pc.setFactorSolverType("mumps")
+        pc.setFactorSetUpSolverType()
+        set_controls(pc.getFactorMatrix())
+    finally:
+        ksp.destroy()
+        A.destroy()
+
+
+def failure(error: Exception) -> ValueError | None:
+    """Error in words for one that PETSc raised while options of the user chose its linear solver; None for others."""
+    raised = isinstance(error, PETSc.Error) or "PETSc function" in str(error)  # the latter by way of dolfinx
+    if not (raised and choose_solver()):
+        return None
+    shown = ", ".join(f"-{PREFIX}{option} {value}".rstrip() for option, value in sorted(given().items()))
+    code = re.search(r"error code(?: is)?:? (\d+)", str(error))
+    return ValueError(
+        f"PETSc cannot solve for a step with the options {shown}"
+        + (f" (error {code[1]})" if code else "")
+        + ": its solver may not work on several processes, or not on this matrix. Choose another one, or leave them "
+        "out."
+    )
+
+
 @decimal_point()
 def apply(ksp: PETSc.KSP) -> None:
     """Apply the options to the linear solver of Newton's steps, a direct one up to here.
@@ -97,6 +155,8 @@ def apply(ksp: PETSc.KSP) -> None:
             f"give an iterative method too, as -{PREFIX}ksp_type cg."
         )
     rtol = float(ksp.getTolerances()[0])
+    if not rtol >= 0:
+        raise ValueError(f"The PETSc option -{PREFIX}ksp_rtol is {rtol:g}, below zero; give at most {SOLVED:g}.")
     if ksp.getType() != "preonly" and rtol > SOLVED:
         raise ValueError(
             f"The PETSc option -{PREFIX}ksp_rtol is {rtol:g}; steps must be solved to {SOLVED:g}: give no more."
