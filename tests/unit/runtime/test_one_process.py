@@ -39,6 +39,21 @@ EXPECTED = {
     "other start of a path": DIFFERENT.format("start, after of stage 'pull'"),
     "other form": DIFFERENT.format("prestress of part 'fabric'"),
     "other tolerance of a form": DIFFERENT.format("tolerance"),
+    "stage of actions that does not fit on one": "ValueError: Stage 'pull' has a load on part 'roof', which does not",
+    "other stage of actions": DIFFERENT.format("loads of stage 'pull'"),
+    "other start of actions": DIFFERENT.format("start"),
+    "no parameter on one": r"ValueError: Part 'fabric' has no parameter 'Gt'; those .* are \['prestress', 'Et', 'nu'",
+    "no part on one": "ValueError: No part is named 'roof'",
+    "no direction on one": "ValueError: direction of 'Et' is the text 'text'; give a number",
+    "other parameter": DIFFERENT.format("parameter"),
+    "other direction": DIFFERENT.format("direction"),
+    "no start of a load factor on one": "ValueError: start is 3; give an Actions",
+    "other start of a load factor": DIFFERENT.format("start"),
+    "no values on one": "ValueError: to_petsc values must be an array of numbers .*, not None",
+    "other values": DIFFERENT.format("values"),
+    "no elasticity on one": "ValueError: Problem elastic is 'no'; give",
+    "other elasticity": DIFFERENT.format("elastic"),
+    "other rows": "ValueError: x is a PETSc vector with the rows of the problem, but distributed otherwise",
 }
 
 
