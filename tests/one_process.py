@@ -162,6 +162,10 @@ CASES = {
     "no elasticity on one": lambda: Problem(structure(), elastic=mine(True, "no")),
     "other elasticity": lambda: Problem(structure(), elastic=mine(True, False)),
     "other rows": lambda: view.residual(spread(x.getSize())),
+    "part of a mesh that fails on one": from_mesh(mine(fabric, broken)),
+    "other part of a mesh": from_mesh(mine(fabric, lambda cells: fabric(cells, 2e3))),
+    "other name of a part of a mesh": from_mesh(name=mine("fabric", "roof")),
+    "other support of a mesh": from_mesh(supports={"fabric": mine("xyz", "z")}),
 }
 
 analysis.run(stages()[:1], state)

@@ -54,6 +54,10 @@ EXPECTED = {
     "no elasticity on one": "ValueError: Problem elastic is 'no'; give",
     "other elasticity": DIFFERENT.format("elastic"),
     "other rows": "ValueError: x is a PETSc vector with the rows of the problem, but distributed otherwise",
+    "part of a mesh that fails on one": "RuntimeError: the words of one",
+    "other part of a mesh": DIFFERENT.format("prestress of part 'fabric'"),
+    "other name of a part of a mesh": DIFFERENT.format("names of the parts, group 'fabric', group 'roof'"),
+    "other support of a mesh": DIFFERENT.format("supports"),
 }
 
 
