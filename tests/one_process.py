@@ -8,7 +8,9 @@ import sys
 import warnings
 from pathlib import Path
 
+import numpy as np
 from mpi4py import MPI
+from petsc4py import PETSc
 
 import interrupted
 from fx_membrane import (
@@ -16,17 +18,24 @@ from fx_membrane import (
     CheckpointWarning,
     ConjugateGradient,
     DistributedLoad,
+    Fabric,
     LargeStrainWarning,
+    Membrane,
     Newton,
     PointLoad,
+    Problem,
     Stage,
     equilibrium_path,
     natural_frequencies,
     plot,
     stability,
+    structure_from_dolfinx,
     updated_reference,
 )
 from interrupted import POINTS, stages, structure
+
+# isort: split
+from dolfinx.mesh import create_unit_square
 
 COMM = MPI.COMM_WORLD
 FIRST = COMM.rank == 0
@@ -79,6 +88,31 @@ def seen_by_the_first():
     assert path.exists() == FIRST
 
 
+def fabric(cells, prestress=1e3):
+    return Membrane(cells, Fabric(Et=500e3, nu=0.3), prestress=prestress)
+
+
+def broken(_):
+    raise RuntimeError("the words of one")
+
+
+def from_mesh(make=fabric, name="fabric", supports=None):
+    return lambda: structure_from_dolfinx(square, {name: square}, {name: make}, supports)
+
+
+def derivative(*change):
+    return lambda: view.derivative(x, *change)
+
+
+def spread(total):
+    """Vector with the rows of the problem, but one node more on the first process, and one less on the last."""
+    own = x.getLocalSize() + {0: 3, COMM.size - 1: -3}.get(COMM.rank, 0)
+    return PETSc.Vec().createMPI((own, total), comm=COMM)
+
+
+problem = Problem(structure())
+view, x = problem.under(), problem.create_vector()
+square = create_unit_square(COMM, 2, 2)
 state = FOLDER / "state"
 other_points = POINTS.copy()
 other_points[6, 2] += 1e-9
@@ -111,6 +145,27 @@ CASES = {
     "other start of a path": lambda: equilibrium_path(mine(lift, structure()), mine(pull, Stage("pull", pull.loads))),
     "other form": lambda: updated_reference(structure(prestress=mine(1e3, 2e3))),
     "other tolerance of a form": lambda: updated_reference(structure(), tolerance=mine(1e-3, 1e-2)),
+    "stage of actions that does not fit on one": lambda: problem.actions_of(
+        mine(pull, Stage("pull", [DistributedLoad((0, 0, 1), "roof")]))
+    ),
+    "other stage of actions": lambda: problem.actions_of(mine(pull, Stage("pull"))),
+    "other start of actions": lambda: problem.actions_of(pull, mine(None, lift.actions)),
+    "no parameter on one": derivative("fabric", mine("Et", "Gt")),
+    "no part on one": derivative(mine("fabric", "roof"), "prestress"),
+    "no direction on one": derivative("fabric", "Et", mine(1.0, "text")),
+    "other parameter": derivative("fabric", mine("Et", "nu")),
+    "other direction": derivative("fabric", "Et", mine(1.0, 2.0)),
+    "no start of a load factor on one": lambda: view.load_derivative(x, mine(None, 3)),
+    "other start of a load factor": lambda: view.load_derivative(x, mine(None, lift.actions)),
+    "no values on one": lambda: problem.to_petsc(mine(np.zeros_like(POINTS), None)),
+    "other values": lambda: problem.to_petsc(mine(np.zeros_like(POINTS), POINTS)),
+    "no elasticity on one": lambda: Problem(structure(), elastic=mine(True, "no")),
+    "other elasticity": lambda: Problem(structure(), elastic=mine(True, False)),
+    "other rows": lambda: view.residual(spread(x.getSize())),
+    "part of a mesh that fails on one": from_mesh(mine(fabric, broken)),
+    "other part of a mesh": from_mesh(mine(fabric, lambda cells: fabric(cells, 2e3))),
+    "other name of a part of a mesh": from_mesh(name=mine("fabric", "roof")),
+    "other support of a mesh": from_mesh(supports={"fabric": mine("xyz", "z")}),
 }
 
 analysis.run(stages()[:1], state)

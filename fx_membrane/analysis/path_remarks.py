@@ -46,7 +46,7 @@ def _carried(problem: Problem, path: EquilibriumPath, pulse: Pulse) -> Iterator[
         pulse(f"looking for slack parts at point {number} of {len(path.points)}")
         loaded = problem.under(between(path.start, path.end, point.load_factor))
         loaded = loaded.without_compression_stiffness(point.kept)
-        x = problem.to_petsc(point.displacement)
+        x = problem.discretization.to_petsc(point.displacement)
         state = record(path.name, loaded, x, (Increment(point.load_factor, point.iterations),))
         for remark in remarked(state, None).remarks:
             if getattr(remark, "category", None) is UnstableStateWarning:

@@ -252,7 +252,7 @@ class Analysis:
             return True
         factor = float(control.state.factor) or PROBE * float(reached.factor)
         loaded = self.problem.under(course.actions(factor))
-        x = self.problem.to_petsc(control.state.displacement)
+        x = self.problem.discretization.to_petsc(control.state.displacement)
         if control.state.factor == 0 and not self._solved(loaded, x, work, thorough=False).converged:
             return not work.over
         control.note_fallen(held_by_slack_parts(self._record(course.stage.name, loaded, x, ())))
@@ -288,5 +288,5 @@ class Analysis:
 
     def _result(self, course: _Course, state: Progress) -> StageResult:
         loaded = self.problem.under(course.actions(state.factor))
-        x = self.problem.to_petsc(state.displacement)
+        x = self.problem.discretization.to_petsc(state.displacement)
         return self._record(course.stage.name, loaded, x, state.increments)

@@ -76,6 +76,7 @@ class Discretization:
         block_of_node: Block of each node in the PETSc system, shape (n,); -1 for a node that no part uses.
         first_block: First block that this process owns.
         owned_nodes: Nodes whose values this process holds, in the order of its part of a PETSc vector.
+        rows: First row of each process in the PETSc system, and the number of all rows.
         local_nodes: Nodes that the meshes of this process touch, ascending.
         parts: Meshes of the parts of which this process has cells.
         state: Number that changes with the displacement or the reference positions of a mesh of this process.
@@ -113,7 +114,9 @@ class Discretization:
         blocks = self.block_of_node[self.local_nodes].astype(PETSc.IntType)
         where = PETSc.IS().createBlock(3, blocks, comm=MPI.COMM_SELF)
         self._local_values = PETSc.Vec().createSeq(3 * len(self.local_nodes), comm=MPI.COMM_SELF)
-        self._scatter = PETSc.Scatter().create(self.create_vector(), where, self._local_values, None)
+        vector = self.create_vector()
+        self.rows: list[int] = vector.getOwnershipRanges().tolist()
+        self._scatter = PETSc.Scatter().create(vector, where, self._local_values, None)
 
     def _part_mesh(self, name: str, share: NDArray[np.int64]) -> PartMesh:
         part, count = self.structure.parts[name], len(self.structure.points)

@@ -11,13 +11,16 @@ from numpy.typing import ArrayLike, NDArray
 from petsc4py import PETSc
 
 from ..model.energy_terms import Acting
+from ..model.fingerprints import of_settings
 from ..model.structure import Structure
+from ..runtime.processes import refuse_differences, together
 from . import parameters
 from .actions import Actions, change
 from .assembler import Assembler, CellData
 from .constraints import Constraints, constraints
 from .discretization import Discretization
 from .energy_terms import Terms, terms_of
+from .fitting import check_actions, check_matrix, check_vector
 from .rounding import UNIT, Magnitudes
 from .stabilization import Stabilization
 from .work import work
@@ -28,7 +31,7 @@ class LoadedProblem:
     """Energy, residual and tangent of a structure under given actions; made by `Problem.under`.
 
     It is a frozen view: results depend on the displacement x alone, a PETSc vector in the numbering of the `Problem`.
-    Methods are collective.
+    Methods are collective. They refuse a vector or matrix of another problem, with a ValueError.
 
     Residual, tangent and derivatives are those of the structure without its constraints: rows of constrained components
     hold reactions and their derivatives. For a linear system, `constraints` replaces these rows: those of a right-hand
@@ -78,7 +81,8 @@ class LoadedProblem:
         return self.discretization.comm
 
     def under(self, actions: Actions) -> "LoadedProblem":
-        """View of the same problem under other actions; not collective."""
+        """View of the same problem under other actions, the same on all processes; not collective."""
+        check_actions("actions", actions, self.structure)
         return replace(self, **_of_actions(self.assembler, self.magnitudes, actions, self.cells.compression))
 
     def with_stabilization(self, shift: float) -> "LoadedProblem":
@@ -139,7 +143,7 @@ class LoadedProblem:
             x: Displacement [m].
             b: Vector for the result; a new one if None.
         """
-        b = self.discretization.create_vector() if b is None else b
+        b = self._vector(b)
         self._update(x)
         self.assembler.internal_forces(b)
         b.array -= self.own_loads
@@ -155,7 +159,10 @@ class LoadedProblem:
             x: Displacement [m].
             A: Matrix for the result; a new one if None.
         """
-        A = self.discretization.create_matrix() if A is None else A
+        if A is None:
+            A = self.discretization.create_matrix()
+        else:
+            check_matrix("A", A, self.discretization.rows)
         self._update(x)
         self.assembler.tangent(A)
         self.terms.add_tangent(A)
@@ -188,12 +195,17 @@ class LoadedProblem:
             b: Vector for the result; a new one if None.
 
         Raises:
-            ValueError: There is no such part or parameter, or the direction has another shape.
+            ValueError: There is no such part or parameter, or the direction has another shape, or they are not the
+                same on all processes.
         """
-        b = self.discretization.create_vector() if b is None else b
-        given = parameters.Change(self.structure, part, parameter, direction)
+        with together(self.comm):
+            given = parameters.Change(self.structure, part, parameter, direction)
+        settings = {"part": part, "parameter": parameter, "direction": given.values}
+        refuse_differences(self.comm, lambda: of_settings(settings))
+        b = self._vector(b)
         if given.parameter == "pressure":
             data = replace(self.cells, pressures=given.on_cells(self.assembler.parts))
+            check_vector("x", x, self.discretization.rows)
             self.assembler.update(x, data)
             self.assembler.vector(lambda part: part.pressure, b).scale(-1.0)
             return b
@@ -212,8 +224,15 @@ class LoadedProblem:
             start: Actions at the load factor 0, those of this problem being at 1; None for none at all, so that the
                 factor multiplies all loads, pressures and energy terms. Terms of the structure do not follow it.
             b: Vector for the result; a new one if None.
+
+        Raises:
+            ValueError: The actions at the start do not fit the structure, or are not the same on all processes.
         """
-        b = self.discretization.create_vector() if b is None else b
+        with together(self.comm):
+            if start is not None:
+                check_actions("start", start, self.structure)
+        refuse_differences(self.comm, lambda: of_settings({"start": start}))
+        b = self._vector(b)
         rate = self if start is None else self.under(change(start, self.actions))
         rate._following(x, b)
         b.array += rate.own_loads
@@ -276,7 +295,15 @@ class LoadedProblem:
             square = float(own @ own)
         return math.sqrt(self.comm.allreduce(square))
 
+    def _vector(self, b: PETSc.Vec | None) -> PETSc.Vec:
+        """Vector for a result: the given one, or a new one."""
+        if b is None:
+            return self.discretization.create_vector()
+        check_vector("b", b, self.discretization.rows)
+        return b
+
     def _update(self, x: PETSc.Vec) -> None:
+        check_vector("x", x, self.discretization.rows)
         self.assembler.update(x, self.cells)
 
     def _pressure_forces(self, x: PETSc.Vec, total: PETSc.Vec) -> PETSc.Vec:

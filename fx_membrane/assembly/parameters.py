@@ -33,7 +33,7 @@ class Change:
             )
         owner = structure.parts[part]
         names = ("prestress", *moduli(owner), *["pressure"] * isinstance(owner, Membrane))
-        if parameter not in names:
+        if not isinstance(parameter, str) or parameter not in names:
             given = validation.short_repr(parameter)
             raise ValueError(f"Part {part!r} has no parameter {given}; those with a derivative are {list(names)}.")
         self.part, self.parameter = part, parameter

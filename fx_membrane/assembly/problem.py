@@ -12,13 +12,12 @@ from typing import NoReturn
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from petsc4py import PETSc
 
 from .. import _dolfinx
 from ..checks import validation
-from ..model.fingerprints import fingerprints
-from ..model.parts import Membrane
+from ..model.fingerprints import fingerprints, of_settings
 from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
 from ..runtime.processes import refuse_differences, together
@@ -26,6 +25,7 @@ from . import load_cases
 from .actions import Actions, unloaded
 from .assembler import Assembler
 from .discretization import Discretization
+from .fitting import check_actions, check_matrix, check_vector, nodal_values
 from .loaded_problem import LoadedProblem, loaded_problem
 from .part_forms import PartForms, mass_form, part_forms
 from .rounding import magnitudes
@@ -59,7 +59,7 @@ class Problem:
         elastic: False keeps the prestress as the only stress at any strain: for form finding.
 
     Raises:
-        ValueError: An argument is of another kind; the structure is not the same on all processes.
+        ValueError: An argument is of another kind, or is not the same on all processes.
 
     Attributes:
         structure: The structure.
@@ -74,7 +74,8 @@ class Problem:
         validation.communicator("Problem comm", comm)
         with together(comm):
             validation.instance("Problem structure", structure, Structure)
-        refuse_differences(comm, lambda: fingerprints(structure))
+            elastic = validation.truth("Problem elastic", elastic)
+        refuse_differences(comm, lambda: fingerprints(structure) | of_settings({"elastic": elastic}))
         _dolfinx.free_dropped(comm)
         self.structure, self.comm = structure, comm
         self.number = int(comm.bcast(next(_number)))
@@ -89,7 +90,8 @@ class Problem:
     def under(self, actions: Actions | None = None) -> LoadedProblem:
         """View of the problem under actions, those of the supports alone if None; not collective.
 
-        It copies the actions, and stays as it is whatever else is asked of this problem.
+        It copies the actions, and stays as it is whatever else is asked of this problem. Actions must be the same on
+        all processes. That is not checked: from different ones, results mix the loads of all processes.
 
         Args:
             actions: As of `StageResult.actions` or `actions_of`; the same on all processes.
@@ -98,8 +100,7 @@ class Problem:
             ValueError: An array of the actions does not have the shape of the structure.
         """
         actions = unloaded(self.structure) if actions is None else actions
-        validation.instance("actions", actions, Actions)
-        self._check(actions)
+        check_actions("actions", actions, self.structure)
         return loaded_problem(self._assembler, self._stabilizer, self.magnitudes, actions)
 
     def actions_of(self, stage: Stage, start: Actions | None = None) -> Actions:
@@ -110,10 +111,15 @@ class Problem:
             start: Actions at its start; those of the supports if None.
 
         Raises:
-            ValueError: The stage does not fit the structure.
+            ValueError: An argument is of another kind, does not fit the structure, or is not the same on all processes.
         """
-        check_stages(self.structure, [replace(stage, after=None)])
         start = unloaded(self.structure) if start is None else start
+        with together(self.comm):
+            validation.instance("actions_of stage", stage, Stage)
+            check_stages(self.structure, [replace(stage, after=None)])
+            check_actions("actions_of start", start, self.structure)
+        given = {f"{name} of stage {stage.name!r}": getattr(stage, name) for name in ("loads", "displacements")}
+        refuse_differences(self.comm, lambda: of_settings(given | {"start": start}))
         return load_cases.at_end(self.structure, self._assembler.nodal_loads, stage, start)
 
     def mass(self, A: PETSc.Mat | None = None) -> PETSc.Mat:
@@ -122,7 +128,10 @@ class Problem:
         Args:
             A: Matrix for the result; a new one if None.
         """
-        A = self.create_matrix() if A is None else A
+        if A is None:
+            A = self.create_matrix()
+        else:
+            check_matrix("A", A, self.discretization.rows)
         return self._assembler.matrix(mass_form, A)
 
     # Numbering and transfer
@@ -132,12 +141,24 @@ class Problem:
         """Block of each node in PETSc objects, shape (n,): entries 3 block + component; -1 for nodes of no part."""
         return self.discretization.block_of_node
 
-    def to_petsc(self, values: NDArray[np.float64]) -> PETSc.Vec:
-        """Vector of nodal values, shape (n, 3), in the user's order on every process."""
-        return self.discretization.to_petsc(values)
+    def to_petsc(self, values: ArrayLike) -> PETSc.Vec:
+        """Vector of nodal values, shape (n, 3), in the user's order on every process.
+
+        Raises:
+            ValueError: The values have another shape, are not finite, or are not the same on all processes.
+        """
+        with together(self.comm):
+            checked = nodal_values("to_petsc values", values, self.structure)
+        refuse_differences(self.comm, lambda: of_settings({"values": checked}))
+        return self.discretization.to_petsc(checked)
 
     def to_numpy(self, vector: PETSc.Vec) -> NDArray[np.float64]:
-        """Nodal values in the user's order on every process, shape (n, 3); zero at nodes that no part uses."""
+        """Nodal values in the user's order on every process, shape (n, 3); zero at nodes that no part uses.
+
+        Raises:
+            ValueError: It is not a vector of this problem.
+        """
+        check_vector("to_numpy vector", vector, self.discretization.rows)
         return self.discretization.to_numpy(vector)
 
     def create_vector(self) -> PETSc.Vec:
@@ -154,13 +175,3 @@ class Problem:
 
     def __reduce__(self) -> NoReturn:
         raise TypeError("A Problem cannot be pickled; send its structure, and make the problem again from that.")
-
-    def _check(self, actions: Actions) -> None:
-        shape = self.structure.points.shape
-        arrays = {"loads": actions.loads, "held": actions.held, "displacement": actions.displacement}
-        expected = {name: (array, shape) for name, array in arrays.items()}
-        for name, pressure in actions.pressures.items():
-            expected[f"pressures of {name!r}"] = pressure, (len(self.structure.part(name, Membrane).cells),)
-        for name, (array, wanted) in expected.items():
-            if np.shape(array) != wanted:
-                raise ValueError(f"Actions {name} has shape {np.shape(array)}; this structure takes {wanted}.")

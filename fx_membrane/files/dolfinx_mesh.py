@@ -13,8 +13,9 @@ from scipy.spatial import cKDTree
 from .. import _dolfinx
 from ..checks import validation
 from ..model.coincidence import COINCIDENT
+from ..model.fingerprints import fingerprints, of_settings
 from ..model.structure import Structure
-from ..runtime.processes import together
+from ..runtime.processes import refuse_differences, together
 from .groups import Groups, Makers, check_arguments, structure
 
 # isort: split
@@ -55,7 +56,8 @@ def structure_from_dolfinx(
     Raises:
         ValueError: An argument is of another kind; cells are quadrilaterals, or curved; a name has no group, or its
             tags are of no mesh given or have no entity of that value; its cells are not intervals or triangles, or do
-            not fit their part; a support is on no part; two nodes of one mesh coincide with one of another.
+            not fit their part; a support is on no part; two nodes of one mesh coincide with one of another; an argument
+            is not the same on all processes.
     """
     meshes = _checked_meshes(mesh)
     comm = meshes[0].comm
@@ -65,6 +67,7 @@ def structure_from_dolfinx(
         for name in parts:
             _check_dimension(name, wanted[name])
         mine = [_nodes(msh) for msh in meshes], {name: _entities(group, meshes) for name, group in wanted.items()}
+    refuse_differences(comm, lambda: of_settings(_asked(wanted, parts, supports)))
     gathered = comm.allgather(mine)
     numbers, points, first = _points([nodes for nodes, _ in gathered])
     found = {
@@ -78,7 +81,10 @@ def structure_from_dolfinx(
     nodes = {name: joined[np.unique(found[name])] for name in supports or {}}
     inputs = np.concatenate(numbers)
     found_groups = Groups(points, cells, nodes, "group", lambda row: f"node {inputs[row]}")
-    return structure(found_groups, parts, supports or {}, separate)
+    with together(comm):
+        made = structure(found_groups, parts, supports or {}, separate)
+    refuse_differences(comm, lambda: fingerprints(made))
+    return made
 
 
 class _Group(NamedTuple):
@@ -135,6 +141,15 @@ def _group(name: str, groups: Any, meshes: list[Mesh]) -> _Group:
     tags, values = given
     number = _position(f"{what} has MeshTags of a mesh", [_dolfinx.are_tags_of(tags, msh) for msh in meshes])
     return _Group(number, tags.dim, tags, validation.indices(f"{what}, value", values))
+
+
+def _asked(wanted: Mapping[str, _Group], parts: Makers, supports: Mapping[str, str] | None) -> dict[str, Any]:
+    """Arguments that must be the same on all processes, by subject."""
+    groups = {
+        f"group {name!r}": (group.mesh, group.dimension, group.tags is None, group.values)
+        for name, group in wanted.items()
+    }
+    return {"names of the parts": list(parts), "supports": supports, **groups}
 
 
 def _position(what: str, of: list[bool]) -> int:

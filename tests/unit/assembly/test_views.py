@@ -6,8 +6,9 @@ import pickle
 import numpy as np
 import pytest
 from mpi4py import MPI
+from petsc4py import PETSc
 
-from fx_membrane import Actions, Fabric, Membrane, Pressure, Problem, Structure, Support
+from fx_membrane import Actions, Fabric, Membrane, Pressure, Problem, Stage, Structure, Support
 from fx_membrane.solvers.bordered_newton import BorderedNewton
 from models import MIXED, POINTS, TRIANGLES, end, inclined_sheet
 
@@ -157,6 +158,97 @@ def test_bad_arguments_are_refused(problem):
         problem.under(3)
     with pytest.raises(ValueError, match=r"names part 'sail'|'sail'"):
         end(problem, Pressure(1.0, "sail"))
+
+
+def _of_rows(count):
+    return PETSc.Vec().createMPI(count, comm=MPI.COMM_WORLD)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda p: Problem(p.structure, elastic="no"), "Problem elastic is 'no'; give"),
+        (lambda p: p.actions_of("a"), "actions_of stage is 'a'; give a Stage"),
+        (lambda p: p.actions_of(Stage("a"), "x"), "actions_of start is 'x'; give an Actions"),
+        (lambda p: p.under().under("x"), "actions is 'x'; give an Actions"),
+        (lambda p: p.to_petsc(None), "to_petsc values must be an array of numbers .*, not None"),
+        (lambda p: p.to_petsc(np.zeros((26, 3))), r"to_petsc values has shape \(26, 3\); give \(25, 3\)"),
+        (lambda p: p.to_petsc(np.zeros(75)), r"to_petsc values has shape \(75,\); give \(25, 3\)"),
+        (lambda p: p.to_petsc(np.full((25, 3), np.nan)), r"to_petsc values has a value .* not finite \(nan\)"),
+        (lambda p: p.to_numpy(_of_rows(78)), "to_numpy vector is a PETSc vector with 78 rows; the problem has 75"),
+        (lambda p: p.mass(p.create_vector()), "A is a PETSc Vec; give a PETSc matrix: make one with create_matrix"),
+    ],
+)
+def test_wrong_objects_are_refused_by_the_problem(problem, call, message):
+    with pytest.raises(ValueError, match=f"^{message}"):
+        call(problem)
+
+
+VECTORS = {
+    "array": (lambda: np.zeros((25, 3)), "an array of float64, shape .*; give a PETSc vector: make one with create_v"),
+    "larger": (lambda: _of_rows(78), "a PETSc vector with 78 rows; the problem has 75: make one with create_vector"),
+    "smaller": (lambda: _of_rows(3), "a PETSc vector with 3 rows; the problem has 75"),
+    "untouched": (PETSc.Vec, "a PETSc vector without rows; make one with create_vector"),
+    "unset": (lambda: PETSc.Vec().create(), "a PETSc vector without rows; make one with create_vector"),
+}
+METHODS = {
+    "energy": lambda view, x: view.energy(x),
+    "residual": lambda view, x: view.residual(x),
+    "tangent": lambda view, x: view.tangent(x),
+    "derivative": lambda view, x: view.derivative(x, "fabric", "Et"),
+    "derivative by a pressure": lambda view, x: view.derivative(x, "fabric", "pressure"),
+    "load derivative": lambda view, x: view.load_derivative(x),
+}
+RESULTS = {
+    "residual": lambda view, x, b: view.residual(x, b),
+    "derivative": lambda view, x, b: view.derivative(x, "fabric", "Et", b=b),
+    "load derivative": lambda view, x, b: view.load_derivative(x, b=b),
+}
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("vector", VECTORS)
+def test_vectors_of_another_problem_are_refused(problem, method, vector):
+    make, message = VECTORS[vector]
+    with pytest.raises(ValueError, match=f"^x is {message}"):
+        METHODS[method](problem.under(), make())
+
+
+@pytest.mark.parametrize("method", RESULTS)
+@pytest.mark.parametrize("vector", VECTORS)
+def test_vectors_for_results_of_another_problem_are_refused(problem, method, vector):
+    make, message = VECTORS[vector]
+    with pytest.raises(ValueError, match=f"^b is {message}"):
+        RESULTS[method](problem.under(), problem.create_vector(), make())
+
+
+def test_matrices_of_another_problem_are_refused(problem):
+    x = problem.create_vector()
+    other = PETSc.Mat().createAIJ((75, 78), comm=problem.comm)
+    other.setUp()
+    smaller = Problem(MIXED).create_matrix()
+    for A, message in [
+        (np.eye(75), "an array of float64"),
+        (PETSc.Mat(), "a PETSc matrix without rows; make one with create_matrix"),
+        (smaller, f"a PETSc matrix with {MIXED.points.size} rows; the problem has 75"),
+        (other, "a PETSc matrix with 78 columns; the problem has 75|a PETSc matrix with the rows .* distributed"),
+    ]:
+        with pytest.raises(ValueError, match=f"^A is ({message})"):
+            problem.under().tangent(x, A)
+
+
+def test_lists_of_nodal_values_are_taken(problem):
+    values = state(problem.structure)
+    assert np.array_equal(problem.to_numpy(problem.to_petsc(values.tolist())), values)
+
+
+def test_start_of_a_load_factor_that_does_not_fit_is_refused(problem):
+    zero = np.zeros((3, 3))
+    view, x = problem.under(), problem.create_vector()
+    with pytest.raises(ValueError, match=r"^Actions loads has shape \(3, 3\); this structure takes \(25, 3\)"):
+        view.load_derivative(x, Actions(zero, zero.astype(bool), zero))
+    with pytest.raises(ValueError, match=r"^start is 3; give an Actions"):
+        view.load_derivative(x, 3)
 
 
 def test_problem_is_shared_by_copies_and_never_pickled(problem):
