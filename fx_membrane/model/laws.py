@@ -1,4 +1,4 @@
-"""The contract of a material law, and the check of laws on entry.
+"""The contract of a material law, and its members. `law_check` refuses laws that break it.
 
 A law is a frozen dataclass: its fields are its parameters, finite numbers. It has
 
@@ -24,7 +24,6 @@ What a class inherits from one with another energy belongs to that energy, and i
 import dataclasses
 from collections import namedtuple
 from collections.abc import Callable
-from functools import lru_cache
 from typing import Any, Protocol, cast
 
 import numpy as np
@@ -33,14 +32,11 @@ from numpy.typing import NDArray
 from ufl.algorithms.apply_algebra_lowering import apply_algebra_lowering
 
 from ..checks import validation
-from ..checks.values import with_article
 
 Array = NDArray[np.float64]
 
-STEP = 1e-4  # strain of difference quotients
 SAMPLES = (-0.2, -0.01, 0.003, 0.05, 0.4, 3.0)  # strains at which energies are compared
 STRETCHES = np.geomspace(1e-3, 1e4, 36)  # strains at which a compressive prestress may be taken up
-KINDS = {1: "bars", 2: "membranes"}
 
 
 class Law(Protocol):
@@ -137,7 +133,7 @@ def check_prestress(what: str, law: Law, tensors: Array) -> None:
         return
     along = np.outer(directions[cell, :, 0], directions[cell, :, 0])
     try:
-        falls = np.diff([_value(law, strain * along, tensors[cell]) for strain in (0.0, *STRETCHES)]) < 0
+        falls = np.diff([value(law, strain * along, tensors[cell]) for strain in (0.0, *STRETCHES)]) < 0
     except (ArithmeticError, ValueError):  # beyond a limited range
         return
     if falls.all():
@@ -147,126 +143,51 @@ def check_prestress(what: str, law: Law, tensors: Array) -> None:
         )
 
 
-def check(what: str, law: Any, dimension: int, own: bool) -> None:
-    """Refuse what is no law.
-
-    Args:
-        what: Name of the argument.
-        law: The law.
-        dimension: Dimension of the cells.
-        own: True for a law that the package does not bring; its energy is tried.
-
-    Raises:
-        ValueError: It is a class, or keeps to the contract in the module's docstring not.
-    """
-    if isinstance(law, type) or not callable(getattr(law, "energy", None)):
-        kind = "Fabric, OrthotropicFabric, NeoHooke or MooneyRivlin" if dimension == 2 else "Axial"
-        hint = ", with brackets behind its name" if isinstance(law, type) else ""
-        raise ValueError(
-            f"{what} is {validation.short_repr(law)}; give {with_article(kind)}{hint}, or a law of your own, an object "
-            "with energy(E, sigma0, parameters) and stiffness."
-        )
-    wanted = getattr(law, "dimension", dimension)
-    if wanted != dimension:
-        raise ValueError(f"{what} is {validation.short_repr(law)}, a law of {KINDS.get(wanted, wanted)}; give one of "
-                         f"{KINDS[dimension]}.")  # fmt: skip
-    _check_class(what, type(law))
-    if own:
-        for entry in dataclasses.fields(law):
-            validation.number(f"{what}: {type(law).__name__} {entry.name}", getattr(law, entry.name))
-        validation.positive(f"{what}: {type(law).__name__} stiffness", getattr(law, "stiffness", None))
-        try:
-            fault = _fault(law, dimension)
-        except TypeError:  # its class has no hash
-            fault = _fault.__wrapped__(law, dimension)
-        if fault:
-            raise ValueError(f"{what} is {with_article(type(law).__name__)}, {fault}.")
-
-
-def _check_class(what: str, kind: type) -> None:
-    named = f"{what} is {with_article(kind.__name__)}"
-    home = _home(kind, "energy")
-    if home is not None and home is not kind:
-        raise ValueError(
-            f"{named}, a class derived from {home.__name__}, whose energy would be used; define energy in "
-            f"{kind.__name__} (energy = {home.__name__}.energy if that is meant)."
-        )
-    settings = getattr(kind, "__dataclass_params__", None)
-    if settings is None or not settings.frozen or "__dataclass_fields__" not in vars(kind):
-        raise ValueError(
-            f"{named}, whose class is no frozen dataclass; write @dataclass(frozen=True) before it: its fields are "
-            "the parameters of the law."
-        )
-
-
-@lru_cache(maxsize=64)
-def _fault(law: Law, dimension: int) -> str:
-    """Sentence on a fault in the energy of a law; empty if there is none."""
-    size = float(law.stiffness)
-    sigma0 = size * np.array([[0.02, 0.006], [0.006, 0.01]])[:dimension, :dimension]
-    try:
-        rest = _value(law, 0 * sigma0, sigma0)
-        values = [(_value(law, STEP * D, sigma0), _value(law, -STEP * D, sigma0)) for D in _directions(dimension)]
-    except _UnfitError as fault:
-        return str(fault)
-    except Exception as error:
-        return f"whose energy(E, sigma0, parameters) raises {type(error).__name__}: {error}; mend it"
-    if not np.isfinite([rest, *np.ravel(values)]).all():
-        return "whose energy is not a finite number at E = 0; give one that is, in the reference shape"
-    for D, (above, below) in zip(_directions(dimension), values, strict=True):
-        stress, wanted = (above - below) / (2 * STEP), float(np.sum(sigma0 * D))
-        if not abs(stress - wanted) <= 0.01 * np.abs(sigma0).max():
-            return (
-                f"whose stress at E = 0 is {stress:.3g} under the prestress {wanted:.3g}; they must be equal: add "
-                "inner(sigma0, E) to an energy that has no stress of its own at E = 0"
-            )
-        if not above + below - 2 * rest > 0:
-            return "whose stiffness at E = 0 is not positive; give an energy that grows in all directions from there"
-    return ""
-
-
 def _text(law: Law, E: Array, sigma0: Array) -> str:
     try:
-        return f"{_value(law, E, sigma0):.9e}"
+        return f"{value(law, E, sigma0):.9e}"
     except (ArithmeticError, ValueError):  # as the logarithm of a negative number
         return "none"
 
 
-class _UnfitError(Exception):
+class UnfitError(Exception):
     """Result of `energy` that is no scalar in UFL."""
 
 
-def _value(law: Law, E: Array, sigma0: Array) -> float:
+def value(law: Law, E: Array, sigma0: Array) -> float:
     """Energy of a law at a strain under a prestress, both (d, d), by UFL's own evaluation."""
-    w = law.energy(ufl.variable(ufl.as_matrix(E.tolist())), ufl.as_matrix(sigma0.tolist()), parameters(law, ufl.as_ufl))
+    return float(apply_algebra_lowering(energy(law, ufl.as_matrix(E.tolist()), sigma0))(()))
+
+
+def energy(law: Law, E: Any, sigma0: Array) -> Any:
+    """Energy of a law in UFL at a strain in UFL under a prestress, both (d, d).
+
+    Raises:
+        UnfitError: It is no scalar in UFL.
+    """
+    w = law.energy(ufl.variable(E), ufl.as_matrix(sigma0.tolist()), parameters(law, ufl.as_ufl))
     if not isinstance(w, ufl.core.expr.Expr) or w.ufl_shape or w.ufl_free_indices:
-        raise _UnfitError(
+        raise UnfitError(
             f"whose energy(E, sigma0, parameters) is {validation.short_repr(w)}; return a scalar in UFL, as "
             "inner(sigma0, E) + parameters.k * tr(E)**2 / 2"
         )
-    return float(apply_algebra_lowering(w)(()))
-
-
-def _directions(dimension: int) -> list[Array]:
-    if dimension == 1:
-        return [np.eye(1)]
-    return [np.diag([1.0, 0.0]), np.diag([0.0, 1.0]), np.array([[0.0, 0.5], [0.5, 0.0]]), np.eye(2)]
+    return w
 
 
 def _differs_by_direction(law: Law) -> bool:
     """Return True if the energy of a membrane law differs for a strain that is turned in the plane."""
     c, s = np.cos(0.4), np.sin(0.4)
     Q, E, none = np.array([[c, -s], [s, c]]), np.diag([0.05, 0.01]), np.zeros((2, 2))
-    rest, along, turned = (_value(law, strain, none) for strain in (none, E, Q @ E @ Q.T))
+    rest, along, turned = (value(law, strain, none) for strain in (none, E, Q @ E @ Q.T))
     return not abs(turned - along) <= 1e-9 * abs(along - rest)
 
 
 def _has_own(kind: type, name: str) -> bool:
     """Return True if a class has a member that does not belong to another energy."""
-    home = _home(kind, name)
-    return home is not None and (home is kind or "energy" not in vars(home))
+    found = home(kind, name)
+    return found is not None and (found is kind or "energy" not in vars(found))
 
 
-def _home(kind: type, name: str) -> type | None:
+def home(kind: type, name: str) -> type | None:
     """Class that defines a member, in the order of inheritance."""
     return next((base for base in kind.__mro__ if base is not Law and name in vars(base)), None)

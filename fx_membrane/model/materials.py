@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..checks.validation import not_negative, number, positive, short_repr, store
 from ..forms import elasticity, hyperelasticity, wrinkling
-from . import laws
+from . import law_check
 
 
 @dataclass(frozen=True)
@@ -251,7 +251,7 @@ SHIPPED = (Fabric, OrthotropicFabric, NeoHooke, MooneyRivlin, Axial)
 
 def check(what: str, material: Any, dimension: int) -> None:
     """Refuse what is no law for cells of a dimension; the energy of a law that is not `SHIPPED` is tried."""
-    laws.check(what, material, dimension, own=type(material) not in SHIPPED)
+    law_check.check(what, material, dimension, own=type(material) not in SHIPPED)
 
 
 def _strain(stress: NDArray[np.float64], Et_warp: float, Et_weft: float, nu: float, Gt: float) -> NDArray[np.float64]:

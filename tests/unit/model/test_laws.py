@@ -138,7 +138,38 @@ def unsymmetric(self, E, sigma0, parameters):
     return ufl.inner(sigma0, E) + parameters.D * E[0, 0] ** 2 + parameters.D * E[1, 1] ** 2 / 5 + E[0, 1] ** 2
 
 
+def ogden(under_the_root=0.0, exponent=2.5):
+    """Energy in the principal stretches, whose squares are the roots of a quadratic equation."""
+
+    def energy(self, E, sigma0, parameters):
+        C = 2 * E + ufl.Identity(2)
+        t, d = ufl.tr(C), ufl.det(C)
+        r = ufl.sqrt(t**2 / 4 - d + under_the_root)
+        stretches = (t / 2 + r) ** (exponent / 2) + (t / 2 - r) ** (exponent / 2) + d ** (-exponent / 2)
+        return ufl.inner(sigma0, E) + parameters.D * (stretches - 3)
+
+    return energy
+
+
+def guarded(self, E, sigma0, parameters):
+    """Energy without stiffness at E = 0 itself, where the condition takes the other branch."""
+    return ufl.inner(sigma0, E) + parameters.D * ufl.conditional(ufl.gt(ufl.inner(E, E), 0), ufl.inner(E, E), 0)
+
+
 REFUSED = [
+    (law(energy=ogden()), r"derivatives at E = 0, at equal stretches, that are not numbers.*tr\(C\).*under the root"),
+    (law(energy=lambda self, E, s, p: ufl.inner(s, E) + ufl.inner(E, E) ** 0.9), "derivatives.*not numbers"),
+    (law(energy=guarded), "not positive"),
+    (law(strain_limit="5 %"), r"Mine strain_limit is the text '5 %'"),
+    (law(strain_limit=-0.05), r"Mine strain_limit is -0\.05; it must be positive"),
+    (law(relaxed_energy=lambda self, E, s, p: ufl.tr(E)), r"relaxed_energy\(.*\) is .*; return .*Relaxed.*or None"),
+    (
+        law(relaxed_energy=lambda self, E, s, p: (ufl.tr(E), 0)),
+        r"relaxed_energy\(.*\) is .*; return .*Relaxed.*or None",
+    ),
+    (law(relaxed_energy=lambda self, E: None), r"relaxed_energy\(.*\) raises TypeError"),
+    (law(strain=lambda self, s: s[:, 0]), r"strain\(stress\) has the shape \(3, 2\).*\(3, 2, 2\).*same shape"),
+    (law(strain=lambda self, s: s / self.EA), r"strain\(stress\) raises AttributeError"),
     (Foil, "brackets"),
     (object(), "give a Fabric, .* or a law of your own"),
     (Axial(1.0), "a law of bars; give one of membranes"),
@@ -163,6 +194,13 @@ def test_refused_in_a_membrane(material, words):
     with pytest.raises(ValueError, match=f"^Membrane material.*{words}") as refusal:
         membrane(material)
     assert str(refusal.value).endswith(".")
+
+
+@pytest.mark.parametrize(
+    "material", [law(energy=ogden(1e-12)), law(strain_limit=0.5), law(strain=lambda self, s: None)]
+)
+def test_remedies_are_taken(material):
+    assert membrane(material).material is material
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,172 @@
+"""Refusal of laws that break the contract in `laws`."""
+
+import dataclasses
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import ufl
+from numpy.typing import NDArray
+from ufl.algorithms.apply_algebra_lowering import apply_algebra_lowering
+from ufl.algorithms.apply_derivatives import apply_derivatives
+
+from ..checks import validation
+from ..checks.values import with_article
+from ..forms.wrinkling import Relaxed
+from . import laws
+
+Array = NDArray[np.float64]
+
+STEP = 1e-4  # strain of difference quotients
+KINDS = {1: "bars", 2: "membranes"}
+
+
+def check(what: str, law: Any, dimension: int, own: bool) -> None:
+    """Refuse what is no law.
+
+    Args:
+        what: Name of the argument.
+        law: The law.
+        dimension: Dimension of the cells.
+        own: True for a law that the package does not bring; its energy is tried.
+
+    Raises:
+        ValueError: It is a class, or breaks the contract in `laws`.
+    """
+    if isinstance(law, type) or not callable(getattr(law, "energy", None)):
+        kind = "Fabric, OrthotropicFabric, NeoHooke or MooneyRivlin" if dimension == 2 else "Axial"
+        hint = ", with brackets behind its name" if isinstance(law, type) else ""
+        raise ValueError(
+            f"{what} is {validation.short_repr(law)}; give {with_article(kind)}{hint}, or a law of your own, an object "
+            "with energy(E, sigma0, parameters) and stiffness."
+        )
+    wanted = getattr(law, "dimension", dimension)
+    if wanted != dimension:
+        raise ValueError(f"{what} is {validation.short_repr(law)}, a law of {KINDS.get(wanted, wanted)}; give one of "
+                         f"{KINDS[dimension]}.")  # fmt: skip
+    _check_class(what, type(law))
+    if own:
+        for entry in dataclasses.fields(law):
+            validation.number(f"{what}: {type(law).__name__} {entry.name}", getattr(law, entry.name))
+        validation.positive(f"{what}: {type(law).__name__} stiffness", getattr(law, "stiffness", None))
+        limit = laws.member(law, "strain_limit")
+        if limit is not None:
+            validation.positive(f"{what}: {type(law).__name__} strain_limit", limit)
+        try:
+            fault = _fault(law, dimension)
+        except TypeError:  # its class has no hash
+            fault = _fault.__wrapped__(law, dimension)
+        if fault:
+            raise ValueError(f"{what} is {with_article(type(law).__name__)}, {fault}.")
+
+
+def _check_class(what: str, kind: type) -> None:
+    named = f"{what} is {with_article(kind.__name__)}"
+    home = laws.home(kind, "energy")
+    if home is not None and home is not kind:
+        raise ValueError(
+            f"{named}, a class derived from {home.__name__}, whose energy would be used; define energy in "
+            f"{kind.__name__} (energy = {home.__name__}.energy if that is meant)."
+        )
+    settings = getattr(kind, "__dataclass_params__", None)
+    if settings is None or not settings.frozen or "__dataclass_fields__" not in vars(kind):
+        raise ValueError(
+            f"{named}, whose class is no frozen dataclass; write @dataclass(frozen=True) before it: its fields are "
+            "the parameters of the law."
+        )
+
+
+@lru_cache(maxsize=64)
+def _fault(law: laws.Law, dimension: int) -> str:
+    """Sentence on a fault in the energy of a law or in what belongs to it; empty if there is none."""
+    sigma0 = float(law.stiffness) * np.array([[0.02, 0.006], [0.006, 0.01]])[:dimension, :dimension]
+    try:
+        fault = _energy_fault(law, sigma0)
+    except laws.UnfitError as error:
+        return str(error)
+    except Exception as error:
+        return f"whose energy(E, sigma0, parameters) raises {type(error).__name__}: {error}; mend it"
+    return fault or _relaxed_fault(law, sigma0) or _strain_fault(law, dimension)
+
+
+def _energy_fault(law: laws.Law, sigma0: Array) -> str:
+    """Sentence on a fault in the energy and its derivatives at E = 0; empty if there is none."""
+    directions = _directions(len(sigma0))
+    rest = laws.value(law, 0 * sigma0, sigma0)
+    values = [(laws.value(law, STEP * D, sigma0), laws.value(law, -STEP * D, sigma0)) for D in directions]
+    if not np.isfinite([rest, *np.ravel(values)]).all():
+        return "whose energy is not a finite number at E = 0; give one that is, in the reference shape"
+    derivatives = [_derivatives(law, D, sigma0) for D in directions]
+    if not np.isfinite(derivatives).all():
+        return (
+            "whose energy has derivatives at E = 0, at equal stretches, that are not numbers, as of a root of zero; "
+            "write it in the invariants tr(C) and det(C) without roots, or add a small number, as 1e-12, under the root"
+        )
+    for D, (above, below), (slope, curvature) in zip(directions, values, derivatives, strict=True):
+        wanted = float(np.sum(sigma0 * D))
+        for stress in ((above - below) / (2 * STEP), slope):
+            if not abs(stress - wanted) <= 0.01 * np.abs(sigma0).max():
+                return (
+                    f"whose stress at E = 0 is {stress:.3g} under the prestress {wanted:.3g}; they must be equal: add "
+                    "inner(sigma0, E) to an energy that has no stress of its own at E = 0"
+                )
+        if not (above + below - 2 * rest > 0 and curvature > 0):
+            return "whose stiffness at E = 0 is not positive; give an energy that grows in all directions from there"
+    return ""
+
+
+def _derivatives(law: laws.Law, direction: Array, sigma0: Array) -> tuple[float, float]:
+    """First and second derivative of the energy at E = 0 along a direction, by UFL; not numbers where undefined.
+
+    The compiled forms take the same derivatives; difference quotients pass over a root of zero.
+    """
+    s = ufl.variable(ufl.as_ufl(0.0))
+    first = ufl.diff(laws.energy(law, s * ufl.as_matrix(direction.tolist()), sigma0), s)
+    try:
+        return _number(first), _number(ufl.diff(first, s))
+    except (ArithmeticError, ValueError):  # as the division by a root of zero
+        return np.nan, np.nan
+
+
+def _number(derivative: Any) -> float:
+    return float(apply_derivatives(apply_algebra_lowering(derivative))(()))
+
+
+def _relaxed_fault(law: laws.Law, sigma0: Array) -> str:
+    """Sentence on a fault in the relaxed energy; empty if there is none."""
+    formula = laws.member(law, "relaxed_energy")
+    if formula is None:
+        return ""
+    prestress = ufl.as_matrix(sigma0.tolist())
+    call = "relaxed_energy(E, sigma0, parameters)"
+    try:
+        found = formula(ufl.variable(0 * prestress), prestress, laws.parameters(law, ufl.as_ufl))
+    except Exception as error:
+        return f"whose {call} raises {type(error).__name__}: {error}; mend it"
+    if found is None or isinstance(found, Relaxed):
+        return ""
+    return (
+        f"whose {call} is {validation.short_repr(found)}; return a fx_membrane.forms.wrinkling.Relaxed(energy, state), "
+        "or None for a law that carries compression"
+    )
+
+
+def _strain_fault(law: laws.Law, dimension: int) -> str:
+    """Sentence on a fault in the strains under stresses; empty if there is none."""
+    stress = float(law.stiffness) * np.broadcast_to(0.01 * np.eye(dimension), (3, dimension, dimension))
+    try:
+        found = laws.strain(law, stress)
+    except Exception as error:
+        return f"whose strain(stress) raises {type(error).__name__}: {error}; mend it"
+    if found is None or np.shape(found) == stress.shape:
+        return ""
+    return (
+        f"whose strain(stress) has the shape {np.shape(found)} for stresses of the shape {stress.shape}; return an "
+        "array of the same shape"
+    )
+
+
+def _directions(dimension: int) -> list[Array]:
+    if dimension == 1:
+        return [np.eye(1)]
+    return [np.diag([1.0, 0.0]), np.diag([0.0, 1.0]), np.array([[0.0, 0.5], [0.5, 0.0]]), np.eye(2)]
