@@ -30,7 +30,11 @@ def answers(view, displacement):
 
 
 def same(one, other):
-    return all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))
+    # On three processes sums arrive in an order of their own.
+    return all(
+        np.abs(np.subtract(a, b)).max() <= 1e-13 * max(np.abs(a).max(), np.abs(b).max())
+        for a, b in zip(one, other, strict=True)
+    )
 
 
 @pytest.fixture
@@ -107,7 +111,7 @@ def test_linearization_of_the_arc_length_does_not_depend_on_the_last_residual(pr
         newton.residual(x, last)
         assert newton.linearize(x, 1.0)
         found.append(problem.to_numpy(newton.du_load))
-    assert np.array_equal(*found)
+    assert found[1] == pytest.approx(found[0], rel=0, abs=1e-11 * np.abs(found[0]).max())  # sums in any order
     newton.free()
 
 
@@ -117,7 +121,7 @@ def test_vectors_and_matrices_given_are_filled_and_returned(problem):
     assert view.residual(x, b) is b
     assert view.tangent(x, A) is A
     assert problem.mass(A) is A
-    assert np.array_equal(b.array_r, view.residual(x).array_r)
+    assert b.array_r == pytest.approx(view.residual(x).array_r, rel=1e-12, abs=1e-9)
 
 
 def test_numbering_is_the_documented_one():
