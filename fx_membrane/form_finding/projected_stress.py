@@ -143,7 +143,8 @@ def projected_stress(
         error, following = difference(densities, wanted), accelerated(densities, wanted)
         stray = max([_stray(plan, points @ axes[:, :2]).max() for plan in plans.values()], default=0.0)
         area = float(sum(measures(points, plan.cells).sum() for plan in plans.values()))
-        steps.append(FormStep(area, change_of_shape(structure, before, points - before), max(error, stray)))
+        change = change_of_shape(structure, before, points - before)
+        steps.append(FormStep(float(area), float(change), float(max(error, stray))))
     if not steps:
         raise RuntimeError(f"Form finding has no form after its first step: {collapse}")
     problem = collapse or _fold(plans, points, axes) or _excess(error, tolerance, len(steps))
