@@ -155,6 +155,8 @@ def apply(ksp: PETSc.KSP) -> None:
             f"give an iterative method too, as -{PREFIX}ksp_type cg."
         )
     rtol = float(ksp.getTolerances()[0])
+    if "ksp_rtol" in given() and ksp.getType() != "preonly":  # newer PETSc replaces a negative one without a word
+        rtol = PETSc.Options(PREFIX).getReal("ksp_rtol")
     if not rtol >= 0:
         raise ValueError(f"The PETSc option -{PREFIX}ksp_rtol is {rtol:g}, below zero; give at most {SOLVED:g}.")
     if ksp.getType() != "preonly" and rtol > SOLVED:
