@@ -12,6 +12,7 @@ from .assembly.actions import Actions
 from .assembly.loaded_problem import LoadedProblem
 from .assembly.problem import Problem
 from .assembly.wrinkling_direction import tension_direction
+from .files.archive import load_results, save_results
 from .files.dolfinx_functions import PartFunctions, to_dolfinx
 from .files.dolfinx_mesh import structure_from_dolfinx
 from .files.gmsh import structure_from_gmsh
@@ -114,12 +115,14 @@ __all__ = [
     "edges_where",
     "equilibrium_path",
     "force_density",
+    "load_results",
     "natural_frequencies",
     "plot",
     "polyline",
     "projected_stress",
     "rectangle",
     "report",
+    "save_results",
     "stability",
     "structure_from_dolfinx",
     "structure_from_gmsh",

@@ -185,7 +185,7 @@ class Analysis:
             if self._comm.rank == 0:
                 warn_of_large_prestress(self.structure, stacklevel=3)
         with checkpoint.opened(file, self.structure, stages, self._comm) as saved:
-            results = StageResults()
+            results = StageResults(stages=stages)
             ends: dict[str | None, Actions] = {None: unloaded(self.structure)}
             for stage in stages:
                 ends[stage.name] = end = self.problem.actions_of(stage, ends[stage.after])

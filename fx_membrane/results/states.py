@@ -3,8 +3,10 @@
 Arrays follow the user's own order of nodes and cells, and every process has all of them.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from types import MappingProxyType
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +14,7 @@ from numpy.typing import NDArray
 from ..assembly.actions import Actions
 from ..assembly.problem import Problem
 from ..model.parts import Cable, Mast, Membrane
+from ..model.stages import Stage
 from ..model.structure import Structure
 from ..solvers.base import Iteration
 from ..solvers.outcome import Outcome
@@ -35,7 +38,13 @@ class Remark(str):
         category: Class of the warning that tells it.
     """
 
-    category: type[UserWarning] = UnstableStateWarning
+    category: type[UserWarning]
+
+    def __new__(cls, sentence: str, category: type[UserWarning] = UnstableStateWarning) -> Self:
+        """Make a sentence of a category."""
+        remark = super().__new__(cls, sentence)
+        remark.category = category
+        return remark
 
 
 class Increment(NamedTuple):
@@ -245,7 +254,15 @@ class StageResult:
 
 
 class StageResults(dict[str, StageResult]):
-    """Results of stages by name: a dictionary whose KeyError lists the names."""
+    """Results of stages by name: a dictionary whose KeyError lists the names.
+
+    Attributes:
+        stages: The stages that were to run, in order.
+    """
+
+    def __init__(self, results: Mapping[str, StageResult] = MappingProxyType({}), stages: Sequence[Stage] = ()):
+        super().__init__(results)
+        self.stages = tuple(stages)
 
     def __missing__(self, name: object) -> StageResult:
         raise KeyError(f"no stage is named {name!r}; the results are of {list(self)}")
