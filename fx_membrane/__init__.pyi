@@ -16,6 +16,7 @@ from .files.archive import load_results, save_results
 from .files.dolfinx_functions import PartFunctions, to_dolfinx
 from .files.dolfinx_mesh import structure_from_dolfinx
 from .files.gmsh import structure_from_gmsh
+from .files.tables import write_tables
 from .form_finding.force_density import force_density
 from .form_finding.form import Form, FormStep
 from .form_finding.projected_stress import projected_stress
@@ -129,6 +130,7 @@ __all__ = [
     "tension_direction",
     "to_dolfinx",
     "updated_reference",
+    "write_tables",
 ]
 
 __version__: str

@@ -5,7 +5,6 @@ It holds numbers and texts only. Opening it runs no code of the file.
 
 import importlib.metadata
 import json
-import os
 import zipfile
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -42,6 +41,7 @@ from ..runtime.processes import by_the_first, together
 from ..solvers.base import Iteration
 from ..solvers.outcome import Outcome
 from .plain_data import Decoder, Encoder
+from .whole_file import writing
 
 FORMAT = 1
 KIND = "results of fx_membrane"
@@ -95,13 +95,7 @@ def save_results(results: StageResults | Form, path: str | Path) -> None:
         "objects": encode.objects,
         "content": content,
     }
-    try:
-        _write(file, json.dumps(document), encode.arrays)
-    except OSError as error:
-        reason = error.strerror or error
-        raise ValueError(
-            f"path is {str(file)!r}, which cannot be written ({reason}); make room, or give another place."
-        ) from None
+    _write(file, json.dumps(document), encode.arrays)
 
 
 def load_results(path: str | Path, classes: Iterable[type] = ()) -> Any:
@@ -147,20 +141,11 @@ def load_results(path: str | Path, classes: Iterable[type] = ()) -> Any:
 
 
 def _write(file: Path, document: str, arrays: dict[str, NDArray[Any]]) -> None:
-    file.parent.mkdir(parents=True, exist_ok=True)
-    part = file.with_name(file.name + ".part")
-    try:
-        with part.open("wb") as stream:
-            with zipfile.ZipFile(stream, "w") as archive:
-                archive.writestr(DOCUMENT, document, zipfile.ZIP_DEFLATED)
-                for name, array in arrays.items():
-                    with archive.open(f"{name}.npy", "w", force_zip64=True) as entry:
-                        np.save(entry, array, allow_pickle=False)
-            stream.flush()
-            os.fsync(stream.fileno())
-        part.replace(file)
-    finally:
-        part.unlink(missing_ok=True)
+    with writing(file, "wb") as stream, zipfile.ZipFile(stream, "w") as archive:
+        archive.writestr(DOCUMENT, document, zipfile.ZIP_DEFLATED)
+        for name, array in arrays.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as entry:
+                np.save(entry, array, allow_pickle=False)
 
 
 def _array(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:

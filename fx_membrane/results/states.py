@@ -242,6 +242,29 @@ class StageResult:
         self.structure.part(name, Mast)
         return self._bar(name)
 
+    def to_dataframe(self, part: str | None = None, *, force_unit: str = "N", length_unit: str = "m") -> Any:
+        """Table of the nodes, or of the cells of a part, for pandas.
+
+        Args:
+            part: Name of the part; None for the nodes.
+            force_unit: Name of the force unit of the structure and its loads, in the heads of columns.
+            length_unit: Name of the length unit.
+
+        Returns:
+            A pandas.DataFrame, with a row for each node or cell.
+
+        Raises:
+            ValueError: There is no part of that name.
+            ModuleNotFoundError: pandas is not installed.
+        """
+        from pandas import DataFrame  # noqa: PLC0415  (optional)
+
+        from .tables import cell_columns, node_columns  # noqa: PLC0415  (it needs this class)
+
+        units = force_unit, length_unit
+        columns = node_columns(self, *units) if part is None else cell_columns(self, part, *units)
+        return DataFrame(columns)
+
     @property
     def history(self) -> list[tuple[float, Iteration]]:
         """Load factor and iterate, for all iterations of the stage."""
