@@ -3,9 +3,10 @@
 from . import plot
 from .analysis.arc_length import PathError, equilibrium_path
 from .analysis.checkpoint import CheckpointWarning
+from .analysis.convergence_error import ConvergenceError
 from .analysis.modes import Modes, Stability, natural_frequencies, stability
 from .analysis.path import EquilibriumPath, PathPoint
-from .analysis.stages import Analysis, ConvergenceError
+from .analysis.stages import Analysis
 from .analysis.wave_speed import MassUnitWarning
 from .analysis.work import WorkLimit
 from .assembly.actions import Actions
@@ -16,6 +17,7 @@ from .files.archive import load_results, save_results
 from .files.dolfinx_functions import PartFunctions, to_dolfinx
 from .files.dolfinx_mesh import structure_from_dolfinx
 from .files.gmsh import structure_from_gmsh
+from .files.paraview import ParaViewSeries, SeriesWarning, write_paraview
 from .files.tables import write_tables
 from .form_finding.force_density import force_density
 from .form_finding.form import Form, FormStep
@@ -87,6 +89,7 @@ __all__ = [
     "Newton",
     "OrthotropicFabric",
     "Outcome",
+    "ParaViewSeries",
     "PartFunctions",
     "PathError",
     "PathPoint",
@@ -95,6 +98,7 @@ __all__ = [
     "PrescribedDisplacement",
     "Pressure",
     "Problem",
+    "SeriesWarning",
     "SliverWarning",
     "Solution",
     "Solve",
@@ -130,6 +134,7 @@ __all__ = [
     "tension_direction",
     "to_dolfinx",
     "updated_reference",
+    "write_paraview",
     "write_tables",
 ]
 
