@@ -14,9 +14,12 @@ from .assembly.loaded_problem import LoadedProblem
 from .assembly.problem import Problem
 from .assembly.wrinkling_direction import tension_direction
 from .files.archive import load_results, save_results
+from .files.compas import Net, read_compas
 from .files.dolfinx_functions import PartFunctions, to_dolfinx
 from .files.dolfinx_mesh import structure_from_dolfinx
 from .files.gmsh import structure_from_gmsh
+from .files.mesh_files import structure_from_file
+from .files.mesh_writer import write_mesh
 from .files.paraview import ParaViewSeries, SeriesWarning, write_paraview
 from .files.tables import write_tables
 from .form_finding.force_density import force_density
@@ -86,6 +89,7 @@ __all__ = [
     "Modes",
     "MooneyRivlin",
     "NeoHooke",
+    "Net",
     "Newton",
     "OrthotropicFabric",
     "Outcome",
@@ -125,15 +129,18 @@ __all__ = [
     "plot",
     "polyline",
     "projected_stress",
+    "read_compas",
     "rectangle",
     "report",
     "save_results",
     "stability",
     "structure_from_dolfinx",
+    "structure_from_file",
     "structure_from_gmsh",
     "tension_direction",
     "to_dolfinx",
     "updated_reference",
+    "write_mesh",
     "write_paraview",
     "write_tables",
 ]
