@@ -123,7 +123,7 @@ def projected_stress(
     max_iterations = validation.positive_integer("max_iterations", max_iterations)
     check_bars(structure)
 
-    membranes = {name: part for name, part in structure.parts.items() if isinstance(part, Membrane)}
+    membranes = structure.parts_of(Membrane)
     plans = {name: plan_of(name, part, structure.points, axes, fields.get(name)) for name, part in membranes.items()}
     pulse = Pulse("form finding", MPI.COMM_WORLD.rank == 0)
     points, reactions, error, stray, steps = structure.points, np.zeros(0), np.inf, np.inf, list[FormStep]()
@@ -171,7 +171,7 @@ def _checked_fields(structure: Structure, stress: Any) -> dict[str, Field]:
     validation.instance("stress", stress, Mapping | None)
     fields = dict(stress or {})
     for name, field in fields.items():
-        if not isinstance(structure.parts.get(name) if isinstance(name, str) else None, Membrane):
+        if not isinstance(name, str) or name not in structure.parts_of(Membrane):
             raise ValueError(f"stress names {validation.short_repr(name)}, which is no membrane of the structure.")
         if not callable(field):
             raise ValueError(
@@ -278,7 +278,7 @@ def _stressed(
     parts: dict[str, Part] = {}
     forces: dict[str, Array] = {}
     for name, part in structure.parts.items():
-        if isinstance(part, Membrane):
+        if part.dimension == 2:
             forces[name], warp = cauchy(plans[name], points)
             parts[name] = replace(part, prestress=forces[name], warp=warp)
         else:

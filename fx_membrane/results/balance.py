@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.rounding import meeting, prestresses, scales
-from .states import BarResult, MembraneResult, Remark, StageResult
+from .states import Remark, StageResult
 
 UNBALANCED = 1e-6  # of the loads
 # Share of the forces that meet at a node, below which what is left of them is rounding. Stiffness does not count: where
@@ -53,11 +53,10 @@ def _acting(result: StageResult) -> NDArray[np.float64]:
     A prestress counts also where the state has lost it: what is left is the difference of the two.
     """
     given = prestresses(result.structure)
-    return meeting(result.structure, {name: given[name] + _stress(part) for name, part in result.parts.items()})
-
-
-def _stress(part: MembraneResult | BarResult) -> NDArray[np.float64]:
-    return np.abs(part.force) if isinstance(part, BarResult) else np.abs(part.principal).max(axis=1)
+    return meeting(
+        result.structure,
+        {name: given[name] + np.abs(part.principal).max(axis=1) for name, part in result.parts.items()},
+    )
 
 
 def _size(forces: NDArray[np.float64]) -> float:

@@ -6,7 +6,7 @@ Arrays follow the user's own order of nodes and cells, and every process has all
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, NamedTuple, Self
+from typing import Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,6 +81,7 @@ class MembraneResult:
             (cells, 3, 3) [N/m]. It is larger than `cauchy` where cells have turned.
     """
 
+    dimension: ClassVar[Literal[2]] = 2
     strain: Array
     second_piola_kirchhoff: Array
     cauchy: Array
@@ -88,6 +89,16 @@ class MembraneResult:
     cauchy_projected: Array
     warp_weft_stress: Array
     state: NDArray[np.str_]
+
+    @property
+    def taut(self) -> NDArray[np.bool_]:
+        """Cells that are neither wrinkled nor slack, shape (cells,)."""
+        return self.state == "taut"
+
+    @property
+    def slack(self) -> NDArray[np.bool_]:
+        """Cells without tension, shape (cells,)."""
+        return self.state == "slack"
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,9 +111,20 @@ class BarResult:
         slack: Cells without tension, shape (cells,); False for masts, and for cables with `compression_stiffness=1`.
     """
 
+    dimension: ClassVar[Literal[1]] = 1
     strain: Array
     force: Array
     slack: NDArray[np.bool_]
+
+    @property
+    def taut(self) -> NDArray[np.bool_]:
+        """Cells that are not slack, shape (cells,)."""
+        return ~self.slack
+
+    @property
+    def principal(self) -> Array:
+        """Axial force as the one principal value of a bar, shape (cells, 1) [N]; see `MembraneResult`."""
+        return self.force[:, None]
 
 
 class TermResult(NamedTuple):
