@@ -24,6 +24,7 @@ from .files.paraview import ParaViewSeries, SeriesWarning, write_paraview
 from .files.tables import write_tables
 from .form_finding.force_density import force_density
 from .form_finding.form import Form, FormStep
+from .form_finding.natural_force_density import natural_force_density
 from .form_finding.projected_stress import projected_stress
 from .form_finding.updated_reference import UnsettledFormWarning, updated_reference
 from .geometry.edges import edges_where
@@ -125,6 +126,7 @@ __all__ = [
     "equilibrium_path",
     "force_density",
     "load_results",
+    "natural_force_density",
     "natural_frequencies",
     "plot",
     "polyline",
