@@ -19,7 +19,7 @@ from ..model.structure import Structure
 from .cable_forces import densities_of, measured_lengths
 from .cable_lines import Line, lines_of
 from .constraints import CableConstraint, CableDensity, CableForce, CableLength, CableSag, EdgeAngle
-from .plan import place
+from .plan import place as place_of
 
 Array = NDArray[np.float64]
 
@@ -76,21 +76,24 @@ class CableTargets:
         """Force densities of the first step, by part, shape (cells,) [N/m].
 
         Args:
-            guess: Force density of cables of wanted geometry without prestress [N/m].
+            guess: Least force to begin with where the geometry of a cable is given [N]: from a large one, every load
+                finds its shape.
         """
         found = self.by_force(self.points)
         for name, line, _ in self.targets:
-            q = found[name][line.cells]
-            found[name][line.cells] = np.where(q > 0, q, guess)
+            length = measures(self.points, self.bars[name].cells[line.cells])
+            found[name][line.cells] = np.maximum(found[name][line.cells], guess / length)
             self.first.append(_mean(found[name][line.cells]))
         return found
 
-    def wanted(self, points: Array, densities: Mapping[str, Array]) -> dict[str, Array]:
+    def wanted(self, points: Array, densities: Mapping[str, Array], reference: Array | None = None) -> dict[str, Array]:
         """Force densities that a shape asks for, by part, shape (cells,) [N/m].
 
         Args:
             points: The shape, shape (n, 3) [m].
             densities: Those of the shape.
+            reference: Shape in which the force is the same along a line, shape (n, 3) [m]; the shape itself if not
+                given.
 
         Raises:
             ValueError: A cable of given horizontal force has no length in plan.
@@ -99,7 +102,8 @@ class CableTargets:
         for name, line, constraint in self.targets:
             part, loaded = self.bars[name], np.zeros(len(found[name]), dtype=bool)
             loaded[line.cells] = True
-            length = measured_lengths(name, part, points, self.axes, self.kinds[name], loaded)[line.cells]
+            place = points if reference is None else reference
+            length = measured_lengths(name, part, place, self.axes, self.kinds[name], loaded)[line.cells]
             factor = np.clip(_factor(line, constraint, points), 1 / STEP, STEP)
             q = _mean(densities[name][line.cells] * length) * factor / length
             found[name][line.cells] = np.maximum(q, found[name][line.cells]) if _is_limit(constraint) else q
@@ -174,7 +178,7 @@ def _distinct(
         twice = cells[taken[name][cells]]
         if len(twice):
             raise ValueError(
-                f"Part {name!r}, cell {twice[0]} at {place(structure.points, part.cells, twice[0])} has two "
+                f"Part {name!r}, cell {twice[0]} at {place_of(structure.points, part.cells, twice[0])} has two "
                 "constraints; leave out one of them, or name the cells of each (cells=...)."
             )
         taken[name][cells] = True
@@ -201,6 +205,8 @@ def _targets(structure: Structure, constraint: Geometry, cells: NDArray[np.int64
                 )
             if len(line.cells) == 1 and apart:
                 raise ValueError(f"{who} is one segment between held ends, whose length is given; divide it.")
+        elif isinstance(constraint, CableSag) and constraint.along is not None and _is_along(line, constraint, points):
+            raise ValueError(f"{who} has its chord along the direction of its sag; give another direction (along=...).")
         elif line.is_closed:
             raise ValueError(f"{who} is closed, so it has no chord; give its length (CableLength) or its force.")
         elif len(line.cells) == 1:
@@ -213,7 +219,7 @@ def _value(line: Line, constraint: Geometry, points: Array) -> tuple[float, floa
     if isinstance(constraint, CableLength):
         return line.length(points), constraint.length, ""
     if isinstance(constraint, CableSag):
-        along = None if constraint.along is None else np.asarray(constraint.along)
+        along = None if constraint.along is None else validation.direction("along", constraint.along)
         return line.sag(points, along), constraint.sag, ""
     return float(np.degrees(line.angle(points))), constraint.angle, " degrees"
 
@@ -227,6 +233,13 @@ def _factor(line: Line, constraint: Geometry, points: Array) -> float:
     if isinstance(constraint, CableLength) and now > chord * (1 + STRAIGHT) and goal > chord * (1 + STRAIGHT):
         return float(np.sqrt((now - chord) / (goal - chord)))
     return now / goal
+
+
+def _is_along(line: Line, constraint: CableSag, points: Array) -> bool:
+    """Return True if the chord of a line has the direction of its sag."""
+    chord = points[line.nodes[-1]] - points[line.nodes[0]]
+    across = np.cross(chord, validation.direction("along", constraint.along))  # type: ignore[arg-type]
+    return bool(np.linalg.norm(across) <= STRAIGHT * np.linalg.norm(chord)) and not line.is_closed
 
 
 def _is_limit(constraint: Geometry) -> bool:

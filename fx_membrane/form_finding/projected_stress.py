@@ -24,7 +24,7 @@ from ..model.parts import Membrane
 from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
 from ..solvers.progress import Pulse
-from .cable_forces import MEASURES, Acceleration, check_bars, difference
+from .cable_forces import MEASURES, check_bars, difference
 from .cable_targets import MET
 from .constrained_balance import ConstrainedBalance
 from .constraints import Constraint
@@ -136,7 +136,7 @@ def projected_stress(
     pulse = Pulse("form finding", MPI.COMM_WORLD.rank == 0)
     points, reactions, error, stray, steps = structure.points, np.zeros(0), np.inf, np.inf, list[FormStep]()
     densities, following = {}, balance.start(plans)
-    collapse, accelerated, miss = "", Acceleration(), np.inf
+    collapse, accelerated, miss = "", balance.acceleration(), np.inf
     while (error > tolerance or miss > MET) and len(steps) < max_iterations:
         pulse(f"step {len(steps) + 1} towards the forces of cables")
         found = balance(points, plans, following, len(steps) + 1)
