@@ -22,6 +22,16 @@ from .files.mesh_files import structure_from_file
 from .files.mesh_writer import write_mesh
 from .files.paraview import ParaViewSeries, SeriesWarning, write_paraview
 from .files.tables import write_tables
+from .form_finding.constraints import (
+    CableDensity,
+    CableForce,
+    CableLength,
+    CableSag,
+    EdgeAngle,
+    RigidBody,
+    Ring,
+    Slide,
+)
 from .form_finding.force_density import force_density
 from .form_finding.form import Form, FormStep
 from .form_finding.natural_force_density import natural_force_density
@@ -65,11 +75,16 @@ __all__ = [
     "Axial",
     "BarResult",
     "Cable",
+    "CableDensity",
+    "CableForce",
+    "CableLength",
+    "CableSag",
     "CheckpointWarning",
     "CoincidentNodesWarning",
     "ConjugateGradient",
     "ConvergenceError",
     "DistributedLoad",
+    "EdgeAngle",
     "EnergyTerm",
     "Equilibrium",
     "EquilibriumPath",
@@ -103,6 +118,9 @@ __all__ = [
     "PrescribedDisplacement",
     "Pressure",
     "Problem",
+    "RigidBody",
+    "Ring",
+    "Slide",
     "SeriesWarning",
     "SliverWarning",
     "Solution",
