@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -66,7 +66,7 @@ def write_mesh(shape: Structure | StageResult | Form, path: str | Path) -> None:
 
 
 def _write_msh(stream: IO[str], structure: Structure, points: NDArray[np.float64]) -> None:
-    groups = [
+    groups: list[tuple[str, int, int, Any]] = [
         (name, part.dimension, TRIANGLE if part.dimension == 2 else LINE, part.cells)
         for name, part in structure.parts.items()
     ]
