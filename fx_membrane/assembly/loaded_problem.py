@@ -10,7 +10,7 @@ from petsc4py import PETSc
 from ..model.fingerprints import of_settings
 from ..runtime.processes import refuse_differences, together
 from . import parameters
-from .actions import Actions, change
+from .actions import Actions
 from .assembler import Assembler
 from .fitting import check_actions, check_matrix, check_vector
 from .loaded_structure import LoadedStructure, of_actions
@@ -178,7 +178,7 @@ class LoadedProblem(LoadedStructure):
         """Differentiate the residual by a load factor, at a fixed displacement [N].
 
         Prescribed displacements of the stage grow with the factor too, but a residual does not depend on them: with
-        `rate = loaded.under(change(start, loaded.actions))` and the zero vector,
+        `rate = loaded.under(loaded.actions.less(start))` and the zero vector,
         `rate.constraints.constrain_tangent(zero, K, dR)` moves their effect into dR, and K du = -dR.
 
         Args:
@@ -195,7 +195,7 @@ class LoadedProblem(LoadedStructure):
                 check_actions("start", start, self.structure)
         refuse_differences(self.comm, lambda: of_settings({"start": start}))
         b = self._vector(b)
-        rate = self if start is None else self.under(change(start, self.actions))
+        rate = self if start is None else self.under(self.actions.less(start))
         rate._following(x, b)
         b.array += rate.own_loads
         b.scale(-1.0)

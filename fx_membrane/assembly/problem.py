@@ -31,6 +31,7 @@ from .part_forms import PartForms, mass_form, part_forms
 from .rounding import magnitudes
 from .stabilization import Stabilization
 
+NO_MASS = "No part has mass; give mass=... to membranes [kg/m2], cables or masts [kg/m]."
 _number = count()
 
 
@@ -127,12 +128,15 @@ class Problem:
 
         Args:
             A: Matrix for the result; a new one if None.
+
+        Raises:
+            ValueError: No part has mass; the matrix is another problem's.
         """
-        if A is None:
-            A = self.create_matrix()
-        else:
+        if A is not None:
             check_matrix("A", A, self.discretization.rows)
-        return self._assembler.matrix(mass_form, A)
+        if not any(part.mass for part in self.structure.parts.values()):
+            raise ValueError(NO_MASS)
+        return self._assembler.matrix(mass_form, self.create_matrix() if A is None else A)
 
     # Numbering and transfer
 

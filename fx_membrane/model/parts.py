@@ -135,7 +135,12 @@ class Bar:
     def _store_material(self) -> None:
         """Store the law and its stiffness, of which one is given, or both as by `dataclasses.replace`."""
         given = self.axial_stiffness
-        if given is not None or self.material is None:
+        if given is None and self.material is None:
+            raise ValueError(
+                f"{type(self).__name__} has neither an axial_stiffness nor a material; give axial_stiffness=... [N], "
+                "or a law as material=..."
+            )
+        if given is not None:
             validation.store(self, validation.positive, "axial_stiffness")
         if self.material is None:
             validation.keep(self, material=Axial(self.axial_stiffness))

@@ -9,9 +9,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
+from ..checks.values import counted
 from ..geometry.measures import SLENDER, SLIVER, aspects, normals, projected
 from ..geometry.topology import with_one_sense
 from . import energy_terms
@@ -107,7 +108,7 @@ class Structure:
 
     def __repr__(self) -> str:
         kinds = ", ".join(f"{name!r}: {len(part.cells)} x {type(part).__name__}" for name, part in self.parts.items())
-        return f"Structure({len(self.points)} points, {{{kinds}}}, {len(self.supports)} supports)"
+        return f"Structure({counted(len(self.points), 'point')}, {{{kinds}}}, {counted(len(self.supports), 'support')})"
 
     @cached_property
     def used(self) -> NDArray[np.bool_]:
@@ -175,6 +176,21 @@ class Structure:
         if name in self._no_sides:
             raise ValueError(f"Part {name!r} {self._no_sides[name]}")
 
+    def check_shear(self, name: str, tensor: ArrayLike, what: str) -> None:
+        """Refuse one tensor with shear for all cells of a membrane without two sides: its sign depends on the cell.
+
+        Args:
+            name: Name of the part.
+            tensor: A prestress in one of the forms that the part takes.
+            what: Name of the tensor.
+
+        Raises:
+            ValueError: It has a shear, and the part has only one side, like a Moebius strip, or branches.
+        """
+        values = np.asarray(tensor)
+        if name in self._no_sides and values.shape == (2, 2) and values[0, 1]:
+            raise ValueError(f"Part {name!r}, with shear in its {what} {values.tolist()}, {self._no_sides[name]}")
+
     def part(self, name: str, kind: type[Kind]) -> Kind:
         """Part of a name and a kind, Membrane, Cable or Mast.
 
@@ -239,9 +255,7 @@ class Structure:
         cells, reason = with_one_sense(part.cells)
         if reason:
             self._no_sides[name] = reason
-            prestress = np.asarray(part.prestress)
-            if prestress.shape == (2, 2) and prestress[0, 1]:
-                raise ValueError(f"Part {name!r}, with shear in its prestress {prestress.tolist()}, {reason}")
+            self.check_shear(name, part.prestress, "prestress")
         return part if np.array_equal(cells, part.cells) else replace(part, cells=cells)
 
     def _check_measures(self, name: str, part: Part) -> None:

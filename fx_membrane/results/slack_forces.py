@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.part_forms import stiffness
+from ..geometry.extremes import TIE, first_largest
 from ..geometry.measures import lengths
 from ..model.parts import Mast
 from ..model.structure import Structure
@@ -64,7 +65,9 @@ def pushes(result: StageResult) -> list[Push]:
         size = lengths(net)
         carried = _carried_loads(result, net, pieces) if dimension == 2 else _strong(here, size, pieces)
         nodes = np.flatnonzero(np.where(_mast_ends(result.structure), size > LIMIT * at_node, carried))
-        if push := _push(result, list(here), nodes[np.argsort(-size[nodes], kind="stable")]):
+        largest = size[nodes].max(initial=0.0)
+        order = np.argsort(-np.round(size[nodes] / (TIE * largest or 1.0)), kind="stable")
+        if push := _push(result, list(here), nodes[order]):
             found.append(push)
     return found
 
@@ -95,7 +98,7 @@ def _push(result: StageResult, names: list[str], nodes: NDArray[np.int64]) -> Pu
         there = np.isin(result.structure.parts[name].cells, nodes).any(axis=1)
         values = np.where(there, compression(result, name), 0.0)
         if values.max() > rounding(result, name):
-            found[name] = (int(values.argmax()), float(values.max()))
+            found[name] = (first_largest(values), float(values.max()))
         largest = max(largest, float(_sizes(result, name)[there].max(initial=0.0)))
     return Push(found, largest, nodes) if found else None
 

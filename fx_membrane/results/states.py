@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ..assembly.actions import Actions
 from ..assembly.problem import Problem
+from ..checks.values import counted
 from ..model.parts import Cable, Mast, Membrane
 from ..model.structure import Structure
 from ..solvers.base import Iteration
@@ -212,7 +213,7 @@ class StageResult:
 
     def __repr__(self) -> str:
         return (
-            f"StageResult({self.name!r}, {len(self.increments)} increments, "
+            f"StageResult({self.name!r}, {counted(len(self.increments), 'increment')}, "
             f"largest displacement {self.largest_displacement:.4g})"
         )
 

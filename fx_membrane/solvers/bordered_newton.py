@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 from petsc4py import PETSc
 
-from ..assembly.actions import Actions, between, change
+from ..assembly.actions import Actions, between
 from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from . import factorization, petsc_options
@@ -95,7 +95,7 @@ class BorderedNewton:
         petsc_options.check(problem.comm)
         petsc_options.tell_not_for_steps(problem.comm, "equilibrium_path", factors=True)
         self.problem, self.start, self.end, self.rtol = problem, start, end, rtol
-        self.rate = problem.under(change(start, end))
+        self.rate = problem.under(end.less(start))
         self.compression = 1.0
         self.monitor: Monitor = no_monitor
         self.pulse = Pulse("equilibrium path", problem.comm.rank == 0)

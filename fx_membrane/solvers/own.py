@@ -15,6 +15,7 @@ from .base import Iteration, Monitor, Solution, Solve, Solver, max_norm, no_moni
 from .conjugate_gradient import ConjugateGradient, SteepestDescent
 from .newton import Newton
 from .outcome import Outcome
+from .undefined_terms import undefined_term
 
 SHIPPED = (Newton, ConjugateGradient, SteepestDescent)
 GAP = 1e-9  # error of a constrained component, in sizes of the structure
@@ -60,13 +61,28 @@ def prepared(solver: Solver, problem: Problem) -> Solve:
     """
     solve: Any = solver.prepare(problem)
     if type(solver) in SHIPPED:
-        return solve
+        return _Defined(solve)
     name = type(solver).__name__
     if not callable(solve):
         raise ValueError(f"{name}.prepare returns {short_repr(solve)}; let it return a function solve{SOLVE}.")
     if not _takes(solve, 4):
         raise ValueError(f"{name}.prepare returns a function of {inspect.signature(solve)}; let it take {SOLVE}.")
-    return _Checked(name, solve)
+    return _Defined(_Checked(name, solve))
+
+
+class _Defined:
+    """Solve that refuses a start at which an energy term is not a number: no smaller increment helps."""
+
+    def __init__(self, solve: Solve):
+        self.solve = solve
+
+    def __call__(
+        self, problem: LoadedProblem, x: PETSc.Vec, monitor: Monitor = no_monitor, thorough: bool = True, /
+    ) -> Solution:
+        words = undefined_term(problem, x)
+        if words:
+            return Solution(Outcome.UNDEFINED, words, (_iterate(problem, x),))
+        return self.solve(problem, x, monitor, thorough)
 
 
 class _Checked:

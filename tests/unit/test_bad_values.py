@@ -114,6 +114,7 @@ CASES = {
         {"points": "array", "parts": "object", "supports": "list", "separate": "list", "terms": "list"},
     ),
     Structure.part: ({"self": ARCH, "name": "arch", "kind": Mast}, {"name": "object", "kind": "object"}),
+    Structure.parts_of: ({"self": ARCH, "kind": Mast}, {"kind": "object"}),
     type(STATE).mast: ({"self": STATE, "name": "arch"}, {"name": "object"}),
     type(STATE).cable: ({"self": STATE, "name": "arch"}, {"name": "object"}),
     type(STATE).membrane: ({"self": STATE, "name": "arch"}, {"name": "object"}),
@@ -203,9 +204,10 @@ CASES = {
     ),
 }  # fmt: skip
 NO_INPUT = {  # made by the package
-    "Actions", "BarResult", "EnergyTerm", "Equilibrium", "EquilibriumPath", "LoadedProblem", "Outcome", "Problem",
+    "Actions", "BarResult", "Constraints", "EnergyTerm", "Equilibrium", "EquilibriumPath", "LoadedProblem", "Outcome",
     "ForceTerm", "Form", "FormStep", "Increment", "Iteration", "Law", "MembraneResult", "Modes", "PartFunctions",
-    "PathPoint", "Solution", "Solve", "Solver", "Stability", "StageResult", "StageResults", "TermResult", "plot",
+    "Problem", "PathPoint", "Solution", "Solve", "Solver", "Stability", "StageResult", "StageResults", "TermResult",
+    "plot",
 }  # fmt: skip
 NOT_RIGHT = structure_from_gmsh, type(STATE).cable, type(STATE).membrane  # their arguments are refused, too
 SLOW = plot.convergence, plot.compare_convergence, plot.wireframe, plot.contours, equilibrium_path, updated_reference

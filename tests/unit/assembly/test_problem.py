@@ -7,7 +7,7 @@ from fx_membrane import Cable, Structure, Support
 from fx_membrane.assembly.actions import Actions
 from fx_membrane.assembly.problem import Problem
 from fx_membrane.geometry.measures import measures
-from models import MIXED
+from models import MIXED, sheet
 
 POINTS = MIXED.points
 
@@ -152,3 +152,8 @@ def test_held_components_close_their_gap_in_one_step(structure):
     assert discretization.to_numpy(b) == pytest.approx(
         problem.magnitudes.stiffness * dx, abs=1e-13 * np.abs(expected).max()
     )
+
+
+def test_mass_matrix_without_mass_is_refused():
+    with pytest.raises(ValueError, match=r"^No part has mass; give mass="):
+        Problem(sheet()).mass()

@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -39,7 +40,8 @@ def same(one, other):
 
 @pytest.fixture
 def problem():
-    return Problem(inclined_sheet())
+    structure = inclined_sheet()
+    return Problem(replace(structure, parts={"fabric": replace(structure.parts["fabric"], mass=1.2)}))
 
 
 def test_view_does_not_depend_on_other_views(problem):
