@@ -1,7 +1,7 @@
 """Continuation by arc length: equilibrium paths past limit points, as in snap-through, snap-back and inflation.
 
 The load factor is an additional unknown. An additional equation sets the distance of the next point along the
-path: it lies in a plane across the tangent of the path at the last point, at a given length from it,
+path: it lies in a plane across the tangent of the path, at a given length from the last point,
 
     t_u . (u - u_n) + psi^2 t_f (factor - factor_n) = length.
 
@@ -96,8 +96,8 @@ def equilibrium_path(
     Raises:
         ValueError: The stage does not fit the structure or the start, or moves nothing; the structure is not
             supported; an argument is out of its range.
-        PathError: The start is not in equilibrium or has a singular tangent, no next point was found, or the
-            limit of work is used up; the exception has the path up to there.
+        PathError: The start is not in equilibrium, or its tangent is singular; no next point was found; the limit of
+            work is used up; the exception has the path up to there.
 
     Warns:
         UnstableStateWarning: The start is not stable; or slack or wrinkled parts carry points of the path.

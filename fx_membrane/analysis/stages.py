@@ -160,8 +160,8 @@ class Analysis:
         Raises:
             ValueError: A stage does not fit the structure or the other stages; it leaves a free rigid-body motion (one
                 turn about a line is allowed: loads may hold it); the checkpoint belongs to another structure or to
-                other stages, was changed, is in use by another run or cannot be written; the processes have different
-                input.
+                other stages; it was changed, is in use by another run, or cannot be written; the processes have
+                different input.
             ConvergenceError: A load increment found no equilibrium, or the limit of work is used up; the exception has
                 the results computed before.
 
@@ -169,8 +169,8 @@ class Analysis:
             LargeStrainWarning: Strains of a stage, or those that belong to the prestress, are above 5 %.
             UnstableStateWarning: A state is not stable; the structure has snapped or buckled between two load factors
                 (`Newton` with a line search tells); a node moved by more than half the size of what is connected with
-                it, or a mast tilted by more than 15 degrees in the stage, both beyond what is prescribed; or slack or
-                wrinkled parts carry a mast, or more than 1 % of the forces or loads connected with them.
+                it; a mast tilted by more than 15 degrees, both beyond what is prescribed; or slack or wrinkled parts
+                carry a mast, or more than 1 % of the forces or loads connected with them.
             LostPrestressWarning: No cell of a part has 1 % of its prestress left.
             UnbalancedStateWarning: Unbalanced forces of a stage are above 1e-6 of the loads.
             CheckpointWarning: A state could not be saved, as on a full disk; the run continues without.

@@ -89,7 +89,7 @@ def loose_ends(structure: Structure, name: str, held: NDArray[np.bool_]) -> list
 def free_motions(points: NDArray[np.float64], held: NDArray[np.bool_]) -> NDArray[np.float64]:
     """Free rigid motions, orthonormal, shape (motions, 6).
 
-    Each row is three translations and three rotations about the centre of the points, lengths scaled to the largest
+    Each row is three translations and three rotations about the centre of the points. Lengths are scaled to the largest
     distance from it. A motion that moves no point, as the turn of a straight cable about itself, is left out.
 
     Args:

@@ -30,15 +30,15 @@ class SliverWarning(UserWarning):
 class Structure:
     """Points, parts and supports: everything that stays the same from stage to stage.
 
-    The nodes of a triangle may be in either order. When the structure is made, all cells of a connected membrane, open
-    or closed, are turned to the sense of the first. In `parts` a turned cell has its last two nodes exchanged; the rows
-    of cells keep their order. Data per cell stay valid, as none depend on the order of its nodes: prestress is in the
-    warp/weft frame of the one sense, warp is a vector in space, pressure is along `normals`.
+    The nodes of a triangle may be in either order. The structure turns all cells of a connected membrane, open or
+    closed, to the sense of the first. In `parts` a turned cell has its last two nodes exchanged; the rows of cells keep
+    their order. Data per cell stay valid, as none depend on the order of its nodes: prestress is in the warp/weft frame
+    of the one sense, warp is a vector in space, pressure is along `normals`.
 
     A membrane without two sides (a Moebius strip, or sheets that branch) is allowed. It is refused where `normals` are
-    asked for, a pressure acts, or one prestress tensor with shear is given for all its cells. Its cells keep their
-    sense, in a branching membrane that of their sheet. So do the signs of shear in each cell: in the results, and in
-    prestress tensors given per cell.
+    asked for or a pressure acts. One prestress tensor with shear for all its cells is refused, too. Its cells keep
+    their sense, in a branching membrane that of their sheet. So do the signs of shear in each cell: in the results, and
+    in prestress tensors given per cell.
 
     Args:
         points: Reference (prestressed) position of the nodes, shape (n, 3) [m]. The row is the number of the node.
@@ -51,16 +51,16 @@ class Structure:
             see `EnergyTerm`.
 
     Raises:
-        ValueError: A cell names a node that does not exist, has no area or no length, or is normal to its warp vector;
-            a triangle is more than 1e7 times as long as it is high; a part is of a class derived from `Membrane`,
-            `Cable` or `Mast`; a support is on a node that does not exist or that no part uses; a value is not finite; a
+        ValueError: A cell names a node that does not exist; it has no area or no length, or is normal to its warp; a
+            triangle is more than 1e7 times as long as it is high; a part is of a class derived from `Membrane`, `Cable`
+            or `Mast`; a support is on a node that does not exist or that no part uses; a value is not finite; a
             membrane without two sides has one prestress tensor with shear; separate names a part that is not there; a
             term does not fit, see `EnergyTerm`.
 
     Warns:
-        CoincidentNodesWarning: Nodes of the parts are closer than 1e-9 of the size of the structure, and supports do
-            not constrain all of them. If they are meant to be apart (two skins, a slit, two cables that cross), name
-            their parts in `separate`.
+        CoincidentNodesWarning: Nodes of the parts are closer than 1e-9 of the size of the structure, not all of them
+            supported. If they are meant to be apart (two skins, a slit, two cables that cross), name their parts in
+            `separate`.
         SliverWarning: A triangle is more than 5e5 times as long as it is high.
 
     Example:

@@ -23,11 +23,11 @@ def report(
     """Table of a stage, to print.
 
     It begins with the remarks on the state, if any. For each part it gives the minimum and maximum: forces of cables
-    and masts, principal stresses of membranes and, with a given warp, stresses along warp and weft. Then follow the
-    largest strain, from the reference shape and, if the law has a compliance, with the elastic strain of the prestress.
+    and masts, principal stresses of membranes and, with a given warp, stresses along warp and weft. Then follows the
+    largest strain from the reference shape. If the law has a compliance, the elastic strain of the prestress is added.
     The number of slack or wrinkled cells and free cable ends come last. Largest values (in masts of either sign) come
-    with their cell, a row of the part's cells, and its centroid in the reference shape. The largest displacement is the
-    length of a vector.
+    with their cell and its centroid in the reference shape. The cell is a row of the part's cells. The largest
+    displacement is the length of a vector.
 
     Each energy term has a line with the sum of its forces, which is part of the sum of loads.
 

@@ -172,8 +172,8 @@ class StageResult:
         parts: State of each part by name.
         terms: Energy terms that act, those of the structure first; their forces are in `loads`.
         remarks: Sentences on the state to be read before its numbers, those of the warnings: that it is not stable, has
-            snapped or fallen, hangs on slack parts, has lost its prestress, is strained beyond its material law, or is
-            not in balance.
+            snapped or fallen, hangs on slack parts or has lost its prestress; that it is strained beyond its material
+            law, or not in balance.
         owner: The problem on which the state was computed; None in a copy, see `problem`.
 
     Example:

@@ -4,7 +4,8 @@
 
 Elimination solves the two equations. Each iteration takes one factorization of K and two solutions: for R, and for the
 derivative of R by the load factor. That derivative is minus the stage's own loads, pressures as in the present shape.
-Convergence is quadratic where a smooth path crosses the plane, also at limit points of the load, where K is singular.
+Convergence is quadratic where a smooth path crosses the plane. Limit points of the load, where K is singular, are no
+exception.
 
 Source: E. Ramm, Strategies for tracing the nonlinear response near limit points, in: W. Wunderlich, E. Stein,
 K.-J. Bathe (eds.), Nonlinear finite element analysis in structural mechanics, Springer (1981) 63-89.

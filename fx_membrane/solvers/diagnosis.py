@@ -98,7 +98,7 @@ def mechanism(problem: LoadedProblem, x: PETSc.Vec) -> Mechanism | None:
 
 
 def mechanism_or_too_few(found: Mechanism, most: int, residual: float) -> str:
-    """Sentences on a solve whose iterations ran out, from a start with a free motion that a load may yet stiffen.
+    """Sentences on a solve whose iterations ran out; a load may yet stiffen the free motion of its start.
 
     Args:
         found: The free motion.

@@ -138,7 +138,7 @@ def test_derivative_by_a_pressure(direction):
 
 
 def test_derivative_by_the_load_factor():
-    """Of a stage with dead loads and pressure, and of all loads."""
+    """Of a stage with loads of fixed direction and pressure, and of all loads."""
     problem = Problem(inclined_sheet())
     x = problem.to_petsc(0.1 * np.random.default_rng(2).normal(size=problem.structure.points.shape))
     start = end(problem, Pressure(300.0, "fabric"))

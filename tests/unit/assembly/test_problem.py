@@ -107,7 +107,7 @@ def test_loads_lower_the_energy_by_their_work(structure, problem):
     assert energy(problem, at) - before == pytest.approx(-np.sum(forces * at), rel=1e-11)
 
 
-def test_dead_loads_go_to_the_nodes_of_their_cells(structure, problem):
+def test_distributed_loads_go_to_the_nodes_of_their_cells(structure, problem):
     load = np.array([1.0, -2.0, 3.0])
     for name in ("fabric", "edge", "mast"):
         part = structure.parts[name]
@@ -120,7 +120,7 @@ def test_dead_loads_go_to_the_nodes_of_their_cells(structure, problem):
         assert nodal == pytest.approx(expected, rel=1e-13, abs=1e-15)
 
 
-def test_dead_loads_of_two_parts_add_up_and_do_not_stay(structure, problem):
+def test_distributed_loads_of_two_parts_add_up_and_do_not_stay(structure, problem):
     def ones(name):
         return {name: np.ones((len(structure.parts[name].cells), 3))}
 

@@ -101,7 +101,7 @@ def test_largest_values_are_given_with_their_cell(result):
         assert [float(x), float(y), float(z)] == pytest.approx(centroid, rel=1e-3)
 
 
-def test_strain_of_the_prestress_and_stress_along_the_threads():
+def test_strain_of_the_prestress_and_stress_along_warp_and_weft():
     points, triangles = rectangle(2.0, 2.0, 4, 4)
     woven = OrthotropicFabric(Et_warp=1e5, Et_weft=5e4, nu=0.2, Gt=5e3)
     stress = np.array([[3e3, 400], [400, 1e3]])
@@ -115,8 +115,8 @@ def test_strain_of_the_prestress_and_stress_along_the_threads():
     lines = [line[9:].strip() for line in report(result).splitlines()]
     found = result.membrane("woven").warp_weft_stress
     assert found == pytest.approx(np.tile([3e3, 1e3], (32, 1)), rel=1e-12)
-    for line, thread, force in zip(lines[3:5], ("warp", "weft"), (3e3, 1e3), strict=True):
-        assert f" N/m, along {thread}, largest in cell" in line
+    for line, direction, force in zip(lines[3:5], ("warp", "weft"), (3e3, 1e3), strict=True):
+        assert f" N/m, along {direction}, largest in cell" in line
         assert numbers(line)[:2] == pytest.approx([force, force], rel=1e-5)
     before = np.linalg.eigvalsh(woven.strain(stress[None]))[0, 1]
     assert lines[6].startswith(f"largest principal strain with that of the prestress {before:.5f} in cell")

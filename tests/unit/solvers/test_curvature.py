@@ -43,7 +43,7 @@ def test_frame_sways_to_the_side():
     assert not motion[[0, 3]].any()
 
 
-def test_taut_sheet_is_softest_across():
+def test_lowest_mode_of_a_taut_sheet_is_across():
     # T has Et in place of the prestress N: a motion across has the stiffness N / Et.
     result, motion = found(sheet(1e3))
     assert result.negative == 0
