@@ -33,6 +33,7 @@ from ..solvers.curvature import wrinkling_threshold
 from ..solvers.newton import Newton
 from ..solvers.outcome import Outcome
 from ..solvers.progress import Report
+from ..solvers.undefined_terms import undefined_start
 from . import checkpoint
 from .checkpoint_file import Progress
 from .increments import IncrementControl, Verdict
@@ -238,7 +239,7 @@ class Analysis:
         """Solve an increment; once the limit of work is used up, allow no retry."""
         work.iterates.clear()
         try:
-            return self._solve(loaded, x, work, thorough)
+            return undefined_start(loaded, x) or self._solve(loaded, x, work, thorough)
         except WorkDone as done:
             return Solution(Outcome.WORK_LIMIT, f"{done}; {MORE}", tuple(work.iterates))
 

@@ -6,6 +6,7 @@ with loads f of fixed direction and follower pressures f_p, which in general hav
 their displacements change from stage to stage as data: nothing is compiled twice.
 """
 
+import warnings
 from dataclasses import replace
 from itertools import count
 from typing import NoReturn
@@ -130,12 +131,15 @@ class Problem:
             A: Matrix for the result; a new one if None.
 
         Raises:
-            ValueError: No part has mass; the matrix is another problem's.
+            ValueError: The matrix is another problem's.
+
+        Warns:
+            UserWarning: No part has mass: all entries are zero.
         """
         if A is not None:
             check_matrix("A", A, self.discretization.rows)
-        if not any(part.mass for part in self.structure.parts.values()):
-            raise ValueError(NO_MASS)
+        if not any(part.mass for part in self.structure.parts.values()) and self.comm.rank == 0:
+            warnings.warn(f"The mass matrix is zero. {NO_MASS}", stacklevel=2)
         return self._assembler.matrix(mass_form, self.create_matrix() if A is None else A)
 
     # Numbering and transfer

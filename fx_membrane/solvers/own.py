@@ -11,11 +11,10 @@ from petsc4py import PETSc
 from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from ..checks.validation import short_repr
-from .base import Iteration, Monitor, Solution, Solve, Solver, max_norm, no_monitor
+from .base import Iteration, Monitor, Solution, Solve, Solver, iterate, max_norm, no_monitor
 from .conjugate_gradient import ConjugateGradient, SteepestDescent
 from .newton import Newton
 from .outcome import Outcome
-from .undefined_terms import undefined_term
 
 SHIPPED = (Newton, ConjugateGradient, SteepestDescent)
 GAP = 1e-9  # error of a constrained component, in sizes of the structure
@@ -61,28 +60,13 @@ def prepared(solver: Solver, problem: Problem) -> Solve:
     """
     solve: Any = solver.prepare(problem)
     if type(solver) in SHIPPED:
-        return _Defined(solve)
+        return solve
     name = type(solver).__name__
     if not callable(solve):
         raise ValueError(f"{name}.prepare returns {short_repr(solve)}; let it return a function solve{SOLVE}.")
     if not _takes(solve, 4):
         raise ValueError(f"{name}.prepare returns a function of {inspect.signature(solve)}; let it take {SOLVE}.")
-    return _Defined(_Checked(name, solve))
-
-
-class _Defined:
-    """Solve that refuses a start at which an energy term is not a number: no smaller increment helps."""
-
-    def __init__(self, solve: Solve):
-        self.solve = solve
-
-    def __call__(
-        self, problem: LoadedProblem, x: PETSc.Vec, monitor: Monitor = no_monitor, thorough: bool = True, /
-    ) -> Solution:
-        words = undefined_term(problem, x)
-        if words:
-            return Solution(Outcome.UNDEFINED, words, (_iterate(problem, x),))
-        return self.solve(problem, x, monitor, thorough)
+    return _Checked(name, solve)
 
 
 class _Checked:
@@ -104,7 +88,7 @@ class _Checked:
                 "an outcome of fx_membrane.Outcome."
             )
         iterations = tuple(Iteration(*map(float, entry)) for entry in solution.iterations)
-        solution = replace(solution, reason=str(solution.reason), iterations=iterations or (_iterate(problem, x),))
+        solution = replace(solution, reason=str(solution.reason), iterations=iterations or (iterate(problem, x),))
         fault = self.fault(problem, x) if solution.converged else ""
         return replace(solution, outcome=Outcome.NO_EQUILIBRIUM, reason=fault) if fault else solution
 
@@ -124,14 +108,6 @@ class _Checked:
             f"{calls}in which a constrained component is {error:.3g} from its place; let it call "
             "problem.constraints.impose(x) first."
         )
-
-
-def _iterate(problem: LoadedProblem, x: PETSc.Vec) -> Iteration:
-    """Energy and unbalanced force of a state."""
-    with problem.discretization.work(1) as (b,):
-        problem.residual(x, b)
-        problem.constraints.constrain_residual(x, b)
-        return Iteration(problem.energy(x), max_norm(b), 0.0)
 
 
 def _takes(function: Callable[..., Any], count: int) -> bool:

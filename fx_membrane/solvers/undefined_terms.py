@@ -5,6 +5,19 @@ from petsc4py import PETSc
 
 from ..assembly.loaded_problem import LoadedProblem
 from ..model.energy_terms import described
+from .base import Solution, iterate
+from .outcome import Outcome
+
+
+def undefined_start(problem: LoadedProblem, x: PETSc.Vec) -> Solution | None:
+    """Failure of a solve from a start at which an energy term is not finite; None if all are.
+
+    Args:
+        problem: The problem.
+        x: The start.
+    """
+    words = undefined_term(problem, x)
+    return Solution(Outcome.UNDEFINED, words, (iterate(problem, x),)) if words else None
 
 
 def undefined_term(problem: LoadedProblem, x: PETSc.Vec) -> str:

@@ -2,7 +2,6 @@
 
 import copy
 import pickle
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -40,8 +39,7 @@ def same(one, other):
 
 @pytest.fixture
 def problem():
-    structure = inclined_sheet()
-    return Problem(replace(structure, parts={"fabric": replace(structure.parts["fabric"], mass=1.2)}))
+    return Problem(inclined_sheet())
 
 
 def test_view_does_not_depend_on_other_views(problem):
