@@ -69,7 +69,8 @@ def test_table(result):
     assert numbers(lines[7])[:2] == pytest.approx([force, force], rel=1e-5)
     assert "slack" not in lines[7]
     size = np.linalg.norm(result.displacement, axis=1)
-    assert numbers(lines[9]) == pytest.approx([size.max(), size.argmax() + 1], rel=1e-5)
+    first = np.flatnonzero(size > (1 - 1e-7) * size.max())[0]  # the fold is symmetric
+    assert numbers(lines[9]) == pytest.approx([size.max(), first + 1], rel=1e-5)
     assert size.max() > 1.01 * np.abs(result.displacement).max()
     assert result.largest_displacement == size.max()
     assert f"largest displacement {size.max():.4g})" in repr(result)
