@@ -22,10 +22,6 @@ class UnbalancedStateWarning(UserWarning):
     """
 
 
-class _Unbalanced(Remark):
-    category = UnbalancedStateWarning
-
-
 def balance_remarks(result: StageResult) -> Iterator[Remark]:
     """At most one, on unbalanced forces that are neither small beside the loads nor rounding of what meets there."""
     loads, reactions = _size(result.loads), _size(result.reactions)
@@ -36,11 +32,12 @@ def balance_remarks(result: StageResult) -> Iterator[Remark]:
     off = unbalanced[unbalanced > np.maximum(UNBALANCED * forces, ROUNDING * _acting(result))]
     if not len(off):
         return
-    yield _Unbalanced(
+    yield Remark(
         f"an unbalanced force of {off.max():.3g} is left beside {kind} of {forces:.3g}, "
         "which the tolerance of the solver or rounding allows; displacements, forces and stresses are off accordingly. "
         "Give the solver a smaller rtol; check units, and parts that are far stiffer or far more prestressed than the "
-        "others: a stiffness of a thousand times theirs is rigid enough."
+        "others: a stiffness of a thousand times theirs is rigid enough.",
+        UnbalancedStateWarning,
     )
 
 

@@ -31,10 +31,6 @@ SHOWN = 3  # load factors and parts that are named
 TOLD_ONCE = (LargeStrainWarning, UnbalancedStateWarning)  # by one process for all
 
 
-class _Lost(Remark):
-    category = LostPrestressWarning
-
-
 def remarked(result: StageResult, start: NDArray[np.float64] | None, loaded: bool = True) -> StageResult:
     """Add the remarks to a result.
 
@@ -80,7 +76,7 @@ def _remarks(result: StageResult, start: NDArray[np.float64] | None) -> Iterator
     yield from told
     lost = [name for name in result.parts if _has_lost_its_prestress(result, name)]
     if lost:
-        yield _Lost(_loss(result, lost, stands=not (factors or told)))
+        yield Remark(_loss(result, lost, stands=not (factors or told)), LostPrestressWarning)
 
 
 def _far(result: StageResult, motion: Motion) -> str:

@@ -28,10 +28,6 @@ class LargeStrainWarning(UserWarning):
     """
 
 
-class _Strained(Remark):
-    category = LargeStrainWarning
-
-
 def warn_of_large_prestress(structure: Structure, stacklevel: int) -> None:
     """Warn once, of the part with the largest strain of its prestress, in tension, compression or excess."""
     strains = {name: _largest(_prestrain(part)) for name, part in structure.parts.items()}
@@ -78,8 +74,10 @@ def strain_remarks(result: StageResult) -> Iterator[Remark]:
         advice = "Units are probably mixed: check that loads, prestress, stiffness and lengths are in the same system."
     else:
         advice = "Check stiffness, loads and units; if they are right, take forces and stresses there for rough values."
-    yield _Strained(
-        f"cell {cell} of part {name!r} is strained by {strain}; {_meant(result.structure.parts[name], limit)}. {advice}"
+    yield Remark(
+        f"cell {cell} of part {name!r} is strained by {strain}; {_meant(result.structure.parts[name], limit)}. "
+        + advice,
+        LargeStrainWarning,
     )
 
 

@@ -1,6 +1,5 @@
 """Modes and stiffnesses of states: constraints, massless parts, the user's order, refusals."""
 
-import os
 import subprocess
 import sys
 from dataclasses import replace
@@ -236,9 +235,8 @@ print(*counts)
 
 
 @pytest.mark.serial
-def test_mass_matrix_is_compiled_once_and_when_asked_for(tmp_path):
-    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path)}
+def test_mass_matrix_is_compiled_once_and_when_asked_for(own_cache):
     command = [sys.executable, "-c", COMPILED]
-    run = subprocess.run(command, env=environment, capture_output=True, text=True, check=True, timeout=120)
+    run = subprocess.run(command, env=own_cache, capture_output=True, text=True, check=True, timeout=120)
     statics, *dynamics = [int(count) for count in run.stdout.split()]
     assert dynamics == [statics + 2] * 3  # of triangles and of segments
