@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-TIE = 1e-7  # share of the largest magnitude by which equal values differ: rounding, and less than is printed
+TIE = 1e-8  # share of the largest magnitude by which equal values differ, by rounding and the tolerance of a solver
 
 
 def first_largest(values: NDArray[np.floating[Any]]) -> int:
