@@ -33,6 +33,7 @@ ONE_PROCESS = {
     "unit/form_finding/test_forms_of_masts.py",
     "unit/geometry/test_extremes.py",
     "unit/geometry/test_geometry.py",
+    "unit/model/test_coincidence.py",
     "unit/model/test_derived_classes.py",
     "unit/model/test_derived_laws.py",
     "unit/model/test_laws.py",

@@ -167,6 +167,9 @@ def test_energy_and_residual_belong_together():
     assert (values[0] - values[1]) / (2 * h) == pytest.approx(b.dot(d), rel=1e-6)
 
 
+# Equal stretches and the corner of the three states
+
+
 @pytest.mark.parametrize("stretch", [0.5, 0.9, 1 - 1e-9, 1.0, 1 + 1e-9, 1.1, 2.0])
 def test_equal_stretches(stretch):
     """No stress below one, equal principal stresses above, and the tangent in closed form.
@@ -196,6 +199,9 @@ def test_equal_stretches(stretch):
     both, shear = 2 * stretch**2 + 10 / stretch**4, 2 * (stretch**2 + stretch**-4)
     expected = kept * law.Gt * np.diag([both, shear, shear]) * measures(points, cells)[0]
     np.testing.assert_allclose(products, expected, rtol=1e-9, atol=1e-9 * expected.max())
+
+
+# At rest: the strain without stress
 
 
 AT_REST: dict[str, Law] = {

@@ -163,6 +163,9 @@ def test_not_a_state(function):
         function({})
 
 
+# Constraints of a state
+
+
 def sheet(seed=None):
     """Prestressed sheet with a cable on its free edge and two nodes that no part uses; its nodes in any order."""
     points, triangles = rectangle(2.0, 1.5, 5, 4, "right")
@@ -209,6 +212,9 @@ def test_neither_processes_nor_numbering_matter():
         np.testing.assert_allclose(stiffness.stiffnesses, weakest.stiffnesses, rtol=1e-9)
         for mine, theirs in ((modes.shapes, alone.shapes), (stiffness.directions, weakest.directions)):
             np.testing.assert_allclose(mine[:, number], theirs, rtol=0, atol=1e-7 * np.abs(theirs).max())
+
+
+# Compilation
 
 
 COMPILED = """

@@ -31,6 +31,9 @@ STRUCTURE = Structure(
 )
 
 
+# Taken
+
+
 @pytest.mark.parametrize(
     ("k", "kept"),
     [
@@ -98,6 +101,9 @@ def test_value_of_cells_outside_those_of_the_term():
     assert state.energy == pytest.approx(other.energy, rel=1e-9)
 
 
+# Refused: alone, in a stage
+
+
 class NotFrozen:
     part, k, energy = "fabric", 2.0, bed
 
@@ -147,6 +153,9 @@ def test_refused_alone(make, words, where):
     with pytest.raises(ValueError, match=f"^{'Stage .a.: loads' if where == 'stage' else 'terms'}.*{words}") as refusal:
         _ = Stage("a", [given]) if where == "stage" else replace(STRUCTURE, terms=[given])
     assert str(refusal.value).endswith(".")
+
+
+# Refused: with a structure
 
 
 def raising(self, state, parameters):
@@ -223,6 +232,9 @@ def test_form_finding_takes_no_terms():
         updated_reference(replace(sheet(), terms=[ElasticBed("fabric", 1.0)]))
     with pytest.raises(ValueError, match=r"^loads has ElasticBed"):
         updated_reference(sheet(), [ElasticBed("fabric", 1.0)])
+
+
+# README
 
 
 def test_recipe_of_the_readme():
