@@ -31,6 +31,8 @@ ONE_PROCESS = {
     "unit/files/test_archive.py",
     "unit/form_finding/test_form_finding.py",
     "unit/form_finding/test_forms_of_masts.py",
+    "unit/form_finding/test_projected_stress_refusals.py",
+    "unit/form_finding/test_unsettled_plans.py",
     "unit/geometry/test_extremes.py",
     "unit/geometry/test_geometry.py",
     "unit/model/test_coincidence.py",
