@@ -122,7 +122,7 @@ def write_paraview(results: StageResults, folder: str | Path, *, force_unit: str
     Warns:
         SeriesWarning: A step could not be written, as on a full disk.
     """
-    validation.instance("The first argument of write_paraview", results, StageResults)
+    validation.instance("write_paraview results", results, StageResults)
     series = ParaViewSeries(folder, force_unit=force_unit, length_unit=length_unit)
     for state in results.values():
         series(state)

@@ -13,15 +13,15 @@ from numpy.typing import NDArray
 
 from ..assembly.actions import Actions
 from ..assembly.problem import Problem
+from ..checks import validation
 from ..checks.values import counted
 from ..model.parts import Cable, Mast, Membrane
 from ..model.stages import Stage
 from ..model.structure import Structure
 from ..solvers.base import Iteration
 from ..solvers.outcome import Outcome
-from .cells import BarResult as BarResult  # noqa: PLC0414  (others take all results from here)
-from .cells import MembraneResult as MembraneResult  # noqa: PLC0414
 from .owner import problem_of, without_owner
+from .part_results import BarResult, MembraneResult
 
 Array = NDArray[np.float64]
 
@@ -224,7 +224,7 @@ class StageResult:
 
         from .tables import cell_columns, node_columns  # noqa: PLC0415  (it needs this class)
 
-        units = force_unit, length_unit
+        units = validation.text("force_unit", force_unit), validation.text("length_unit", length_unit)
         columns = node_columns(self, *units) if part is None else cell_columns(self, part, *units)
         return DataFrame(columns)
 

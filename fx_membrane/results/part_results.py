@@ -1,4 +1,4 @@
-"""Results in the cells of a part: strains, stresses, forces, and which cells are taut, wrinkled or slack."""
+"""State of a part: strains, and stresses of membranes or forces of cables and masts."""
 
 from dataclasses import dataclass
 from typing import ClassVar, Literal
