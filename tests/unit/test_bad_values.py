@@ -136,6 +136,7 @@ CASES = {
         {"points": "array", "parts": "object", "supports": "list", "separate": "list", "terms": "list"},
     ),
     Structure.part: ({"self": ARCH, "name": "arch", "kind": Mast}, {"name": "object", "kind": "object"}),
+    Structure.parts_of: ({"self": ARCH, "kind": Mast}, {"kind": "object"}),
     type(STATE).mast: ({"self": STATE, "name": "arch"}, {"name": "object"}),
     type(STATE).cable: ({"self": STATE, "name": "arch"}, {"name": "object"}),
     type(STATE).membrane: ({"self": STATE, "name": "arch"}, {"name": "object"}),
@@ -264,10 +265,10 @@ CASES = {
     ),
 }  # fmt: skip
 NO_INPUT = {  # made by the package
-    "Actions", "BarResult", "EnergyTerm", "Equilibrium", "EquilibriumPath", "LoadedProblem", "Net", "Outcome",
-    "Problem", "ForceTerm", "Form", "FormStep", "Increment", "Iteration", "Law", "MembraneResult", "Modes",
-    "PartFunctions", "PathPoint", "Solution", "Solve", "Solver", "Stability", "StageResult",
-    "StageResults", "TermResult", "plot",
+    "Actions", "BarResult", "Constraints", "EnergyTerm", "Equilibrium", "EquilibriumPath", "LoadedProblem", "Net",
+    "Outcome", "ForceTerm", "Form", "FormStep", "Increment", "Iteration", "Law", "MembraneResult", "Modes",
+    "PartFunctions", "Problem", "PathPoint", "Solution", "Solve", "Solver", "Stability", "StageResult", "StageResults",
+    "TermResult", "plot",
 }  # fmt: skip
 NOT_RIGHT = (
     structure_from_gmsh,
