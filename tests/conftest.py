@@ -3,6 +3,7 @@
 Only the first process reports tests; the exit codes of the others count, too.
 """
 
+import ctypes
 import os
 import sys
 from pathlib import Path
@@ -58,6 +59,17 @@ def pytest_collection_modifyitems(items):
 def starts_others(config):
     """Tell the process that only distributes tests (`pytest --numprocesses 2`)."""
     return bool(config.getoption("numprocesses", None))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_setupnodes():
+    """Remove what MPI wrote into the environment of C: processes that inherit it could start no others.
+
+    MPI is started in the process that distributes tests, too, by the conftest.py of a folder named on its command line.
+    """
+    ctypes.CDLL(None).clearenv()
+    for name, value in os.environ.items():
+        os.putenv(name, value)
 
 
 @pytest.hookimpl(trylast=True)
