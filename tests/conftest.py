@@ -14,8 +14,9 @@ pytest.register_assert_rewrite("interrupted", "models", "pictures", "wrinkled")
 
 TESTS = Path(__file__).parent
 
-# Files whose tests are the same on every process: plain NumPy, or single elements on COMM_SELF; and files of remarks,
-# which follow from a result, after long searches for one. Tests in them that are collective are marked `mpi` there.
+# Files whose tests are the same on every process: plain NumPy, or single elements on COMM_SELF; files of remarks, which
+# follow from a result, after long searches for one; and long studies of one kind of work, by many meshes, loads or
+# numbers. Tests in them that are collective are marked `mpi` there: of a study, one or two of each kind of work.
 ONE_PROCESS = {
     "forms/test_dccf.py",
     "forms/test_equations.py",
@@ -27,6 +28,7 @@ ONE_PROCESS = {
     "unit/analysis/test_reasons.py",
     "unit/analysis/test_work.py",
     "unit/assembly/test_partition.py",
+    "unit/assembly/test_rounding.py",
     "unit/checks/test_validation.py",
     "unit/form_finding/test_form_finding.py",
     "unit/form_finding/test_forms_of_masts.py",
@@ -42,9 +44,15 @@ ONE_PROCESS = {
     "unit/results/test_balance.py",
     "unit/results/test_fallen_masts.py",
     "unit/results/test_remarks.py",
+    "unit/solvers/test_iteration_limit.py",
     "unit/solvers/test_line_search.py",
     "unit/test_bad_values.py",
     "unit/test_messages.py",
+    "verification/test_inflation.py",
+    "verification/test_limit_points.py",
+    "verification/test_minimal_surfaces.py",
+    "verification/test_rubber_balloon.py",
+    "verification/test_rubber_disc.py",
 }
 
 

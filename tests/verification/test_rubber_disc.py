@@ -89,6 +89,7 @@ def test_published_values():
     assert exact(1.0) == pytest.approx((RISE, STRETCH), abs=2e-9)
 
 
+@pytest.mark.mpi
 def test_inflated():
     found = []
     for n in MESHES:
@@ -101,7 +102,6 @@ def test_inflated():
     second_order(stretches, STRETCH)
 
 
-@pytest.mark.serial
 def test_largest_pressure():
     factors, rises, stretches = [], [], []
     for n in MESHES[:2]:
