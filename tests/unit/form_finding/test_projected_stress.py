@@ -287,6 +287,7 @@ def test_collapse_keeps_the_last_good_form():
     assert np.array_equal(form.points, expected.points)
 
 
+@pytest.mark.mpi
 def test_every_process_has_the_same_form():
     form = projected_stress(canopy(), loads_of(canopy()))
     alone = Analysis(form.structure, comm=MPI.COMM_SELF).run([Stage("form", loads_of(form.structure))])["form"]
@@ -315,6 +316,7 @@ def test_input_is_not_changed():
     assert structure.parts["film"].prestress == pytest.approx([3e3, 2.5e3])
 
 
+@pytest.mark.mpi
 def test_thousands_of_nodes_under_loads_of_the_form():
     structure = canopy(n=64)
     form = projected_stress(structure, loads_of(structure), tolerance=0.1)
