@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..checks import validation
 from ..geometry.measures import measures
-from ..model.parts import Cable, Mast
+from ..model.parts import Cable, Mast, Membrane
 from ..model.structure import Structure
 from .cable_forces import densities_of, measured_lengths
 from .cable_lines import Line, lines_of
@@ -34,11 +34,21 @@ Geometry = CableLength | CableSag | EdgeAngle
 
 
 class Target(NamedTuple):
-    """Line of a cable and the constraint on it."""
+    """Line of a cable and the constraint on it.
+
+    Attributes:
+        part: Name of the cable.
+        line: The line.
+        constraint: Its constraint.
+        is_anchored: True if it has several segments between held ends.
+        least: Force that an angle asks for at least, where steps go from shape to shape [N].
+    """
 
     part: str
     line: Line
     constraint: Geometry
+    is_anchored: bool
+    least: float
 
 
 class CableTargets:
@@ -80,7 +90,7 @@ class CableTargets:
                 finds its shape.
         """
         found = self.by_force(self.points)
-        for name, line, _ in self.targets:
+        for name, line, *_ in self.targets:
             length = measures(self.points, self.bars[name].cells[line.cells])
             found[name][line.cells] = np.maximum(found[name][line.cells], guess / length)
             self.first.append(_mean(found[name][line.cells]))
@@ -99,20 +109,23 @@ class CableTargets:
             ValueError: A cable of given horizontal force has no length in plan.
         """
         found = self.by_force(points)
-        for name, line, constraint in self.targets:
+        for name, line, constraint, is_anchored, least in self.targets:
             part, loaded = self.bars[name], np.zeros(len(found[name]), dtype=bool)
             loaded[line.cells] = True
             place = points if reference is None else reference
             length = measured_lengths(name, part, place, self.axes, self.kinds[name], loaded)[line.cells]
-            factor = np.clip(_factor(line, constraint, points), 1 / STEP, STEP)
+            factor = np.clip(_factor(line, constraint, points, is_anchored), 1 / STEP, STEP)
             q = _mean(densities[name][line.cells] * length) * factor / length
-            found[name][line.cells] = np.maximum(q, found[name][line.cells]) if _is_limit(constraint) else q
+            if isinstance(constraint, EdgeAngle):
+                q = np.maximum(q, found[name][line.cells])
+                q = q if reference is None else np.maximum(q, least / length)
+            found[name][line.cells] = q
         return found
 
     def mixed(self, densities: Mapping[str, Array], wanted: Mapping[str, Array]) -> dict[str, Array]:
         """Force densities with those wanted by lines of given geometry only, by part, shape (cells,) [N/m]."""
         found = {name: q.copy() for name, q in densities.items()}
-        for name, line, _ in self.targets:
+        for name, line, *_ in self.targets:
             found[name][line.cells] = wanted[name][line.cells]
         return found
 
@@ -123,19 +136,26 @@ class CableTargets:
             name: replace(bar, prestress=wanted[name] * measures(points, bar.cells)) for name, bar in self.bars.items()
         }
 
-    def miss(self, points: Array, densities: Mapping[str, Array]) -> tuple[float, str]:
-        """Largest difference from a wanted length, sag or angle, relative to it [-], and the words for it."""
-        worst, words, prescribed = 0.0, "", self.by_force(points) if self.targets else {}
-        for name, line, constraint in self.targets:
+    def miss(self, points: Array, densities: Mapping[str, Array], wanted: Mapping[str, Array]) -> tuple[float, str]:
+        """Largest difference from a wanted length, sag or angle, relative to it [-], and the words for it.
+
+        Args:
+            points: The shape, shape (n, 3) [m].
+            densities: Force densities of the shape.
+            wanted: Those that it asks for.
+        """
+        worst, words = 0.0, ""
+        for name, line, constraint, *_ in self.targets:
             now, goal, unit = _value(line, constraint, points)
             off = abs(now / goal - 1)
-            if _is_limit(constraint) and now < goal:  # by the prestress, if it is no less than that
-                off *= bool((densities[name][line.cells] > prescribed[name][line.cells] * (1 + FLOOR)).any())
+            if isinstance(constraint, EdgeAngle) and now < goal:  # by the prestress, as far as it is asked for
+                change = np.abs(densities[name][line.cells] / wanted[name][line.cells] - 1).max()
+                off = float(change) if change > FLOOR else 0.0
             if off > worst:
                 worst, words = (
                     off,
                     (
-                        f"{_named(name, line, points)} has the {_noun(constraint)} {now:.6g}{unit} instead of "
+                        f"the {_named(name, line, points)} has the {_noun(constraint)} {now:.6g}{unit} instead of "
                         f"{goal:.6g}{unit}"
                     ),
                 )
@@ -143,19 +163,19 @@ class CableTargets:
 
     def out_of_range(self, points: Array, densities: Mapping[str, Array]) -> str:
         """Tell of a line that has its wanted geometry under no force, in words; empty without one."""
-        for first, (name, line, constraint) in zip(self.first, self.targets, strict=True):
+        for first, (name, line, constraint, is_anchored, _) in zip(self.first, self.targets, strict=True):
             now, goal, unit = _value(line, constraint, points)
-            if isinstance(constraint, CableSag) and now <= STRAIGHT * line.length(points):
+            if is_anchored and line.sag(points, _along(constraint)) <= STRAIGHT * line.length(points):
                 return (
-                    f"{_named(name, line, points)} stays straight under any force, as no load and no membrane pulls it "
-                    f"sideways; it has no sag of {goal:.6g}{unit}: give its force instead."
+                    f"the {_named(name, line, points)} has no sag under any force, as no load and no membrane pulls it "
+                    f"that way; it cannot have the {_noun(constraint)} {goal:.6g}{unit}: give its force instead."
                 )
             mean = _mean(densities[name][line.cells])
             if not 1 / RANGE < mean / first < RANGE:
                 return (
-                    f"{_named(name, line, points)} reaches the {_noun(constraint)} {goal:.6g}{unit} under no force: it "
-                    f"is {now:.4g}{unit} with the mean force density {mean:.3g}; give a value nearer to that, or move "
-                    "the ends of the line."
+                    f"the {_named(name, line, points)} reaches the {_noun(constraint)} {goal:.6g}{unit} under no "
+                    f"force: it is {now:.4g}{unit} with the mean force density {mean:.3g}; give a value nearer to "
+                    "that, draw the line nearer to its form at the start, or move its ends."
                 )
         return ""
 
@@ -195,7 +215,7 @@ def _targets(structure: Structure, constraint: Geometry, cells: NDArray[np.int64
     held, name, points = structure.supported.all(axis=1), constraint.part, structure.points
     lines = lines_of(structure.parts[name].cells, cells, held)
     for line in lines:
-        who = _named(name, line, points)
+        who = "The " + _named(name, line, points)
         if isinstance(constraint, CableLength):
             apart = line.chord(points) if held[line.nodes[[0, -1]]].all() else 0.0
             if constraint.length <= apart * (1 + STRAIGHT):
@@ -211,7 +231,28 @@ def _targets(structure: Structure, constraint: Geometry, cells: NDArray[np.int64
             raise ValueError(f"{who} is closed, so it has no chord; give its length (CableLength) or its force.")
         elif len(line.cells) == 1:
             raise ValueError(f"{who} is one segment, which stays straight; divide it for a {_noun(constraint)}.")
-    return [Target(name, line, constraint) for line in lines]
+    anchored = [len(line.cells) > 1 and bool(held[line.nodes[[0, -1]]].all()) for line in lines]
+    return [
+        Target(name, line, constraint, is_anchored, _least(structure, line, constraint))
+        for line, is_anchored in zip(lines, anchored, strict=True)
+    ]
+
+
+def _least(structure: Structure, line: Line, constraint: Geometry) -> float:
+    """Force of a plane arc of a given angle in the least stress of the membranes beside it [N].
+
+    A linear step from a straight edge reaches no deep arc; without this force, weak edges collapse in the next step.
+    """
+    if not isinstance(constraint, EdgeAngle):
+        return 0.0
+    on_line, stress = np.zeros(len(structure.points), dtype=bool), [0.0]
+    on_line[line.nodes] = True
+    for part in structure.parts.values():
+        if isinstance(part, Membrane):
+            beside = on_line[part.cells].sum(axis=1) > 1
+            stress += [float(np.linalg.eigvalsh(part.prestress_tensors()[beside]).min(initial=np.inf))] * beside.any()
+    radius = line.chord(structure.points) / 2 / np.sin(np.radians(constraint.angle))
+    return min(stress[1:], default=0.0) * radius
 
 
 def _value(line: Line, constraint: Geometry, points: Array) -> tuple[float, float, str]:
@@ -219,20 +260,25 @@ def _value(line: Line, constraint: Geometry, points: Array) -> tuple[float, floa
     if isinstance(constraint, CableLength):
         return line.length(points), constraint.length, ""
     if isinstance(constraint, CableSag):
-        along = None if constraint.along is None else validation.direction("along", constraint.along)
-        return line.sag(points, along), constraint.sag, ""
+        return line.sag(points, _along(constraint)), constraint.sag, ""
     return float(np.degrees(line.angle(points))), constraint.angle, " degrees"
 
 
-def _factor(line: Line, constraint: Geometry, points: Array) -> float:
+def _factor(line: Line, constraint: Geometry, points: Array, is_anchored: bool) -> float:
     """Factor on the force of a line that brings it near the wanted geometry."""
     now, goal, _ = _value(line, constraint, points)
     if isinstance(constraint, EdgeAngle):
         return float(np.tan(np.radians(now) / 2) / np.tan(np.radians(goal) / 2))
-    chord = line.chord(points)
-    if isinstance(constraint, CableLength) and now > chord * (1 + STRAIGHT) and goal > chord * (1 + STRAIGHT):
-        return float(np.sqrt((now - chord) / (goal - chord)))
+    if isinstance(constraint, CableLength) and is_anchored and not line.is_closed:
+        chord = line.chord(points)
+        return float(np.sqrt(max(now - chord, 0.0) / (goal - chord)))
     return now / goal
+
+
+def _along(constraint: Geometry) -> Array | None:
+    """Direction in which the sag of a line is measured; None normal to its chord."""
+    given = constraint.along if isinstance(constraint, CableSag) else None
+    return None if given is None else validation.direction("along", given)
 
 
 def _is_along(line: Line, constraint: CableSag, points: Array) -> bool:
@@ -242,17 +288,13 @@ def _is_along(line: Line, constraint: CableSag, points: Array) -> bool:
     return bool(np.linalg.norm(across) <= STRAIGHT * np.linalg.norm(chord)) and not line.is_closed
 
 
-def _is_limit(constraint: Geometry) -> bool:
-    return isinstance(constraint, EdgeAngle)
-
-
 def _noun(constraint: Geometry) -> str:
     return {CableLength: "length", CableSag: "sag", EdgeAngle: "edge angle"}[type(constraint)]
 
 
 def _named(name: str, line: Line, points: Array) -> str:
     ends = [validation.format_point(points[node]) for node in line.nodes[[0, -1]]]
-    return f"The line of cable {name!r} from node {line.nodes[0]} at {ends[0]} to node {line.nodes[-1]} at {ends[1]}"
+    return f"line of cable {name!r} from node {line.nodes[0]} at {ends[0]} to node {line.nodes[-1]} at {ends[1]}"
 
 
 def _mean(values: Array) -> float:

@@ -124,9 +124,9 @@ class ConstrainedBalance:
             found = self(start, plans, densities, number, reference)
             if isinstance(found, str):
                 return found
-            miss, words = self.targets.miss(found.points, densities)
+            miss, words = self.targets.miss(found.points, densities, found.wanted)
             wanted = self.targets.mixed(densities, found.wanted)
             if miss <= MET and difference(densities, wanted) <= NEAR:
                 return found
             densities, start = accelerated(densities, wanted), found.points
-        return f"{words or 'A force does not settle'} after {STEPS} solves; give a value nearer to that."
+        return f"{words or 'a force does not settle'} after {STEPS} solves; give a value nearer to that."

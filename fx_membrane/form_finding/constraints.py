@@ -143,7 +143,8 @@ class EdgeAngle:
 
     An edge cable of force T in a membrane of stress n is an arc of radius T / n. Over a chord c its angle a has
     sin a = c n / 2 T: the smaller the force, the deeper the edge and the sharper the corner. A line whose prestress
-    gives a larger angle gets the force of this one; the others keep their prestress. Lines are those of `CableLength`.
+    gives a larger angle gets the force of this one; the others keep their prestress. `natural_force_density` goes no
+    lower than c n / 2 sin a, with the least principal stress n beside the edge. Lines are those of `CableLength`.
 
     Args:
         part: Name of the cable.
