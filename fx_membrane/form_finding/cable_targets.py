@@ -117,8 +117,8 @@ class CableTargets:
             factor = np.clip(_factor(line, constraint, points, is_anchored), 1 / STEP, STEP)
             q = _mean(densities[name][line.cells] * length) * factor / length
             if isinstance(constraint, EdgeAngle):
-                q = np.maximum(q, found[name][line.cells])
-                q = q if reference is None else np.maximum(q, least / length)
+                given = part.prestress_tensors().ravel()[line.cells]
+                q = np.maximum(q, (given if reference is None else np.maximum(given, least)) / length)
             found[name][line.cells] = q
         return found
 
@@ -245,14 +245,14 @@ def _least(structure: Structure, line: Line, constraint: Geometry) -> float:
     """
     if not isinstance(constraint, EdgeAngle):
         return 0.0
-    on_line, stress = np.zeros(len(structure.points), dtype=bool), [0.0]
+    on_line, least = np.zeros(len(structure.points), dtype=bool), np.inf
     on_line[line.nodes] = True
     for part in structure.parts.values():
         if isinstance(part, Membrane):
-            beside = on_line[part.cells].sum(axis=1) > 1
-            stress += [float(np.linalg.eigvalsh(part.prestress_tensors()[beside]).min(initial=np.inf))] * beside.any()
+            beside = part.prestress_tensors()[on_line[part.cells].sum(axis=1) > 1]
+            least = min(least, float(np.linalg.eigvalsh(beside).min(initial=np.inf)))
     radius = line.chord(structure.points) / 2 / np.sin(np.radians(constraint.angle))
-    return min(stress[1:], default=0.0) * radius
+    return float(least * radius) if np.isfinite(least) else 0.0
 
 
 def _value(line: Line, constraint: Geometry, points: Array) -> tuple[float, float, str]:
