@@ -131,7 +131,7 @@ def projected_stress(
         structure, stage.loads, constraints, axes, cables, lambda shape, _: collapse_of(structure, shape)
     )
 
-    membranes = {name: part for name, part in structure.parts.items() if isinstance(part, Membrane)}
+    membranes = structure.parts_of(Membrane)
     plans = {name: plan_of(name, part, structure.points, axes, fields.get(name)) for name, part in membranes.items()}
     pulse = Pulse("form finding", MPI.COMM_WORLD.rank == 0)
     points, reactions, error, stray, steps = structure.points, np.zeros(0), np.inf, np.inf, list[FormStep]()
@@ -179,7 +179,7 @@ def _checked_fields(structure: Structure, stress: Any) -> dict[str, Field]:
     validation.instance("stress", stress, Mapping | None)
     fields = dict(stress or {})
     for name, field in fields.items():
-        if not isinstance(structure.parts.get(name) if isinstance(name, str) else None, Membrane):
+        if not isinstance(name, str) or name not in structure.parts_of(Membrane):
             raise ValueError(f"stress names {validation.short_repr(name)}, which is no membrane of the structure.")
         if not callable(field):
             raise ValueError(

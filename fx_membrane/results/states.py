@@ -3,8 +3,10 @@
 Arrays follow the user's own order of nodes and cells, and every process has all of them.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from types import MappingProxyType
+from typing import Any, ClassVar, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +14,7 @@ from numpy.typing import NDArray
 from ..assembly.actions import Actions
 from ..assembly.problem import Problem
 from ..model.parts import Cable, Mast, Membrane
+from ..model.stages import Stage
 from ..model.structure import Structure
 from ..solvers.base import Iteration
 from ..solvers.outcome import Outcome
@@ -35,7 +38,13 @@ class Remark(str):
         category: Class of the warning that tells it.
     """
 
-    category: type[UserWarning] = UnstableStateWarning
+    category: type[UserWarning]
+
+    def __new__(cls, sentence: str, category: type[UserWarning] = UnstableStateWarning) -> Self:
+        """Make a sentence of a category."""
+        remark = super().__new__(cls, sentence)
+        remark.category = category
+        return remark
 
 
 class Increment(NamedTuple):
@@ -72,6 +81,7 @@ class MembraneResult:
             (cells, 3, 3) [N/m]. It is larger than `cauchy` where cells have turned.
     """
 
+    dimension: ClassVar[Literal[2]] = 2
     strain: Array
     second_piola_kirchhoff: Array
     cauchy: Array
@@ -79,6 +89,16 @@ class MembraneResult:
     cauchy_projected: Array
     warp_weft_stress: Array
     state: NDArray[np.str_]
+
+    @property
+    def taut(self) -> NDArray[np.bool_]:
+        """Cells that are neither wrinkled nor slack, shape (cells,)."""
+        return self.state == "taut"
+
+    @property
+    def slack(self) -> NDArray[np.bool_]:
+        """Cells without tension, shape (cells,)."""
+        return self.state == "slack"
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,9 +111,20 @@ class BarResult:
         slack: Cells without tension, shape (cells,); False for masts, and for cables with `compression_stiffness=1`.
     """
 
+    dimension: ClassVar[Literal[1]] = 1
     strain: Array
     force: Array
     slack: NDArray[np.bool_]
+
+    @property
+    def taut(self) -> NDArray[np.bool_]:
+        """Cells that are not slack, shape (cells,)."""
+        return ~self.slack
+
+    @property
+    def principal(self) -> Array:
+        """Axial force as the one principal value of a bar, shape (cells, 1) [N]; see `MembraneResult`."""
+        return self.force[:, None]
 
 
 class TermResult(NamedTuple):
@@ -233,6 +264,29 @@ class StageResult:
         self.structure.part(name, Mast)
         return self._bar(name)
 
+    def to_dataframe(self, part: str | None = None, *, force_unit: str = "N", length_unit: str = "m") -> Any:
+        """Table of the nodes, or of the cells of a part, for pandas.
+
+        Args:
+            part: Name of the part; None for the nodes.
+            force_unit: Name of the force unit of the structure and its loads, in the heads of columns.
+            length_unit: Name of the length unit.
+
+        Returns:
+            A pandas.DataFrame, with a row for each node or cell.
+
+        Raises:
+            ValueError: There is no part of that name.
+            ModuleNotFoundError: pandas is not installed.
+        """
+        from pandas import DataFrame  # noqa: PLC0415  (optional)
+
+        from .tables import cell_columns, node_columns  # noqa: PLC0415  (it needs this class)
+
+        units = force_unit, length_unit
+        columns = node_columns(self, *units) if part is None else cell_columns(self, part, *units)
+        return DataFrame(columns)
+
     @property
     def history(self) -> list[tuple[float, Iteration]]:
         """Load factor and iterate, for all iterations of the stage."""
@@ -245,7 +299,15 @@ class StageResult:
 
 
 class StageResults(dict[str, StageResult]):
-    """Results of stages by name: a dictionary whose KeyError lists the names."""
+    """Results of stages by name: a dictionary whose KeyError lists the names.
+
+    Attributes:
+        stages: The stages that were to run, in order.
+    """
+
+    def __init__(self, results: Mapping[str, StageResult] = MappingProxyType({}), stages: Sequence[Stage] = ()):
+        super().__init__(results)
+        self.stages = tuple(stages)
 
     def __missing__(self, name: object) -> StageResult:
         raise KeyError(f"no stage is named {name!r}; the results are of {list(self)}")
