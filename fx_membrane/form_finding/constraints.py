@@ -80,8 +80,10 @@ class CableDensity:
 class CableLength:
     """Length of a cable in the form; its force is found.
 
-    A line of the cable runs between its ends, branches and nodes held in all components. Each line has that length, and
-    one force, or horizontal force, or force density, as the argument `cables` of the method says.
+    A line of the cable runs between its ends, branches and nodes held in all components; a closed one is divided where
+    supports, other cables or masts, or constraints of nodes hold it. Each line has that length, and one force, or
+    horizontal force, or force density, as the argument `cables` of `projected_stress` says. In `natural_force_density`
+    it has one force.
 
     Args:
         part: Name of the cable.
