@@ -50,13 +50,12 @@ from .model.stages import PrescribedDisplacement, Stage
 from .model.structure import SliverWarning, Structure
 from .model.supports import Support
 from .results.balance import UnbalancedStateWarning
+from .results.part_results import BarResult, MembraneResult
 from .results.report import report
 from .results.states import (
-    BarResult,
     Equilibrium,
     Increment,
     LostPrestressWarning,
-    MembraneResult,
     StageResult,
     StageResults,
     TermResult,

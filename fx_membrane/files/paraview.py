@@ -10,7 +10,8 @@ import numpy as np
 from mpi4py import MPI
 
 from ..checks import paths, validation
-from ..results.states import MembraneResult, StageResult, StageResults
+from ..results.part_results import MembraneResult
+from ..results.states import StageResult, StageResults
 from ..results.tables import cell_columns
 from ..runtime.processes import by_the_first, together
 from .whole_file import writing
@@ -122,7 +123,7 @@ def write_paraview(results: StageResults, folder: str | Path, *, force_unit: str
     Warns:
         SeriesWarning: A step could not be written, as on a full disk.
     """
-    validation.instance("The first argument of write_paraview", results, StageResults)
+    validation.instance("write_paraview results", results, StageResults)
     series = ParaViewSeries(folder, force_unit=force_unit, length_unit=length_unit)
     for state in results.values():
         series(state)

@@ -36,7 +36,8 @@ from ..model.restraint import check_supports
 from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
 from ..results.evaluation import StateEvaluator
-from ..results.states import BarResult, MembraneResult, StageResult
+from ..results.part_results import BarResult, MembraneResult
+from ..results.states import StageResult
 from ..runtime.processes import refuse_differences, together
 from ..solvers.base import Iteration, Solution
 from ..solvers.newton import Newton

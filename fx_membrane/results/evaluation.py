@@ -15,7 +15,8 @@ from ..assembly.part_forms import PartForms
 from ..assembly.problem import Problem
 from ..forms import kinematics, stress
 from ..solvers.base import LIMITS
-from .states import BarResult, Equilibrium, Increment, MembraneResult, StageResult, TermResult
+from .part_results import BarResult, MembraneResult
+from .states import Equilibrium, Increment, StageResult, TermResult
 
 STATES = np.array(["taut", "wrinkled", "slack"])  # in the order of `forms.wrinkling`
 

@@ -13,8 +13,9 @@ from ..assembly.part_forms import stiffness
 from ..geometry.measures import lengths
 from ..model.parts import Mast
 from ..model.structure import Structure
+from .part_results import MembraneResult
 from .pieces import Pieces
-from .states import MembraneResult, StageResult
+from .states import StageResult
 
 Array = NDArray[np.float64]
 

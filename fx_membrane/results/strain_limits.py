@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from ..model import laws
 from ..model.parts import Part
 from ..model.structure import Structure
+from .part_results import BarResult, MembraneResult
 from .principal import principal_values
-from .states import BarResult, MembraneResult, Remark, StageResult
+from .states import Remark, StageResult
 
 ABSURD = 1.0  # strain that no fabric or cable bears
 

@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .states import BarResult, StageResult
+from .part_results import BarResult
+from .states import StageResult
 
 SAME = 1e-9  # relative difference of values that counts as rounding: of equal ones, the first cell is named
 

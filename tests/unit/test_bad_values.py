@@ -2,6 +2,7 @@
 
 import inspect
 import itertools
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -28,6 +29,7 @@ from fx_membrane import (
     NeoHooke,
     Newton,
     OrthotropicFabric,
+    ParaViewSeries,
     PlanLoad,
     PointLoad,
     PrescribedDisplacement,
@@ -44,19 +46,26 @@ from fx_membrane import (
     edges_where,
     equilibrium_path,
     force_density,
+    load_results,
     natural_force_density,
     natural_frequencies,
     plot,
     polyline,
     projected_stress,
+    read_compas,
     rectangle,
     report,
+    save_results,
     stability,
     structure_from_dolfinx,
+    structure_from_file,
     structure_from_gmsh,
     tension_direction,
     to_dolfinx,
     updated_reference,
+    write_mesh,
+    write_paraview,
+    write_tables,
 )
 
 pytestmark = pytest.mark.serial
@@ -64,7 +73,8 @@ pytestmark = pytest.mark.serial
 POINTS = np.array([[-1.0, 0, 0], [0, 0, 0.3], [1, 0, 0]])
 ARCH = Structure(POINTS, {"arch": Mast([[0, 1], [1, 2]], 1e6, mass=1.0)}, [Support([0, 2]), Support(1, "y")])
 LOAD = Stage("load", [PointLoad(1, (0, 0, -100.0))])
-STATE = Analysis(ARCH, comm=MPI.COMM_SELF).run([LOAD])["load"]
+RESULTS = Analysis(ARCH, comm=MPI.COMM_SELF).run([LOAD])
+STATE = RESULTS["load"]
 HISTORY = STATE.increments[0].iterations
 SQUARE, TRIANGLES = rectangle(1.0, 1.0, 1, 1)
 SHEET = Structure(SQUARE, {"sheet": Membrane(TRIANGLES, Fabric(1e5, 0.3), 1e3)}, [Support(range(4))])
@@ -76,6 +86,9 @@ SPREAD = {"load": [0.0, 0.0, 1.0], "part": "sheet", "cells": [0]}, {"load": "arr
 FIRST_ORDER = {"preconditioner": None, "rtol": 1e-3, "max_iterations": 5}
 FIRST_ORDERS = {"preconditioner": "object?", "rtol": "number", "max_iterations": "whole"}
 UNITS = {"force_unit": "text", "energy_unit": "text"}
+UNIT_NAMES = {"force_unit": "N", "length_unit": "m"}
+UNIT_KINDS = dict.fromkeys(UNIT_NAMES, "text")
+WRITER = {"results": RESULTS, "folder": "a", **UNIT_NAMES}, {"results": "object", "folder": "path", **UNIT_KINDS}
 COMM = {"comm": MPI.COMM_SELF}
 MESH = create_unit_square(MPI.COMM_SELF, 1, 1)
 MODES = {"state": STATE, "count": 1, **COMM}, {"state": "object", "count": "whole", "comm": "object"}
@@ -194,8 +207,8 @@ CASES = {
         {"structure": "object", "solver": "object", "limit": "object", "progress": "truth", "comm": "object"},
     ),
     Analysis.run: (
-        {"self": Analysis(ARCH, comm=MPI.COMM_SELF), "stages": [LOAD], "checkpoint_file": None},
-        {"stages": "list", "checkpoint_file": "path?"},
+        {"self": Analysis(ARCH, comm=MPI.COMM_SELF), "stages": [LOAD], "checkpoint_file": None, "observe": None},
+        {"stages": "list", "checkpoint_file": "path?", "observe": "object?"},
     ),
     report: (
         {"result": STATE, "nodes": [0], "first": 1, "force_unit": "N", "length_unit": "m"},
@@ -210,6 +223,23 @@ CASES = {
          "supports": {}, "separate": ()},
         {"mesh": "object", "groups": "object", "parts": "object", "supports": "table?", "separate": "list"},
     ),
+    structure_from_file: (
+        {"source": "roof.obj", "parts": {"default": lambda cells: Membrane(cells, Fabric(1e5, 0.3))},
+         "supports": {}, "separate": (), "weld": 1e-3,
+         "split_quadrilaterals": True, "unit": "m"},
+        {"source": "object", "parts": "object", "supports": "table?", "separate": "list", "weld": "number?",
+         "split_quadrilaterals": "truth", "unit": "object?"},
+    ),
+    read_compas: ({"source": "net.json"}, {"source": "path"}),
+    write_mesh: ({"shape": ARCH, "path": "a.msh"}, {"shape": "object", "path": "object"}),
+    save_results: ({"results": RESULTS, "path": "a"}, {"results": "object", "path": "path"}),
+    load_results: ({"path": "results", "classes": ()}, {"path": "path", "classes": "list"}),
+    write_tables: WRITER,
+    write_paraview: WRITER,
+    ParaViewSeries: (
+        {"folder": "a", "append": False, **UNIT_NAMES}, {"folder": "path", "append": "truth", **UNIT_KINDS}
+    ),
+    type(STATE).to_dataframe: ({"self": STATE, "part": None, **UNIT_NAMES}, {"part": "object?", **UNIT_KINDS}),
     to_dolfinx: ({"state": STATE, "part": "arch", **COMM}, {"state": "object", "part": "object", "comm": "object"}),
     tension_direction: (
         {"strain": np.eye(2)[None].tolist(), "Et_warp": [2e5], "Et_weft": [1e5], "nu": [0.2], "Gt": [1e4]},
@@ -234,17 +264,28 @@ CASES = {
     ),
 }  # fmt: skip
 NO_INPUT = {  # made by the package
-    "Actions", "BarResult", "EnergyTerm", "Equilibrium", "EquilibriumPath", "LoadedProblem", "Outcome", "Problem",
-    "ForceTerm", "Form", "FormStep", "Increment", "Iteration", "Law", "MembraneResult", "Modes", "PartFunctions",
-    "PathPoint", "Solution", "Solve", "Solver", "Stability", "StageResult", "StageResults", "TermResult", "plot",
+    "Actions", "BarResult", "EnergyTerm", "Equilibrium", "EquilibriumPath", "LoadedProblem", "Net", "Outcome",
+    "Problem", "ForceTerm", "Form", "FormStep", "Increment", "Iteration", "Law", "MembraneResult", "Modes",
+    "PartFunctions", "PathPoint", "Solution", "Solve", "Solver", "Stability", "StageResult",
+    "StageResults", "TermResult", "plot",
 }  # fmt: skip
-NOT_RIGHT = structure_from_gmsh, type(STATE).cable, type(STATE).membrane  # their arguments are refused, too
+NOT_RIGHT = (
+    structure_from_gmsh,
+    structure_from_file,
+    read_compas,
+    load_results,
+    type(STATE).cable,
+    type(STATE).membrane,
+)  # their arguments are refused, too
 SLOW = plot.convergence, plot.compare_convergence, plot.wireframe, plot.contours, equilibrium_path, updated_reference
 
 
 @pytest.fixture(autouse=True)
 def _in_a_folder_of_its_own(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    Path("roof.obj").write_text("v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\n")
+    Path("net.json").write_text('{"node": {"0": {}}}')
+    save_results(RESULTS, "results")
 
 
 def names(function):
@@ -263,7 +304,7 @@ def test_values_of_a_wrong_kind_are_refused_in_words(function):
         (name, value, allowed)
         for name, kind in kinds.items()
         for value, allowed in values(kind)
-        if not (allowed and function in SLOW) and not (name == "on" and callable(value))
+        if not (allowed and function in SLOW) and not (name in ("on", "observe") and callable(value))
     ]
     found = faults(function, given, tries)
     assert not found, "\n".join([f"{len(found)} of {len(tries)}", *found])
