@@ -67,24 +67,23 @@ FOILS: dict[str, Law] = {
 }
 
 
-def foil_energy(law, E, sigma0):
-    C = np.eye(2) + 2 * E
-    c10, c01 = (law.Gt / 2, 0.0) if isinstance(law, NeoHooke) else (law.C10t, law.C01t)
-    d, t = np.linalg.det(C), np.trace(C)
-    return np.sum(sigma0 * E) + c10 * (t + 1 / d - 3) + c01 * (t / d + d - 3)
-
-
 def least(law, E, sigma0):
-    """Least energy over all wrinkle strains, from several starts."""
+    """Least energy over all wrinkle strains, from several starts; numbers, not arrays, which take ten times longer."""
+    (E11, E12), (_, E22) = E.tolist()
+    (s11, s12), (_, s22) = sigma0.tolist()
+    c10, c01 = (law.Gt / 2, 0.0) if isinstance(law, NeoHooke) else (law.C10t, law.C01t)
 
     def energy(v):
-        L = np.array([[v[0], 0], [v[1], v[2]]])
-        return foil_energy(law, E + L @ L.T, sigma0)
+        a, b, c = map(float, v)  # b = L L^T with L = [[a, 0], [b, c]]
+        e11, e12, e22 = E11 + a * a, E12 + a * b, E22 + b * b + c * c
+        C11, C22 = 1 + 2 * e11, 1 + 2 * e22
+        t, d = C11 + C22, C11 * C22 - 4 * e12 * e12
+        return s11 * e11 + 2 * s12 * e12 + s22 * e22 + c10 * (t + 1 / d - 3) + c01 * (t / d + d - 3)
 
     options = {"xatol": 1e-10, "fatol": 1e-12, "maxiter": 20000, "maxfev": 20000}
     starts = [(0.3, 0.0, 0.3), (0.05, 0.0, 0.6), (0.6, 0.2, 0.05), (0.01, 0.0, 0.01)]
     found = [minimize(energy, start, method="Nelder-Mead", options=options).fun for start in starts]
-    return min(*found, foil_energy(law, E, sigma0))
+    return min(*found, energy((0.0, 0.0, 0.0)))
 
 
 def foil_strains(seed, count):
@@ -99,18 +98,20 @@ def foil_strains(seed, count):
 @pytest.mark.filterwarnings("ignore:Stage .* prestress is lost")
 @pytest.mark.parametrize("name", FOILS)
 def test_least_energy_of_prestressed_foils(name):
+    """Energies of few cells at a time: no cell makes up for another."""
     law: Law = FOILS[name]
-    E, sigma0 = foil_strains(31, 40)
-    points, _, warp, u = shapes(E, 32)
+    few = 5
+    E, sigma0 = foil_strains(31, 8 * few)
+    points, cells, warp, u = shapes(E, 32)
     eta = 1e-9
     states = set()
-    for i in range(len(E)):
-        rows = slice(3 * i, 3 * i + 3)
-        state = run(Membrane([[0, 1, 2]], law, sigma0[i], warp[i], eta), points[rows], u[rows])
-        a, b = np.diff(points[rows], axis=0)
-        area = np.linalg.norm(np.cross(a, b)) / 2
-        expected = least(law, E[i], sigma0[i])
-        assert state.energy / area == pytest.approx(expected, abs=1e-8 * law.stiffness), (E[i], sigma0[i])
+    for first in range(0, len(E), few):
+        here, rows = slice(first, first + few), slice(3 * first, 3 * (first + few))
+        state = run(Membrane(cells[:few], law, sigma0[here], warp[here], eta), points[rows], u[rows])
+        a, b, c = points[rows].reshape(few, 3, 3).swapaxes(0, 1)
+        areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+        expected = areas @ [least(law, *given) for given in zip(E[here], sigma0[here], strict=True)]
+        assert state.energy == pytest.approx(expected, abs=1e-8 * law.stiffness * areas.sum()), here
         states |= set(state.membrane("part").state)
     assert states == set(STATES)
 

@@ -278,6 +278,10 @@ NOT_RIGHT = (
     type(STATE).cable,
     type(STATE).membrane,
 )  # their arguments are refused, too
+NEEDS = {
+    plot.contours: "pyvista", ParaViewSeries: "pyvista", write_paraview: "pyvista",
+    type(STATE).to_dataframe: "pandas",
+}  # fmt: skip
 SLOW = plot.convergence, plot.compare_convergence, plot.wireframe, plot.contours, equilibrium_path, updated_reference
 
 
@@ -295,8 +299,8 @@ def names(function):
 
 @pytest.mark.parametrize("function", CASES, ids=lambda function: function.__qualname__)
 def test_values_of_a_wrong_kind_are_refused_in_words(function):
-    if function is plot.contours:
-        pytest.importorskip("pyvista")
+    if function in NEEDS:
+        pytest.importorskip(NEEDS[function])
     given, kinds = CASES[function]
     assert set(kinds) == set(names(function))
     if function not in NOT_RIGHT:

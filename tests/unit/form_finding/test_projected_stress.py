@@ -191,6 +191,7 @@ def test_steps_towards_forces_of_cables_hardly_depend_on_the_mesh(cables):
     )
 
 
+@pytest.mark.mpi
 def test_every_process_has_the_same_form():
     form = projected_stress(canopy(), loads_of(canopy()))
     alone = Analysis(form.structure, comm=MPI.COMM_SELF).run([Stage("form", loads_of(form.structure))])["form"]
@@ -219,6 +220,7 @@ def test_input_is_not_changed():
     assert structure.parts["film"].prestress == pytest.approx([3e3, 2.5e3])
 
 
+@pytest.mark.mpi
 def test_thousands_of_nodes_under_loads_of_the_form():
     structure = canopy(n=64)
     form = projected_stress(structure, loads_of(structure), tolerance=0.1)
