@@ -14,6 +14,7 @@ from fx_membrane import (
     OrthotropicFabric,
     PlanLoad,
     Pressure,
+    Problem,
     Stage,
     Structure,
     Support,
@@ -256,6 +257,11 @@ def test_surface_without_two_sides(surface, reason):
             refused()
     with pytest.raises(ValueError, match=rf"^Part 'fabric'.*shear.*prestress \[\[900.*{reason}"):
         surface([[900, 200], [200, 700]])
+    problem = Problem(structure)
+    loaded, x = problem.under(), problem.create_vector()
+    with pytest.raises(ValueError, match=rf"^Part 'fabric'.*shear.*direction of 'prestress' \[\[0.*{reason}"):
+        loaded.derivative(x, "fabric", "prestress", [[0, 1], [1, 0]])
+    assert loaded.derivative(x, "fabric", "prestress", [[1, 0], [0, 1]]).norm() > 0
     assert np.abs(structure.warp("fabric")).max() > 0.1
 
 

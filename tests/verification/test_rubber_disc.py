@@ -9,7 +9,7 @@ R. S. Rivlin, Phil. Trans. R. Soc. A 244 (1952) 505-531), at the angle phi to th
 integrated from the centre, whose stretch makes r(a) = a (shooting). At p a / Gt = 1 the pole rises by 0.5312142682 a
 and is stretched by 1.2001953924. The largest pressure is 1.8791734688 Gt / a, at the rise 1.1738966 a and the stretch
 2.196.
-A flat disc without stress has no stiffness across: the program finds a start by artificial tension.
+A flat disc without stress has no stiffness across: the program finds a start by stabilization.
 Claim: rise, stretch at the pole and largest pressure converge with second order; the path goes past the limit point.
 Tolerance: orders: with 16 rings the next term, of the order h^4 in the
 place of the edge, is 5 % of the error: 0.1; the extrapolation leaves that share of 1e-5 on 64 rings: 1e-6. On 32
