@@ -209,6 +209,7 @@ def test_form_turns_with_the_structure(seed):
     assert other.points == pytest.approx(one.points @ turn.T, abs=1e-7)
 
 
+@pytest.mark.mpi
 def test_every_process_has_the_same_form():
     form = projected_stress(canopy(), cables="force", constraints=[CableSag("edge", 0.9)])
     for points in MPI.COMM_WORLD.allgather(form.points):

@@ -249,6 +249,7 @@ def test_cables_and_nodes_are_constrained_together():
     assert moved(form) < 1e-12
 
 
+@pytest.mark.mpi
 def test_every_process_has_the_same_form():
     structure, ring = cone()
     form = natural_force_density(structure, iterations=2, constraints=[Ring(ring, 1.2)])
