@@ -50,6 +50,8 @@ from .solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
 from .solvers.newton import Newton
 from .solvers.outcome import Outcome
 from .solvers.petsc_options import UnusedOptionWarning
+from .surfaces.ring import Ring
+from .surfaces.sail import SailMesh, sail_mesh
 
 __all__ = [
     "Actions",
@@ -93,6 +95,8 @@ __all__ = [
     "PrescribedDisplacement",
     "Pressure",
     "Problem",
+    "Ring",
+    "SailMesh",
     "SliverWarning",
     "Solution",
     "Solve",
@@ -120,6 +124,7 @@ __all__ = [
     "projected_stress",
     "rectangle",
     "report",
+    "sail_mesh",
     "stability",
     "structure_from_dolfinx",
     "structure_from_gmsh",
