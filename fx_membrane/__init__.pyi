@@ -50,6 +50,7 @@ from .solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
 from .solvers.newton import Newton
 from .solvers.outcome import Outcome
 from .solvers.petsc_options import UnusedOptionWarning
+from .surfaces.drainage import Depression, Drainage, drainage
 from .surfaces.ring import Ring
 from .surfaces.sail import SailMesh, sail_mesh
 
@@ -63,7 +64,9 @@ __all__ = [
     "CoincidentNodesWarning",
     "ConjugateGradient",
     "ConvergenceError",
+    "Depression",
     "DistributedLoad",
+    "Drainage",
     "EnergyTerm",
     "Equilibrium",
     "EquilibriumPath",
@@ -115,6 +118,7 @@ __all__ = [
     "UnusedOptionWarning",
     "WorkLimit",
     "boundary_edges",
+    "drainage",
     "edges_where",
     "equilibrium_path",
     "force_density",
