@@ -51,6 +51,7 @@ from .solvers.newton import Newton
 from .solvers.outcome import Outcome
 from .solvers.petsc_options import UnusedOptionWarning
 from .surfaces.drainage import Depression, Drainage, drainage
+from .surfaces.remeshing import Remeshed, remeshed
 from .surfaces.ring import Ring
 from .surfaces.sail import SailMesh, sail_mesh
 
@@ -98,6 +99,7 @@ __all__ = [
     "PrescribedDisplacement",
     "Pressure",
     "Problem",
+    "Remeshed",
     "Ring",
     "SailMesh",
     "SliverWarning",
@@ -127,6 +129,7 @@ __all__ = [
     "polyline",
     "projected_stress",
     "rectangle",
+    "remeshed",
     "report",
     "sail_mesh",
     "stability",
