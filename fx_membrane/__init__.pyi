@@ -54,6 +54,8 @@ from .surfaces.drainage import Depression, Drainage, drainage
 from .surfaces.remeshing import Remeshed, remeshed
 from .surfaces.ring import Ring
 from .surfaces.sail import SailMesh, sail_mesh
+from .surfaces.surface_lines import SurfaceLine, geodesic, warp_lines
+from .surfaces.warp_along import warp_along
 
 __all__ = [
     "Actions",
@@ -113,6 +115,7 @@ __all__ = [
     "SteepestDescent",
     "Structure",
     "Support",
+    "SurfaceLine",
     "TermResult",
     "UnbalancedStateWarning",
     "UnsettledFormWarning",
@@ -124,6 +127,7 @@ __all__ = [
     "edges_where",
     "equilibrium_path",
     "force_density",
+    "geodesic",
     "natural_frequencies",
     "plot",
     "polyline",
@@ -138,6 +142,8 @@ __all__ = [
     "tension_direction",
     "to_dolfinx",
     "updated_reference",
+    "warp_along",
+    "warp_lines",
 ]
 
 __version__: str

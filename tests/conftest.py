@@ -43,6 +43,7 @@ ONE_PROCESS = {
     "unit/results/test_remarks.py",
     "unit/solvers/test_line_search.py",
     "unit/surfaces/test_drainage.py",
+    "unit/surfaces/test_surface_lines.py",
     "unit/test_bad_values.py",
     "unit/test_messages.py",
 }
