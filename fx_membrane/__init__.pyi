@@ -3,20 +3,38 @@
 from . import plot
 from .analysis.arc_length import PathError, equilibrium_path
 from .analysis.checkpoint import CheckpointWarning
+from .analysis.convergence_error import ConvergenceError
 from .analysis.modes import Modes, Stability, natural_frequencies, stability
 from .analysis.path import EquilibriumPath, PathPoint
-from .analysis.stages import Analysis, ConvergenceError
+from .analysis.stages import Analysis
 from .analysis.wave_speed import MassUnitWarning
 from .analysis.work import WorkLimit
 from .assembly.actions import Actions
 from .assembly.loaded_problem import LoadedProblem
 from .assembly.problem import Problem
 from .assembly.wrinkling_direction import tension_direction
+from .files.archive import load_results, save_results
+from .files.compas import Net, read_compas
 from .files.dolfinx_functions import PartFunctions, to_dolfinx
 from .files.dolfinx_mesh import structure_from_dolfinx
 from .files.gmsh import structure_from_gmsh
+from .files.mesh_files import structure_from_file
+from .files.mesh_writer import write_mesh
+from .files.paraview import ParaViewSeries, SeriesWarning, write_paraview
+from .files.tables import write_tables
+from .form_finding.constraints import (
+    CableDensity,
+    CableForce,
+    CableLength,
+    CableSag,
+    EdgeAngle,
+    RigidBody,
+    Ring,
+    Slide,
+)
 from .form_finding.force_density import force_density
 from .form_finding.form import Form, FormStep
+from .form_finding.natural_force_density import natural_force_density
 from .form_finding.projected_stress import projected_stress
 from .form_finding.updated_reference import UnsettledFormWarning, updated_reference
 from .geometry.edges import edges_where
@@ -32,13 +50,12 @@ from .model.stages import PrescribedDisplacement, Stage
 from .model.structure import SliverWarning, Structure
 from .model.supports import Support
 from .results.balance import UnbalancedStateWarning
+from .results.part_results import BarResult, MembraneResult
 from .results.report import report
 from .results.states import (
-    BarResult,
     Equilibrium,
     Increment,
     LostPrestressWarning,
-    MembraneResult,
     StageResult,
     StageResults,
     TermResult,
@@ -52,7 +69,7 @@ from .solvers.outcome import Outcome
 from .solvers.petsc_options import UnusedOptionWarning
 from .surfaces.drainage import Depression, Drainage, drainage
 from .surfaces.remeshing import Remeshed, remeshed
-from .surfaces.ring import Ring
+from .surfaces.round_hole import RoundHole
 from .surfaces.sail import SailMesh, sail_mesh
 from .surfaces.surface_lines import SurfaceLine, geodesic, warp_lines
 from .surfaces.warp_along import warp_along
@@ -63,6 +80,10 @@ __all__ = [
     "Axial",
     "BarResult",
     "Cable",
+    "CableDensity",
+    "CableForce",
+    "CableLength",
+    "CableSag",
     "CheckpointWarning",
     "CoincidentNodesWarning",
     "ConjugateGradient",
@@ -70,6 +91,7 @@ __all__ = [
     "Depression",
     "DistributedLoad",
     "Drainage",
+    "EdgeAngle",
     "EnergyTerm",
     "Equilibrium",
     "EquilibriumPath",
@@ -90,9 +112,11 @@ __all__ = [
     "Modes",
     "MooneyRivlin",
     "NeoHooke",
+    "Net",
     "Newton",
     "OrthotropicFabric",
     "Outcome",
+    "ParaViewSeries",
     "PartFunctions",
     "PathError",
     "PathPoint",
@@ -102,8 +126,12 @@ __all__ = [
     "Pressure",
     "Problem",
     "Remeshed",
+    "RigidBody",
     "Ring",
+    "RoundHole",
     "SailMesh",
+    "SeriesWarning",
+    "Slide",
     "SliverWarning",
     "Solution",
     "Solve",
@@ -128,22 +156,30 @@ __all__ = [
     "equilibrium_path",
     "force_density",
     "geodesic",
+    "load_results",
+    "natural_force_density",
     "natural_frequencies",
     "plot",
     "polyline",
     "projected_stress",
+    "read_compas",
     "rectangle",
     "remeshed",
     "report",
     "sail_mesh",
+    "save_results",
     "stability",
     "structure_from_dolfinx",
+    "structure_from_file",
     "structure_from_gmsh",
     "tension_direction",
     "to_dolfinx",
     "updated_reference",
     "warp_along",
     "warp_lines",
+    "write_mesh",
+    "write_paraview",
+    "write_tables",
 ]
 
 __version__: str

@@ -13,7 +13,7 @@ from ..model.fingerprints import of_settings
 from ..runtime.processes import refuse_differences, together
 from .lifting import harmonic
 from .plan_mesh import triangulated
-from .ring import Ring
+from .round_hole import RoundHole
 from .sail_plan import draw
 
 Array = NDArray[np.float64]
@@ -44,7 +44,7 @@ def sail_mesh(
     corners: Mapping[str, ArrayLike] | ArrayLike,
     size: float,
     sag: float | Mapping[str, float] = 0.0,
-    holes: Mapping[str, Ring | ArrayLike] | None = None,
+    holes: Mapping[str, RoundHole | ArrayLike] | None = None,
     lines: Mapping[str, Sequence[Any]] | None = None,
     points: Mapping[str, ArrayLike] | None = None,
     sizes: Mapping[str, float] | None = None,
@@ -62,7 +62,7 @@ def sail_mesh(
         size: Wanted length of the edges of cells [m].
         sag: Rise of the edges over their chords, towards the inside, as a share of the chord [-]; a number for all, or
             by edge. Edges with a sag are arcs in plan, those without are straight. A negative one bulges.
-        holes: Holes by name: a `Ring`, or corners of a polygon, shape (k, 2) or (k, 3) [m].
+        holes: Holes by name: a `RoundHole`, or corners of a polygon, shape (k, 2) or (k, 3) [m].
         lines: Ridges and valleys by name, each a list of at least two points: names of corners or of `points`, pairs
             (name of an edge or a hole, share of its length), or places, shape (2,) or (3,) [m]. A line takes its
             heights from its points, if all have one. Lines meet in common points only.
@@ -78,7 +78,7 @@ def sail_mesh(
 
     Example:
         >>> corners = {"A": (0, 0, 3), "B": (8, 0, 0), "C": (8, 8, 3), "D": (0, 8, 0)}
-        >>> mesh = sail_mesh(corners, size=1.0, sag=0.1, holes={"ring": Ring((4, 4, 5), 0.5)})
+        >>> mesh = sail_mesh(corners, size=1.0, sag=0.1, holes={"ring": RoundHole((4, 4, 5), 0.5)})
         >>> list(mesh.lines), mesh.points[mesh.nodes["C"]].tolist()
         (['A-B', 'B-C', 'C-D', 'D-A', 'ring'], [8.0, 8.0, 3.0])
         >>> edge = Cable(polyline(mesh.lines["A-B"]), axial_stiffness=1e7, prestress=15e3)

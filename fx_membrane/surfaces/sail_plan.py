@@ -12,7 +12,7 @@ from . import plan_checks
 from .drawing import NEAR, RIM, WITHIN, Curve, Drawing
 from .paths import arc, circle, straight
 from .plan_mesh import PlanSegments
-from .ring import Ring
+from .round_hole import RoundHole
 
 Array = NDArray[np.float64]
 
@@ -140,7 +140,7 @@ def _cyclic(nodes: Sequence[int]) -> Iterator[tuple[int, int]]:
 
 def _add_hole(drawing: Drawing, nodes: Mapping[str, int], name: str, hole: Any, number: int, size: float) -> None:
     what = f"The hole {name!r}"
-    if isinstance(hole, Ring):
+    if isinstance(hole, RoundHole):
         centre = _point(what, hole.centre)
         paths = [circle(centre[:2], hole.radius)]
         ends = [drawing.node(what, paths[0].start, float(centre[2]))] * 2
@@ -148,7 +148,7 @@ def _add_hole(drawing: Drawing, nodes: Mapping[str, int], name: str, hole: Any, 
     else:
         corners = _rows(what, hole)
         if len(corners) < 3:
-            raise ValueError(f"{what} has {len(corners)} corners; give at least three, or a Ring.")
+            raise ValueError(f"{what} has {len(corners)} corners; give at least three, or a RoundHole.")
         ends = [drawing.node(what, place[:2], float(place[2])) for place in corners]
         ends.append(ends[0])
         if len(set(ends)) < len(corners):

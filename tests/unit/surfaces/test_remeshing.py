@@ -13,7 +13,7 @@ from fx_membrane import (
     Membrane,
     OrthotropicFabric,
     Pressure,
-    Ring,
+    RoundHole,
     Stage,
     Structure,
     Support,
@@ -92,7 +92,7 @@ def test_new_nodes_are_on_the_curved_surface():
 
 
 def test_ring_stays_where_it_is():
-    mesh = sail_mesh([[-4, -4], [4, -4], [4, 4], [-4, 4]], 1.0, holes={"ring": Ring((0, 0, 6), 0.5)})
+    mesh = sail_mesh([[-4, -4], [4, -4], [4, 4], [-4, 4]], 1.0, holes={"ring": RoundHole((0, 0, 6), 0.5)})
     found = remeshed(Structure(mesh.points, {"cone": Membrane(mesh.triangles, FABRIC, 1e3)}), 0.4).structure
     ring = np.isclose(found.points[:, 2], 6)
     assert ring.sum() == 12
@@ -126,7 +126,9 @@ def test_radial_warp_and_stress_of_place():
     errors = []
     for size in (0.4, 0.2):
         mesh = sail_mesh(
-            [[2 * np.cos(a), 2 * np.sin(a)] for a in np.arange(24) * np.pi / 12], size, holes={"r": Ring((0, 0), 1)}
+            [[2 * np.cos(a), 2 * np.sin(a)] for a in np.arange(24) * np.pi / 12],
+            size,
+            holes={"r": RoundHole((0, 0), 1)},
         )
         centre = mesh.points[mesh.triangles].mean(axis=1)
         r = np.linalg.norm(centre, axis=1)
@@ -175,7 +177,7 @@ def test_edge_cables_keep_their_force():
 
 def test_closed_cable_around_a_ring():
     mesh = sail_mesh(
-        [[-3, -3], [3, -3], [3, 3], [-3, 3]], 0.6, holes={"ring": Ring((0, 0, 2), 0.6)}, sizes={"ring": 0.15}
+        [[-3, -3], [3, -3], [3, 3], [-3, 3]], 0.6, holes={"ring": RoundHole((0, 0, 2), 0.6)}, sizes={"ring": 0.15}
     )
     ring = mesh.lines["ring"]
     force = 1e3 + 100 * np.cos(np.arange(len(ring) - 1) / (len(ring) - 1) * 2 * np.pi)

@@ -11,7 +11,7 @@ from fx_membrane import (
     Cable,
     Fabric,
     Membrane,
-    Ring,
+    RoundHole,
     Structure,
     Support,
     boundary_edges,
@@ -40,7 +40,7 @@ def canopy():
         CANOPY,
         size=1.0,
         sag={"A-B": 0.1, "C-D": -0.05},
-        holes={"ring": Ring((0, 0, 5), 0.6), "eye": [(3, -3), (4, -3), (4, -2)]},
+        holes={"ring": RoundHole((0, 0, 5), 0.6), "eye": [(3, -3), (4, -3), (4, -2)]},
         lines={"ridge": ["A", ("ring", 5 / 8)], "valley": [("B-C", 0.5), (5.0, 0.5)]},
         points={"head": (-3, 3, 4)},
         sizes={"C-D": 0.3, "head": 0.2},
@@ -98,7 +98,7 @@ def test_area_and_sense(canopy):
     circle = 12 * 0.6**2 * np.sin(2 * np.pi / 12) / 2
     assert areas(canopy).min() > 0
     for corners in (SQUARE, SQUARE[::-1]):
-        mesh = sail_mesh(corners, 0.5, sag=0.0, holes={"ring": Ring((2, 2), 0.6)})
+        mesh = sail_mesh(corners, 0.5, sag=0.0, holes={"ring": RoundHole((2, 2), 0.6)})
         assert areas(mesh).min() > 0
         assert areas(mesh).sum() == pytest.approx(16 - circle, rel=1e-12)
         arcs = sail_mesh(corners, 0.5, sag=0.1)
@@ -125,7 +125,7 @@ def test_sizes_are_local(canopy):
 
 def test_sail_is_found_from_its_mesh():
     """Attach cables and supports, and find the form: the use of it all, with nothing prepared."""
-    mesh = sail_mesh(CANOPY, 1.5, sag=0.1, holes={"ring": Ring((0, 0, 5), 0.6)})
+    mesh = sail_mesh(CANOPY, 1.5, sag=0.1, holes={"ring": RoundHole((0, 0, 5), 0.6)})
     radius = 12 * (0.25 + 0.01) / 0.2
     roof = Membrane(mesh.triangles, Fabric(4e5, 0.3), prestress=1e3)
     names = ("A-B", "B-C", "C-D", "D-A")
@@ -194,12 +194,18 @@ def test_open_model_is_left_alone():
         ({"sag": 0.49}, "^The plan folds over itself: the edge '0-1' and the edge '1-2' meet at"),
         ({"sag": 0.5}, "^sag of '0-1' is 0.5, an arc beyond half a circle"),
         ({"sag": {"A-B": 0.1}}, "^sag names 'A-B', which is no edge; those are"),
-        ({"holes": {"ring": Ring((6, 6), 0.3)}}, r"^The hole 'ring' is outside the edges of the plan at \("),
-        ({"holes": {"ring": Ring((3.9, 2), 0.3)}}, r"^The edge '1-2' and the hole 'ring' meet at \(4, "),
-        ({"holes": {"ring": Ring((3.7, 2), 0.3)}}, r"^The edge '1-2' and the hole 'ring' meet at \(4, 2\)"),
-        ({"holes": {"ring": Ring((2, 2), 3.5)}}, r"^The hole 'ring' is outside the edges|^The edge .* 'ring' meet"),
-        ({"holes": {"a": Ring((2, 2), 0.3), "b": Ring((2, 2), 0.2)}}, "^The hole 'b' is within the hole 'a'"),
-        ({"holes": {"a": Ring((2, 2), 0.3), "b": Ring((2.4, 2), 0.3)}}, "^The hole 'a' and the hole 'b' meet"),
+        ({"holes": {"ring": RoundHole((6, 6), 0.3)}}, r"^The hole 'ring' is outside the edges of the plan at \("),
+        ({"holes": {"ring": RoundHole((3.9, 2), 0.3)}}, r"^The edge '1-2' and the hole 'ring' meet at \(4, "),
+        ({"holes": {"ring": RoundHole((3.7, 2), 0.3)}}, r"^The edge '1-2' and the hole 'ring' meet at \(4, 2\)"),
+        (
+            {"holes": {"ring": RoundHole((2, 2), 3.5)}},
+            r"^The hole 'ring' is outside the edges|^The edge .* 'ring' meet",
+        ),
+        ({"holes": {"a": RoundHole((2, 2), 0.3), "b": RoundHole((2, 2), 0.2)}}, "^The hole 'b' is within the hole 'a'"),
+        (
+            {"holes": {"a": RoundHole((2, 2), 0.3), "b": RoundHole((2.4, 2), 0.3)}},
+            "^The hole 'a' and the hole 'b' meet",
+        ),
         ({"holes": {"a": [(1, 1), (2, 2)]}}, "^The hole 'a' has 2 corners"),
         ({"lines": {"l": ["0", "2"], "m": ["1", "3"]}}, r"^The line 'l' and the line 'm' meet at \(2, 2\)"),
         ({"lines": {"l": ["0", "1"]}}, "^The edge '0-1' and the line 'l' meet"),
@@ -207,12 +213,15 @@ def test_open_model_is_left_alone():
         ({"lines": {"l": ["0", "x"]}}, "^The line 'l' names 'x', which is no corner or point"),
         ({"lines": {"l": ["0", ("0-1", 1.5)]}}, "^The line 'l' has the share 1.5 of '0-1'"),
         ({"lines": {"l": ["0"]}}, "^The line 'l' is .*at least two points"),
-        ({"lines": {"l": ["0", "2"]}, "holes": {"ring": Ring((2, 2), 0.5)}}, "^The hole 'ring' and the line 'l' meet"),
+        (
+            {"lines": {"l": ["0", "2"]}, "holes": {"ring": RoundHole((2, 2), 0.5)}},
+            "^The hole 'ring' and the line 'l' meet",
+        ),
         ({"points": {"p": (5, 5, 1)}}, r"^The point 'p' is outside the edges of the plan, at \(5, 5\)"),
-        ({"points": {"p": (2, 2)}, "holes": {"r": Ring((2, 2), 0.5)}}, "^The point 'p' is within a hole"),
+        ({"points": {"p": (2, 2)}, "holes": {"r": RoundHole((2, 2), 0.5)}}, "^The point 'p' is within a hole"),
         ({"points": {"p": (2, 2, 1)}, "lines": {"l": [(1, 2, 0), (2, 2, 2)]}}, "^The line 'l' has the height 2 at"),
         ({"points": {"0": (2, 2, 1)}}, "^The name '0' is given twice"),
-        ({"holes": {"0-1": Ring((2, 2), 0.5)}}, "^The name '0-1' is given twice"),
+        ({"holes": {"0-1": RoundHole((2, 2), 0.5)}}, "^The name '0-1' is given twice"),
         ({"sizes": {"x": 0.1}}, "^sizes names 'x', which is not in the plan"),
         ({"sizes": {"0-1": 0.0}}, "^sizes of '0-1' is 0.0; it must be positive"),
     ],
@@ -223,7 +232,7 @@ def test_refused(changes, message):
 
 
 def test_ring_of_no_radius():
-    with pytest.raises(ValueError, match=r"^Ring radius is 0; it must be positive"):
-        Ring((0, 0), 0)
-    with pytest.raises(ValueError, match=r"^Ring centre is .*give \(x, y\)"):
-        Ring((0, 0, 0, 0), 1)
+    with pytest.raises(ValueError, match=r"^RoundHole radius is 0; it must be positive"):
+        RoundHole((0, 0), 0)
+    with pytest.raises(ValueError, match=r"^RoundHole centre is .*give \(x, y\)"):
+        RoundHole((0, 0, 0, 0), 1)

@@ -8,7 +8,7 @@ from ..checks import validation
 
 
 @dataclass(frozen=True, eq=False)
-class Ring:
+class RoundHole:
     """Circular hole of a sail, as below a mast head.
 
     Args:
@@ -19,7 +19,7 @@ class Ring:
         ValueError: The centre is no point; the radius is not positive.
 
     Example:
-        >>> Ring((6, 6, 5), radius=0.6).radius
+        >>> RoundHole((6, 6, 5), radius=0.6).radius
         0.6
     """
 
@@ -29,5 +29,5 @@ class Ring:
     def __post_init__(self) -> None:
         validation.store(self, validation.finite, "centre")
         if self.centre.shape not in ((2,), (3,)):  # type: ignore[union-attr]  # an array by now
-            raise ValueError(f"Ring centre is {validation.short_repr(self.centre)}; give (x, y) or (x, y, z).")
+            raise ValueError(f"RoundHole centre is {validation.short_repr(self.centre)}; give (x, y) or (x, y, z).")
         validation.store(self, validation.positive, "radius")
