@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
+from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 from scipy.spatial import cKDTree
 
@@ -95,8 +96,26 @@ def _projected(points: Array, triangles: Integers) -> Array:
     return np.asarray(points @ np.stack([first, np.cross(normal, first)], axis=1))
 
 
+def _capped(points: Array, triangles: Integers) -> tuple[Array, Integers]:
+    """Close the loops of the rim, but for the longest, by fans of triangles: a surface with holes could fold."""
+    rim = boundary_edges(triangles)
+    ends = sparse.coo_array((np.ones(len(rim)), (rim[:, 0], rim[:, 1])), shape=(len(points),) * 2)
+    loop = np.unique(connected_components(ends, directed=False)[1][rim[:, 0]], return_inverse=True)[1].ravel()
+    length = np.bincount(loop, np.linalg.norm(points[rim[:, 1]] - points[rim[:, 0]], axis=1))
+    order = np.argsort(-length)
+    number = np.empty(len(order), dtype=np.int64)
+    number[order] = np.arange(len(order))
+    inner = number[loop] > 0
+    sums = np.stack([np.bincount(loop, column) for column in points[rim[:, 0]].T], axis=1)
+    centres = (sums / np.bincount(loop)[:, None])[order[1:]]
+    fans = np.column_stack([rim[inner][:, ::-1], len(points) + number[loop[inner]] - 1])
+    return np.vstack([points, centres]), np.vstack([triangles, fans])
+
+
 def _conformal(points: Array, triangles: Integers) -> Array:
     """Least squares conformal map with two nodes of the rim held, shape (n, 2)."""
+    count = len(points)
+    points, triangles = _capped(points, triangles)
     n = len(points)
     laplace = cotangent_matrix(points[triangles], triangles, n)
     a, b = boundary_edges(triangles).T
@@ -110,4 +129,4 @@ def _conformal(points: Array, triangles: Integers) -> Array:
     found = np.zeros(2 * n)
     found[held] = values
     found[free] = splu(matrix[free][:, free]).solve(-(matrix[free][:, held] @ values))
-    return found.reshape(2, n).T
+    return found.reshape(2, n).T[:count]

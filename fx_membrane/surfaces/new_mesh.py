@@ -5,25 +5,18 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
-from ..checks import validation
 from ..geometry.measures import lengths
 from ..geometry.topology import boundary_edges
 from ..model.parts import Bar, Membrane
 from ..model.structure import Structure
-from .feature_lines import Division, Features, Patch, divided, features
-from .flattening import Flat, flattened
-from .plan_checks import area, crossing, inside
+from .feature_lines import Division, Features, divided, features
+from .patch_plan import check_plan, flat_of, graded, ordered
 from .plan_mesh import PlanSegments, triangulated
 from .transfer import at_nodes, between, main_direction, rise_of_line, rise_of_surface
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-
-GROWTH = 0.3  # growth of the size of cells with the distance from finer lines
-FINER = 0.8  # size of a segment over the wanted one from which on cells around it are finer
-TOUCH = 1e-9  # distance over the size of a patch that counts as touching
 
 
 class NewMesh(NamedTuple):
@@ -189,19 +182,19 @@ def _patch(
     part = structure.part(patch.part, Membrane)
     old, local = np.unique(part.cells[patch.rows], return_inverse=True)
     triangles, points = local.reshape(-1, 3), structure.points[old]
-    flat = _flat(patch, points, triangles)
+    flat = flat_of(patch.part, points, triangles)
     used, segments, loops = _segments(found, index, part.cells[patch.rows], lines, nodes)
     corners, shares = nodes.all()
     places = between(flat.points, np.searchsorted(old, corners[used]), shares[used])
-    wanted = _graded(points, size(points), nodes.points[used[segments]]) * flat.scale
+    wanted = graded(points, size(points), nodes.points[used[segments]]) * flat.scale
     plan = PlanSegments(
         places,
-        *_ordered(patch, places, segments, loops),
+        *ordered(patch.part, places, nodes.points[used], segments, loops),
         np.full(len(used), wanted.max()),
         float(wanted.max()),
         (flat.points, triangles, wanted),
     )
-    _check_plan(patch, plan, nodes.points[used])
+    check_plan(patch.part, plan, nodes.points[used])
     new_places, cells = triangulated(plan)
     cell, shares = flat.locate(new_places[len(used) :])
     rise = rise_of_surface(points, triangles, flat.points, cell, shares)
@@ -230,73 +223,3 @@ def _segments(
     alone = np.flatnonzero(np.isin(found.nodes, cells))  # kept nodes have the first numbers
     used = np.union1d(rows, alone)
     return used, np.searchsorted(used, rows), np.array(loops)
-
-
-def _ordered(patch: Patch, places: Array, segments: Integers, loops: Integers) -> tuple[Integers, Integers]:
-    """Segments of the rim end to start, the outer loop first, then those within; and the number of the loop of each."""
-    beside: dict[int, list[int]] = {}
-    for a, b in segments[loops == 0].tolist():
-        beside.setdefault(a, []).append(b)
-        beside.setdefault(b, []).append(a)
-    found, left = [], set(beside)
-    while left:
-        loop = [min(left)]
-        while True:
-            left.discard(loop[-1])
-            following = [node for node in beside[loop[-1]] if node in left]
-            if not following:
-                break
-            loop.append(following[0])
-        found.append(np.array(loop))
-    found.sort(key=lambda loop: -abs(area(places[loop])))
-    ordered = [np.column_stack([loop, np.roll(loop, -1)]) for loop in found]
-    numbers = np.repeat(np.arange(len(found)), [len(loop) for loop in found])
-    within = segments[loops < 0]
-    return np.concatenate([*ordered, within]), np.concatenate([numbers, np.full(len(within), -1)])
-
-
-def _check_plan(patch: Patch, plan: PlanSegments, points: Array) -> None:
-    """Refuse segments that cut across others, as where few of them follow a narrow strip."""
-    touching = TOUCH * float(np.ptp(plan.points, axis=0).max())
-    found = crossing(plan.points, plan.segments, touching)
-    node = plan.segments[found[0], 0] if found else None
-    rim = plan.points[plan.segments[plan.loops == 0, 0]]
-    alone = np.setdiff1d(np.arange(len(points)), plan.segments)
-    outside = alone[~inside(plan.points[alone], rim)] if len(alone) else alone
-    node = outside[0] if len(outside) else node
-    if node is not None:
-        raise ValueError(
-            f"size is too large for part {patch.part!r}: its lines cut across each other near "
-            f"{validation.format_point(points[node])}; give a smaller one."
-        )
-
-
-def _graded(points: Array, wanted: Array, ends: Array) -> Array:
-    """Size of cells at nodes, which grows from that of finer segments around.
-
-    Args:
-        points: The nodes, shape (n, 3) [m].
-        wanted: Wanted size there, shape (n,) [m].
-        ends: Ends of segments, shape (k, 2, 3) [m].
-    """
-    length, middles = lengths(ends[:, 1] - ends[:, 0]), ends.mean(axis=1)
-    there = wanted[cKDTree(points).query(middles)[1]]
-    finer = length < FINER * there
-    if not finer.any():
-        return wanted
-    distance, nearest = cKDTree(middles[finer]).query(points)
-    return np.minimum(wanted, length[finer][nearest] + GROWTH * distance)
-
-
-def _flat(patch: Patch, points: Array, triangles: Integers) -> Flat:
-    where = validation.format_point(points.mean(axis=0))
-    if not len(boundary_edges(triangles)):
-        raise ValueError(
-            f"Part {patch.part!r} is closed around {where}, without a rim, and so without a plan; make it of two parts."
-        )
-    flat = flattened(points, triangles)
-    if flat is None:
-        raise ValueError(
-            f"Part {patch.part!r} folds over itself in its plan around {where}; make it of parts that do not."
-        )
-    return flat

@@ -99,6 +99,65 @@ def test_ring_stays_where_it_is():
     np.testing.assert_allclose(np.linalg.norm(found.points[ring][:, :2], axis=1), 0.5, rtol=0, atol=1e-12)
 
 
+def tube(radius):
+    """Surface of revolution about z from -1 to 1, 24 by 12 cells; its radius is a function of z."""
+    points, triangles = rectangle(2 * np.pi, 2.0, 24, 12)
+    angle, z = points[:, 0], points[:, 1]
+    shell = np.stack([radius(z) * np.cos(angle), radius(z) * np.sin(angle), z], axis=1)
+    node = np.arange(len(points)).reshape(13, 25)
+    node[:, 24] = node[:, 0]
+    used, cells = np.unique(node.ravel()[triangles], return_inverse=True)
+    return shell[used], cells.reshape(-1, 3)
+
+
+def helicoid():
+    points, triangles = rectangle(2.0, 9.4, 8, 40)
+    r, angle, _ = points.T
+    return np.stack([r * np.cos(angle), r * np.sin(angle), 0.5 * angle], axis=1), triangles
+
+
+def dome(share=0.5):
+    """Share of a unit sphere around its top."""
+    points, triangles = rectangle(2.0, 2.0, 16, 16)
+    r = np.abs(points).max(axis=1) * np.pi * share
+    length = np.linalg.norm(points, axis=1)
+    flat = points * np.divide(np.sin(r), length, where=length > 0, out=np.zeros(len(r)))[:, None]
+    flat[:, 2] = np.cos(r)
+    return flat, triangles
+
+
+@pytest.mark.parametrize(
+    ("shape", "exact"),
+    [
+        (tube(np.cosh), np.pi * (2 + np.sinh(2))),
+        (tube(lambda z: 1 + 0 * z), 4 * np.pi),
+        (tube(lambda z: 1.2 - z), np.sqrt(2) * np.pi * (2.2**2 - 0.2**2)),
+        (helicoid(), None),
+        (dome(), 2 * np.pi),
+        (dome(0.8), 2 * np.pi * (1 - np.cos(0.8 * np.pi))),
+    ],
+    ids=["catenoid", "tube", "cone", "helicoid", "hemisphere", "most of a sphere"],
+)
+def test_shapes_without_a_plan(shape, exact):
+    """Cells of the size all over, on one side, and the area of the surface."""
+    points, triangles = shape
+    old = Structure(points, {"shell": Membrane(triangles, FABRIC, 1e3)})
+    found = remeshed(old, 0.12).structure
+    a, b, c = (found.points[corner] for corner in found.parts["shell"].cells.T)
+    sides = np.stack([np.linalg.norm(p - q, axis=1) for p, q in [(a, b), (b, c), (c, a)]])
+    assert 0.08 < sides.mean() < 0.14
+    assert sides.max() < 0.3
+    quality = 4 * np.sqrt(3) * np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2 / (sides**2).sum(axis=0)
+    assert quality.min() > 0.1
+    assert np.mean(quality) > 0.85
+    assert area(found, "shell") == pytest.approx(exact or area(old, "shell"), rel=2e-2)
+    near = np.linalg.norm(
+        points[triangles].mean(axis=1)[None] - found.points[found.parts["shell"].cells].mean(axis=1)[:, None], axis=2
+    ).argmin(axis=1)
+    agree = np.sum(old.normals("shell")[near] * found.normals("shell"), axis=1)
+    assert agree.min() > 0.5
+
+
 def test_constant_stress_stays_constant():
     woven = OrthotropicFabric(6e5, 4e5, 0.3, 2e4)
     for changes in (
@@ -337,3 +396,10 @@ def test_shapes_refused():
     fin = Structure(np.vstack([points, [0, 0, 5]]), {"roof": Membrane([*triangles, [40, 41, 81]], FABRIC, 1e3)})
     with pytest.raises(ValueError, match=r"^Part 'roof' branches"):
         remeshed(fin, 0.3)
+    centre = points[triangles].mean(axis=1)
+    kite = triangles[(centre[:, 0] > 0) != (centre[:, 1] > 0)]
+    sheet = Structure(points, {"kite": Membrane(np.vstack([kite, [[0, 1, 10]]]), FABRIC, 1e3)})
+    assert remeshed(sheet, 0.5).structure.parts["kite"].cells.shape[1] == 3  # pieces that meet in a node
+    hollow = np.setdiff1d(np.arange(128), np.flatnonzero((triangles == 40).any(axis=1))[[0, 3]])
+    with pytest.raises(ValueError, match=r"^Part 'roof' touches itself in a node of its rim, at \("):
+        remeshed(Structure(points, {"roof": Membrane(triangles[hollow], FABRIC, 1e3)}), 0.5)
