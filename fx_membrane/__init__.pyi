@@ -69,6 +69,12 @@ from .solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
 from .solvers.newton import Newton
 from .solvers.outcome import Outcome
 from .solvers.petsc_options import UnusedOptionWarning
+from .surfaces.drainage import Depression, Drainage, drainage
+from .surfaces.remeshing import Remeshed, remeshed
+from .surfaces.round_hole import RoundHole
+from .surfaces.sail import SailMesh, sail_mesh
+from .surfaces.surface_lines import SurfaceLine, geodesic, warp_lines
+from .surfaces.warp_along import warp_along
 
 __all__ = [
     "Actions",
@@ -85,7 +91,9 @@ __all__ = [
     "ConjugateGradient",
     "Constraints",
     "ConvergenceError",
+    "Depression",
     "DistributedLoad",
+    "Drainage",
     "EdgeAngle",
     "EnergyTerm",
     "Equilibrium",
@@ -120,8 +128,11 @@ __all__ = [
     "PrescribedDisplacement",
     "Pressure",
     "Problem",
+    "Remeshed",
     "RigidBody",
     "Ring",
+    "RoundHole",
+    "SailMesh",
     "SeriesWarning",
     "Slide",
     "SliverWarning",
@@ -135,6 +146,7 @@ __all__ = [
     "SteepestDescent",
     "Structure",
     "Support",
+    "SurfaceLine",
     "TermResult",
     "UnbalancedStateWarning",
     "UnsettledFormWarning",
@@ -142,9 +154,11 @@ __all__ = [
     "UnusedOptionWarning",
     "WorkLimit",
     "boundary_edges",
+    "drainage",
     "edges_where",
     "equilibrium_path",
     "force_density",
+    "geodesic",
     "load_results",
     "natural_force_density",
     "natural_frequencies",
@@ -153,7 +167,9 @@ __all__ = [
     "projected_stress",
     "read_compas",
     "rectangle",
+    "remeshed",
     "report",
+    "sail_mesh",
     "save_results",
     "stability",
     "structure_from_dolfinx",
@@ -162,6 +178,8 @@ __all__ = [
     "tension_direction",
     "to_dolfinx",
     "updated_reference",
+    "warp_along",
+    "warp_lines",
     "write_mesh",
     "write_paraview",
     "write_report",

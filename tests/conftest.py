@@ -59,6 +59,8 @@ ONE_PROCESS = {
     "unit/results/test_remarks.py",
     "unit/solvers/test_iteration_limit.py",
     "unit/solvers/test_line_search.py",
+    "unit/surfaces/test_drainage.py",
+    "unit/surfaces/test_surface_lines.py",
     "unit/test_bad_values.py",
     "unit/test_messages.py",
     "verification/test_constrained_forms.py",
