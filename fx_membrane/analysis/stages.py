@@ -26,6 +26,7 @@ from ..results.remarks import held_by_slack_parts, remarked, warn_of_remarks
 from ..results.slackness import hanging_ends, slack_parts
 from ..results.states import Increment, StageResult, StageResults
 from ..results.strain_limits import warn_of_large_prestress
+from ..runtime.freed_memory import return_freed_memory
 from ..runtime.processes import refuse_differences, together
 from ..solvers import own
 from ..solvers.base import Solution, Solver
@@ -195,7 +196,11 @@ class Analysis:
                 state = saved.progress.get(stage.name) or Progress(
                     shape, Fraction(0), Fraction(1, stage.increments), ()
                 )
-                results[stage.name] = remarked(self._run(course, state, results, saved.save), shape)
+                state = self._run(course, state, results, saved.save)
+                if stage is stages[-1]:
+                    own.release(self._solve)  # it takes several times the memory of the result
+                    return_freed_memory(3 * len(self.problem.discretization.owned_nodes))
+                results[stage.name] = remarked(self._result(course, state), shape)
                 with together(self._comm):
                     warn_of_remarks(results[stage.name], self._comm, stacklevel=3)
         return results
@@ -211,8 +216,8 @@ class Analysis:
 
     def _run(
         self, course: _Course, state: Progress, results: StageResults, save: Callable[[str, Progress], None]
-    ) -> StageResult:
-        """Run the load increments of a stage from a converged state."""
+    ) -> Progress:
+        """Run the load increments of a stage from a converged state; return its end."""
         stage = course.stage
         balanced = stage.after is not None or not (self.problem.magnitudes.prestress_forces or self.structure.terms)
         control = IncrementControl(stage, state, balanced)
@@ -232,7 +237,7 @@ class Analysis:
                     raise self._failure(course, control, loaded, x, solution, work, results)
                 save(stage.name, control.accept())
                 report.increment(float(control.state.factor), control.state.increments[-1].iterations[-1].residual)
-        return self._result(course, control.state)
+        return control.state
 
     def _solved(self, loaded: LoadedProblem, x: PETSc.Vec, work: Work, thorough: bool) -> Solution:
         """Solve an increment; once the limit of work is used up, allow no retry."""
@@ -269,6 +274,7 @@ class Analysis:
         results: StageResults,
     ) -> ConvergenceError:
         """Warn of the last state, and return the exception that ends the stage after it."""
+        own.release(self._solve)
         slack = self._slack(course, loaded, x)
         last = remarked(self._result(course, control.state), course.shape)
         warn_of_remarks(last, self._comm, stacklevel=5)
