@@ -18,7 +18,8 @@ SHOWN = {
     "natural_force_density", "natural_frequencies", "polyline", "projected_stress", "rectangle", "report", "sail_mesh",
     "stability", "updated_reference",
 }  # fmt: skip
-NEEDS = {"ParaViewSeries": "pyvista"}  # packages that are optional
+# Packages that Debian does not have, or that are optional.
+NEEDS = {"ParaViewSeries": "pyvista", "geodesic": "potpourri3d", "warp_along": "potpourri3d"}
 
 
 def examples(name):

@@ -15,6 +15,8 @@ import pytest
 from fx_membrane import Fabric, Membrane, Structure, geodesic, rectangle, warp_lines
 from surfaces import octant
 
+pytest.importorskip("potpourri3d")
+
 
 def test_prism_unrolls():
     """A polygonal cylinder: bent along the lines of nodes of a plane mesh."""

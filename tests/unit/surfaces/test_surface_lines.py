@@ -21,6 +21,8 @@ from fx_membrane import (
     warp_lines,
 )
 
+pytest.importorskip("potpourri3d")
+
 FABRIC = Fabric(4e5, 0.3)
 
 
