@@ -33,12 +33,12 @@ def change_of_shape(structure: Structure, points: NDArray[np.float64], displacem
     segments = np.unique(np.sort(np.concatenate(lines)), axis=0)  # a cable on the edge of a membrane is one line
     on_line = np.zeros(len(points), dtype=bool)
     on_line[segments] = True
-    tangent = _line_tangents(points, segments)
+    tangent = line_tangents(points, segments)
 
     def along(unit: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.sum(displacement * unit, axis=1, keepdims=True) * unit
 
-    normal = _unit(_nodal_normals(structure, points))
+    normal = _unit(nodal_normals(structure, points))
     across = np.where(on_line[:, None], displacement - along(tangent), along(normal))
     largest = float(np.linalg.norm(across, axis=1).max() / np.concatenate(edges).mean())
     slides = np.any(tangent, axis=1)
@@ -110,7 +110,7 @@ def _unbalanced(step: int, name: str, part: Bar, cell: int, force: float, first:
     )
 
 
-def _line_tangents(points: NDArray[np.float64], segments: NDArray[np.int64]) -> NDArray[np.float64]:
+def line_tangents(points: NDArray[np.float64], segments: NDArray[np.int64]) -> NDArray[np.float64]:
     """Tangents of lines, of unit length, at their inner nodes, shape (n, 3) [-]; zero at ends, corners and junctions.
 
     Args:
@@ -127,7 +127,7 @@ def _line_tangents(points: NDArray[np.float64], segments: NDArray[np.int64]) -> 
     return np.where(slides[:, None], _unit(2 * last - leaving), 0.0)  # one direction less the other
 
 
-def _nodal_normals(structure: Structure, points: NDArray[np.float64]) -> NDArray[np.float64]:
+def nodal_normals(structure: Structure, points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Sum of the normals of the cells at each node, all to the side of one of them, shape (n, 3) [-].
 
     Adjoining membranes may have different senses, and a Moebius strip has none.

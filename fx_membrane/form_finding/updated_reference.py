@@ -71,6 +71,10 @@ def updated_reference(
     the mast heads by supports, and add masts and stays for the analysis, with forces that balance the reactions of the
     form.
 
+    Stress and warp stay with the cells, whose nodes slide for hundreds of steps: with warp unlike weft, and along edge
+    cables, stress and area drift on. `prescribed_stress` keeps the mesh even, takes both anew where the cell is, and
+    settles. Take it for them, and this function for soap films and masts.
+
     Args:
         structure: Initial shape with the intended prestress and the supports of the form.
         loads: Loads that the form balances, such as an inner pressure; distributed loads are per area or length of the

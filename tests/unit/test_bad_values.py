@@ -34,6 +34,7 @@ from fx_membrane import (
     PointLoad,
     PrescribedDisplacement,
     Pressure,
+    RadialDirection,
     RigidBody,
     Ring,
     Slide,
@@ -51,6 +52,7 @@ from fx_membrane import (
     natural_frequencies,
     plot,
     polyline,
+    prescribed_stress,
     projected_stress,
     read_compas,
     rectangle,
@@ -184,6 +186,12 @@ CASES = {
     natural_force_density: (
         {"structure": SHEET, "loads": (), "iterations": 2, "tolerance": 0.1, "constraints": ()},
         {"structure": "object", "loads": "list", "iterations": "whole", "tolerance": "number", "constraints": "list"},
+    ),
+    RadialDirection: ({"origin": [0.0, 0.0, 0.0], "axis": [0.0, 0.0, 1.0]}, {"origin": "array", "axis": "array"}),
+    prescribed_stress: (
+        {"structure": SHEET, "loads": (), "stress": {}, "warp": {}, "tolerance": 0.1, "max_iterations": 2},
+        {"structure": "object", "loads": "list", "stress": "table?", "warp": "table?", "tolerance": "number",
+         "max_iterations": "whole"},
     ),
     projected_stress: (
         {"structure": SHEET, "loads": (), "stress": {}, "cables": "force", "direction": [0.0, 0.0, 1.0],

@@ -17,6 +17,9 @@ SHOWN = {
     "RoundHole", "boundary_edges", "drainage", "edges_where", "equilibrium_path", "force_density",
     "natural_force_density", "natural_frequencies", "polyline", "projected_stress", "rectangle", "report", "sail_mesh",
     "stability", "updated_reference",
+    "boundary_edges", "edges_where", "equilibrium_path", "force_density", "natural_force_density",
+    "natural_frequencies", "polyline", "prescribed_stress", "projected_stress", "rectangle", "report", "stability",
+    "updated_reference",
 }  # fmt: skip
 # Packages that Debian does not have, or that are optional.
 NEEDS = {"ParaViewSeries": "pyvista", "geodesic": "potpourri3d", "warp_along": "potpourri3d"}
