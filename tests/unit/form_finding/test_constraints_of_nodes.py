@@ -287,6 +287,25 @@ def test_balance_that_is_no_minimum_is_left():
     assert first + (bodies[0].ways @ found).reshape(3, 3) == pytest.approx(wanted, abs=1e-9)
 
 
+@pytest.mark.parametrize("radius", [1.0, None])
+@pytest.mark.parametrize("seed", range(8))
+def test_body_goes_down_in_energy(seed, radius):
+    # Newton's method alone ends at a largest energy for some of them, as where a ring is pulled far around.
+    structure, ring = cone()
+    bodies = body_of(structure, ring, radius)
+    random = np.random.default_rng(seed)
+    size = bodies[0].ways.shape[1]
+    root = random.normal(size=(size, size))
+    stiffness = root @ root.T + np.eye(size)
+    loose = 2 * random.normal(size=size)
+    found, _ = settled(bodies, stiffness, loose, np.zeros(size))
+    frame = bodies[0].first[1:] + (bodies[0].ways @ found).reshape(3, 3)[1:]
+    product = frame @ frame.T
+    assert product / product[0, 0] == pytest.approx(np.eye(2), abs=1e-11)
+    assert radius is None or product[0, 0] == pytest.approx(1)
+    assert (found - loose) @ stiffness @ (found - loose) <= loose @ stiffness @ loose
+
+
 def off_the_circle():
     structure, ring = cone()
     points = structure.points.copy()
