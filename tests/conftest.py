@@ -28,6 +28,8 @@ ONE_PROCESS = {
     "unit/assembly/test_partition.py",
     "unit/checks/test_validation.py",
     "unit/files/test_archive.py",
+    "unit/form_finding/test_constraints_of_cables.py",
+    "unit/form_finding/test_constraints_of_nodes.py",
     "unit/form_finding/test_form_finding.py",
     "unit/form_finding/test_forms_of_masts.py",
     "unit/geometry/test_geometry.py",
@@ -45,6 +47,7 @@ ONE_PROCESS = {
     "unit/solvers/test_line_search.py",
     "unit/test_bad_values.py",
     "unit/test_messages.py",
+    "verification/test_constrained_forms.py",
 }
 
 

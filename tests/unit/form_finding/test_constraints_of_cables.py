@@ -87,6 +87,7 @@ METHODS = [
 ]
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(("kind", "value"), [(CableLength, 12.9), (CableSag, 0.9), (EdgeAngle, 15.0)])
 def test_edges_have_the_geometry_given_and_the_form_is_in_equilibrium(method, kind, value):
@@ -209,6 +210,7 @@ def test_form_turns_with_the_structure(seed):
     assert other.points == pytest.approx(one.points @ turn.T, abs=1e-7)
 
 
+@pytest.mark.mpi
 def test_every_process_has_the_same_form():
     form = projected_stress(canopy(), cables="force", constraints=[CableSag("edge", 0.9)])
     for points in MPI.COMM_WORLD.allgather(form.points):
@@ -308,6 +310,7 @@ def test_unfit_data_are_refused(make):
         make()
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("method", [projected_stress, natural_force_density])
 @pytest.mark.parametrize("constraint", [CableSag("rope", 1.0), CableLength("rope", 101.0)])
 def test_straight_rope_without_a_load_is_named(method, constraint):

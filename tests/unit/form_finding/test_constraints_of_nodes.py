@@ -90,6 +90,7 @@ def test_slide_along_axes_is_a_support(method, slide, held):
     assert np.array_equal(one.structure.supported, other.structure.supported)
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("seed", [1, 2])
 @pytest.mark.parametrize("slide", [{"normal": (0, 0, 1.0)}, {"direction": (0, 1.0, 0)}])
 def test_inclined_slide_is_the_turned_one(seed, slide):
@@ -129,6 +130,7 @@ def test_slide_and_support_leave_what_both_allow():
     assert np.abs(way).max() > 1e-2
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("seed", [None, 3])
 @pytest.mark.parametrize("make", [lambda ring: Ring(ring, 1.0), RigidBody, lambda ring: Ring(ring, 1.3)])
 def test_ring_stays_round_and_its_masts_take_its_force(make, seed):
@@ -180,6 +182,7 @@ def test_ring_of_found_radius_is_round_under_uneven_pull():
     assert moved(form) < 1e-12
 
 
+@pytest.mark.mpi
 def test_supports_guide_a_ring():
     structure, ring = cone()
     guided = replace(structure, supports=[*structure.supports, Support(ring, "z")])
@@ -249,6 +252,7 @@ def test_cables_and_nodes_are_constrained_together():
     assert moved(form) < 1e-12
 
 
+@pytest.mark.mpi
 def test_every_process_has_the_same_form():
     structure, ring = cone()
     form = natural_force_density(structure, iterations=2, constraints=[Ring(ring, 1.2)])
@@ -341,6 +345,7 @@ def test_refusals(method, number):
         method(structure, constraints=constraints)
 
 
+@pytest.mark.mpi
 def test_radius_that_supports_forbid_is_named():
     structure = with_supports("xyz", [0, 8])  # two ends of a diameter
     with pytest.raises(RuntimeError, match=r"The Ring with node 0 at .* finds no balance .* give another radius"):
