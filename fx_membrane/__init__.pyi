@@ -22,6 +22,7 @@ from .files.gmsh import structure_from_gmsh
 from .files.mesh_files import structure_from_file
 from .files.mesh_writer import write_mesh
 from .files.paraview import ParaViewSeries, SeriesWarning, write_paraview
+from .files.report.write import write_report
 from .files.tables import write_tables
 from .form_finding.constraints import (
     CableDensity,
@@ -163,6 +164,7 @@ __all__ = [
     "updated_reference",
     "write_mesh",
     "write_paraview",
+    "write_report",
     "write_tables",
 ]
 

@@ -65,6 +65,7 @@ from fx_membrane import (
     updated_reference,
     write_mesh,
     write_paraview,
+    write_report,
     write_tables,
 )
 
@@ -237,6 +238,10 @@ CASES = {
     load_results: ({"path": "results", "classes": ()}, {"path": "path", "classes": "list"}),
     write_tables: WRITER,
     write_paraview: WRITER,
+    write_report: (
+        {"results": RESULTS, "path": "a.html", "title": "Roof", "pictures": False, **UNIT_NAMES},
+        {"results": "object", "path": "object", "title": "text", "pictures": "truth", **UNIT_KINDS},
+    ),
     ParaViewSeries: (
         {"folder": "a", "append": False, **UNIT_NAMES}, {"folder": "path", "append": "truth", **UNIT_KINDS}
     ),
@@ -279,7 +284,7 @@ NOT_RIGHT = (
     type(STATE).membrane,
 )  # their arguments are refused, too
 NEEDS = {
-    plot.contours: "pyvista", ParaViewSeries: "pyvista", write_paraview: "pyvista",
+    plot.contours: "pyvista", ParaViewSeries: "pyvista", write_paraview: "pyvista", write_report: "jinja2",
     type(STATE).to_dataframe: "pandas",
 }  # fmt: skip
 SLOW = plot.convergence, plot.compare_convergence, plot.wireframe, plot.contours, equilibrium_path, updated_reference
