@@ -36,6 +36,7 @@ from .form_finding.constraints import (
 )
 from .form_finding.force_density import force_density
 from .form_finding.form import Form, FormStep
+from .form_finding.masts_and_stays import masts_and_stays
 from .form_finding.natural_force_density import natural_force_density
 from .form_finding.prescribed_stress import prescribed_stress
 from .form_finding.projected_stress import projected_stress
@@ -163,6 +164,7 @@ __all__ = [
     "force_density",
     "geodesic",
     "load_results",
+    "masts_and_stays",
     "natural_force_density",
     "natural_frequencies",
     "plot",

@@ -48,6 +48,7 @@ from fx_membrane import (
     equilibrium_path,
     force_density,
     load_results,
+    masts_and_stays,
     natural_force_density,
     natural_frequencies,
     plot,
@@ -81,6 +82,7 @@ STATE = RESULTS["load"]
 HISTORY = STATE.increments[0].iterations
 SQUARE, TRIANGLES = rectangle(1.0, 1.0, 1, 1)
 SHEET = Structure(SQUARE, {"sheet": Membrane(TRIANGLES, Fabric(1e5, 0.3), 1e3)}, [Support(range(4))])
+FORM = updated_reference(SHEET)
 BAR = {"cells": [[0, 1], [1, 2]], "axial_stiffness": 1e6, "prestress": [1.0, 2.0], "mass": 1.0, "material": None}
 BARS = {"cells": "rows", "axial_stiffness": "number", "prestress": "array", "mass": "number", "material": "object?"}
 MODULUS = {"cells": [[0, 1]], "E": 1e9, "area": 1e-4, "prestress": 0.0, "density": 1.0}
@@ -164,6 +166,11 @@ CASES = {
         {"points": POINTS.tolist(), "branches": [[0, 1], [1, 2]], "q": [1.0, 2.0], "fixed": [Support([0, 2])],
          "loads": None},
         {"points": "array", "branches": "rows", "q": "array", "fixed": "object", "loads": "array?"},
+    ),
+    masts_and_stays: (
+        {"form": FORM, "bars": {"stay": Cable([[0, 4]], 1e6)}, "points": [[-2.0, 0.0, 0.0]], "heads": [0],
+         "components": "x"},
+        {"form": "object", "bars": "object", "points": "array", "heads": "rows?", "components": "object"},
     ),
     CableForce: (
         {"part": "edge", "force": 1.0, "cells": [0, 1], "horizontal": True},
