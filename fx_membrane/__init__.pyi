@@ -10,6 +10,7 @@ from .analysis.stages import Analysis
 from .analysis.wave_speed import MassUnitWarning
 from .analysis.work import WorkLimit
 from .assembly.actions import Actions
+from .assembly.constraints import Constraints
 from .assembly.loaded_problem import LoadedProblem
 from .assembly.problem import Problem
 from .assembly.wrinkling_direction import tension_direction
@@ -21,6 +22,7 @@ from .files.gmsh import structure_from_gmsh
 from .files.mesh_files import structure_from_file
 from .files.mesh_writer import write_mesh
 from .files.paraview import ParaViewSeries, SeriesWarning, write_paraview
+from .files.report.write import write_report
 from .files.tables import write_tables
 from .form_finding.constraints import (
     CableDensity,
@@ -34,6 +36,7 @@ from .form_finding.constraints import (
 )
 from .form_finding.force_density import force_density
 from .form_finding.form import Form, FormStep
+from .form_finding.masts_and_stays import masts_and_stays
 from .form_finding.natural_force_density import natural_force_density
 from .form_finding.prescribed_stress import prescribed_stress
 from .form_finding.projected_stress import projected_stress
@@ -52,13 +55,12 @@ from .model.stages import PrescribedDisplacement, Stage
 from .model.structure import SliverWarning, Structure
 from .model.supports import Support
 from .results.balance import UnbalancedStateWarning
+from .results.part_results import BarResult, MembraneResult
 from .results.report import report
 from .results.states import (
-    BarResult,
     Equilibrium,
     Increment,
     LostPrestressWarning,
-    MembraneResult,
     StageResult,
     StageResults,
     TermResult,
@@ -70,6 +72,12 @@ from .solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
 from .solvers.newton import Newton
 from .solvers.outcome import Outcome
 from .solvers.petsc_options import UnusedOptionWarning
+from .surfaces.drainage import Depression, Drainage, drainage
+from .surfaces.remeshing import Remeshed, remeshed
+from .surfaces.round_hole import RoundHole
+from .surfaces.sail import SailMesh, sail_mesh
+from .surfaces.surface_lines import SurfaceLine, geodesic, warp_lines
+from .surfaces.warp_along import warp_along
 
 __all__ = [
     "Actions",
@@ -84,8 +92,11 @@ __all__ = [
     "CheckpointWarning",
     "CoincidentNodesWarning",
     "ConjugateGradient",
+    "Constraints",
     "ConvergenceError",
+    "Depression",
     "DistributedLoad",
+    "Drainage",
     "EdgeAngle",
     "EnergyTerm",
     "Equilibrium",
@@ -121,8 +132,11 @@ __all__ = [
     "Pressure",
     "Problem",
     "RadialDirection",
+    "Remeshed",
     "RigidBody",
     "Ring",
+    "RoundHole",
+    "SailMesh",
     "SeriesWarning",
     "Slide",
     "SliverWarning",
@@ -136,6 +150,7 @@ __all__ = [
     "SteepestDescent",
     "Structure",
     "Support",
+    "SurfaceLine",
     "TermResult",
     "UnbalancedStateWarning",
     "UnsettledFormWarning",
@@ -143,10 +158,13 @@ __all__ = [
     "UnusedOptionWarning",
     "WorkLimit",
     "boundary_edges",
+    "drainage",
     "edges_where",
     "equilibrium_path",
     "force_density",
+    "geodesic",
     "load_results",
+    "masts_and_stays",
     "natural_force_density",
     "natural_frequencies",
     "plot",
@@ -155,7 +173,9 @@ __all__ = [
     "projected_stress",
     "read_compas",
     "rectangle",
+    "remeshed",
     "report",
+    "sail_mesh",
     "save_results",
     "stability",
     "structure_from_dolfinx",
@@ -164,8 +184,11 @@ __all__ = [
     "tension_direction",
     "to_dolfinx",
     "updated_reference",
+    "warp_along",
+    "warp_lines",
     "write_mesh",
     "write_paraview",
+    "write_report",
     "write_tables",
 ]
 

@@ -43,7 +43,7 @@ def _element(family: str, cell: str, degree: int, size: int | tuple[int, ...]) -
     if len(shape) != 1:
         kind = ufl.TensorElement if shape else ufl.FiniteElement
         return kind(family, ufl.Cell(cell, geometric_dimension=3), degree, **({"shape": shape} if shape else {}))
-    # 0.5; FFCx would add this variant to the element of the mesh while it compiles, and so change the next form's name.
+    # 0.5; FFCx would add this variant to the element of the mesh, and change the next form's name.
     variant = {"variant": "equispaced"} if family == "Lagrange" else {}
     return ufl.VectorElement(family, ufl.Cell(cell, geometric_dimension=3), degree, dim=shape[0], **variant)
 
@@ -57,7 +57,13 @@ def create_mesh(points: NDArray[np.float64], cells: NDArray[np.int64], comm: MPI
     domain = ufl.Mesh(_element("Lagrange", CELL[cells.shape[1] - 1], 1, 3))
     if "e" in inspect.signature(mesh.create_mesh).parameters:  # 0.9, 0.11
         return mesh.create_mesh(comm, cells=cells, x=points, e=domain)
-    return mesh.create_mesh(comm, cells=cells, x=points, domain=domain, ghost_mode=mesh.GhostMode.none)  # 0.5
+    alone = {"partitioner": _undivided} if comm.size == 1 else {}  # 0.5 would divide it by SCOTCH
+    return mesh.create_mesh(comm, cells=cells, x=points, domain=domain, ghost_mode=mesh.GhostMode.none, **alone)  # 0.5
+
+
+def _undivided(comm: Any, parts: int, dimension: int, cells: Any, ghost_mode: Any) -> Any:
+    """Leave all cells to a process that has its mesh alone."""
+    return cpp.graph.AdjacencyList_int32(np.zeros((cells.num_nodes, 1), dtype=np.int32))
 
 
 def functionspace(msh: Any, family: str, degree: int, size: int | tuple[int, ...]) -> Any:

@@ -31,6 +31,7 @@ PICTURES: dict[str, list[str]] = {
     ],
     "solvers": ["pavilion.png", "square.png"],
     "square_membrane": ["fig7_convergence.png", "fig8_displacements.png", "fig9_principal_stresses.png"],
+    "tilted_masts": ["snow.png", "structure.png", "wind.png"],
 }
 
 
@@ -74,7 +75,11 @@ def test_every_demo_is_listed():
 
 @pytest.mark.parametrize("name", PICTURES)
 @pytest.mark.parametrize(
-    "pictures", [pytest.param(True, marks=pytest.mark.serial, id="pictures"), pytest.param(False, id="numbers")]
+    "pictures",
+    [
+        pytest.param(True, marks=[pytest.mark.serial, pytest.mark.drawn], id="pictures"),
+        pytest.param(False, id="numbers"),
+    ],
 )
 def test_demo(name, pictures, tmp_path, monkeypatch, capsys):
     """With pictures on one process, where pyvista is installed; on several, and without pyvista, the numbers alone."""

@@ -27,6 +27,7 @@ from ..results.remarks import held_by_slack_parts, remarked, warn_of_remarks
 from ..results.slackness import hanging_ends, slack_parts
 from ..results.states import StageResult, StageResults
 from ..results.strain_limits import warn_of_large_prestress
+from ..runtime.freed_memory import return_freed_memory
 from ..runtime.processes import refuse_differences, together
 from ..solvers import own
 from ..solvers.base import Solution, Solver
@@ -34,6 +35,7 @@ from ..solvers.curvature import wrinkling_threshold
 from ..solvers.newton import Newton
 from ..solvers.outcome import Outcome
 from ..solvers.progress import Report
+from ..solvers.undefined_terms import undefined_start
 from . import checkpoint
 from .checkpoint_file import Progress
 from .convergence_error import ConvergenceError
@@ -144,8 +146,8 @@ class Analysis:
         Raises:
             ValueError: A stage does not fit the structure or the other stages; it leaves a free rigid-body motion (one
                 turn about a line is allowed: loads may hold it); the checkpoint belongs to another structure or to
-                other stages, was changed, is in use by another run or cannot be written; the processes have different
-                input.
+                other stages; it was changed, is in use by another run, or cannot be written; the processes have
+                different input.
             ConvergenceError: A load increment found no equilibrium, or the limit of work is used up; the exception has
                 the results computed before.
 
@@ -153,8 +155,8 @@ class Analysis:
             LargeStrainWarning: Strains of a stage, or those that belong to the prestress, are above 5 %.
             UnstableStateWarning: A state is not stable; the structure has snapped or buckled between two load factors
                 (`Newton` with a line search tells); a node moved by more than half the size of what is connected with
-                it, or a mast tilted by more than 15 degrees in the stage, both beyond what is prescribed; or slack or
-                wrinkled parts carry a mast, or more than 1 % of the forces or loads connected with them.
+                it; a mast tilted by more than 15 degrees, both beyond what is prescribed; or slack or wrinkled parts
+                carry a mast, or more than 1 % of the forces or loads connected with them.
             LostPrestressWarning: No cell of a part has 1 % of its prestress left.
             UnbalancedStateWarning: Unbalanced forces of a stage are above 1e-6 of the loads.
             CheckpointWarning: A state could not be saved, as on a full disk; the run continues without.
@@ -184,7 +186,11 @@ class Analysis:
                 accept = partial(self._accept, course, saved, observe)
                 if observe and state.factor == 1:
                     observe(self._result(course, state))
-                results[stage.name] = remarked(self._run(course, state, results, accept), shape)
+                state = self._run(course, state, results, accept)
+                if stage is stages[-1]:
+                    own.release(self._solve)  # it takes several times the memory of the result
+                    return_freed_memory(3 * len(self.problem.discretization.owned_nodes))
+                results[stage.name] = remarked(self._result(course, state), shape)
                 with together(self._comm):
                     warn_of_remarks(results[stage.name], self._comm, stacklevel=3)
         return results
@@ -200,8 +206,8 @@ class Analysis:
 
     def _run(
         self, course: _Course, state: Progress, results: StageResults, accept: Callable[[Progress], None]
-    ) -> StageResult:
-        """Run the load increments of a stage from a converged state."""
+    ) -> Progress:
+        """Run the load increments of a stage from a converged state; return its end."""
         stage = course.stage
         balanced = stage.after is not None or not (self.problem.magnitudes.prestress_forces or self.structure.terms)
         control = IncrementControl(stage, state, balanced)
@@ -221,7 +227,7 @@ class Analysis:
                     raise self._failure(course, control, loaded, x, solution, work, results)
                 accept(control.accept())
                 report.increment(float(control.state.factor), control.state.increments[-1].iterations[-1].residual)
-        return self._result(course, control.state)
+        return control.state
 
     def _accept(
         self,
@@ -239,7 +245,7 @@ class Analysis:
         """Solve an increment; once the limit of work is used up, allow no retry."""
         work.iterates.clear()
         try:
-            return self._solve(loaded, x, work, thorough)
+            return undefined_start(loaded, x) or self._solve(loaded, x, work, thorough)
         except WorkDone as done:
             return Solution(Outcome.WORK_LIMIT, f"{done}; {MORE}", tuple(work.iterates))
 
@@ -270,6 +276,7 @@ class Analysis:
         results: StageResults,
     ) -> ConvergenceError:
         """Warn of the last state, and return the exception that ends the stage after it."""
+        own.release(self._solve)
         slack = self._slack(course, loaded, x)
         last = remarked(self._result(course, control.state), course.shape)
         warn_of_remarks(last, self._comm, stacklevel=5)

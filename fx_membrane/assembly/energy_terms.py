@@ -29,15 +29,15 @@ class _Symbols:
     """Weight of the cells and parameters of terms on a part, as coefficients."""
 
     def __init__(self, mesh: PartMesh, kinds: Kinds):
-        self._count = count = len(mesh.part.cells)
+        self._count = len(mesh.part.cells)
         self._mesh, self._acting = mesh, Acting(None, 0.0)
-        self.weight = mesh.cell_field(np.zeros(count))
+        self.weight = mesh.zero_field(1)
         self._fields: dict[str, Any] = {}
         for name, kind, size in kinds:
             if kind == "constant":
                 self._fields[name] = fem.Constant(mesh.mesh, np.zeros((size,) if size > 1 else ()))
             else:
-                self._fields[name] = mesh.cell_field(np.zeros((count, size)))
+                self._fields[name] = mesh.zero_field(size)
         single = {name for name, kind, size in kinds if kind == "cells" and size == 1}
         self.parameters = named({name: f[0] if name in single else f for name, f in self._fields.items()})
 
@@ -161,9 +161,12 @@ class Terms:
 
     def energy(self) -> float:
         """Energy on this process, of terms that have one [J]."""
-        conservative = (acting for acting in self.all if energy_terms.is_conservative(acting.term))
-        found = map(self.pool.forms, conservative)
-        return sum(float(fem.assemble_scalar(forms.energy)) for forms in found if forms)
+        return sum(map(self.energy_of, self.all))
+
+    def energy_of(self, acting: Acting) -> float:
+        """Energy of a term on this process [J]; 0 for one without a potential."""
+        forms = self.pool.forms(acting) if energy_terms.is_conservative(acting.term) else None
+        return float(fem.assemble_scalar(forms.energy)) if forms else 0.0
 
     def forces(self, terms: Iterable[Acting], b: PETSc.Vec) -> PETSc.Vec:
         """Set a vector to the nodal forces of some terms [N]; collective."""

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .entries import all_are, described, entries, frozen_integers, misfit
+from .entries import all_are, described, entries, equal_rows, frozen_integers, misfit
 from .objects import communicator as communicator  # noqa: PLC0414  (others take all checks from here)
 from .objects import instance as instance  # noqa: PLC0414
 from .objects import instances as instances  # noqa: PLC0414
 from .objects import plain as plain  # noqa: PLC0414
+from .values import counted as counted  # noqa: PLC0414
 from .values import format_point as format_point  # noqa: PLC0414
 from .values import is_real, is_whole, scalar
 from .values import short_repr as short_repr  # noqa: PLC0414
@@ -105,7 +106,8 @@ def tolerance(name: str, value: Any) -> float:
 
 def truth(name: str, value: Any) -> bool:
     """Check a truth value."""
-    instance(name, value, bool | np.bool_)
+    if not isinstance(value, bool | np.bool_):
+        raise ValueError(f"{name} is {short_repr(value)}; give True or False.")
     return bool(value)
 
 
@@ -205,12 +207,10 @@ def cells(name: str, value: ArrayLike, nodes: int, distinct: bool = True) -> NDA
         raise ValueError(
             f"{name}: cell {twice[0]} has a node twice, {result[twice[0]].tolist()}; remove or mend the cell."
         )
-    _, first, count = np.unique(ordered, axis=0, return_index=True, return_counts=True)
-    if distinct and (count > 1).any():
-        cell = first[count > 1].min()
-        other = np.flatnonzero((ordered == ordered[cell]).all(axis=1))[1]
+    equal = equal_rows(ordered) if distinct else None
+    if equal:
         raise ValueError(
-            f"{name}: cells {cell} and {other} have the same nodes, {result[cell].tolist()}; remove one, "
+            f"{name}: cells {equal[0]} and {equal[1]} have the same nodes, {result[equal[0]].tolist()}; remove one, "
             "or make the second a part of its own."
         )
     return result

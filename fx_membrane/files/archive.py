@@ -6,7 +6,7 @@ It holds numbers and texts only. Opening it runs no code of the file.
 import importlib.metadata
 import json
 import zipfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -25,12 +25,11 @@ from ..model.stages import PrescribedDisplacement, Stage
 from ..model.structure import Structure
 from ..model.supports import Support
 from ..results.balance import UnbalancedStateWarning
+from ..results.part_results import BarResult, MembraneResult
 from ..results.states import (
-    BarResult,
     Equilibrium,
     Increment,
     LostPrestressWarning,
-    MembraneResult,
     StageResult,
     StageResults,
     TermResult,
@@ -79,7 +78,7 @@ def save_results(results: StageResults | Form, path: str | Path) -> None:
         >>> load_results("output/rope.fxm")["pull"].cable("rope").force.round(1).tolist()
         [1012.2, 1012.2]
     """
-    validation.instance("The first argument of save_results", results, StageResults | Form)
+    validation.instance("save_results results", results, StageResults | Form)
     file = paths.path("path", path)
     paths.check_writable("path", file)
     encode = Encoder(CLASSES)
@@ -98,7 +97,7 @@ def save_results(results: StageResults | Form, path: str | Path) -> None:
     _write(file, json.dumps(document), encode.arrays)
 
 
-def load_results(path: str | Path, classes: Iterable[type] = ()) -> Any:
+def load_results(path: str | Path, classes: Sequence[type] = ()) -> Any:
     """Open a file of `save_results`.
 
     The states are like those of the run. Whatever goes on from them (`stability`, `natural_frequencies`) makes meshes
@@ -160,14 +159,15 @@ def _check(document: Any) -> None:
         raise ValueError(f"its format is {document['format']}, and this version reads {FORMAT}: install a newer one")
 
 
-def _own(classes: Iterable[type]) -> dict[str, type]:
-    given: Sequence[Any] = list(classes) if isinstance(classes, Iterable) else [classes]
-    for cls in given:
+def _own(classes: Sequence[type]) -> dict[str, type]:
+    if not isinstance(classes, list | tuple):
+        raise ValueError(f"classes is {validation.short_repr(classes)}; give a list of classes of your own, [Foam].")
+    for cls in classes:
         if not isinstance(cls, type) or cls.__name__ in CLASSES:
             raise ValueError(
                 f"classes has {validation.short_repr(cls)}; give the classes of your own laws and terms, [Foam]."
             )
-    return {cls.__name__: cls for cls in given}
+    return {cls.__name__: cls for cls in classes}
 
 
 def _versions() -> dict[str, str]:

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..checks import paths
 from .drawing import Drawing
 
 EDGES, FACES, SUPPORTS = "edges", "faces", "supports"
@@ -38,7 +39,7 @@ def read_compas(source: str | Path) -> Net:
     Raises:
         ValueError: There is no such file, it is no JSON, or has no nodes.
     """
-    file = Path(source)
+    file = paths.path("source", source, spare=0)
     try:
         data = _data(json.loads(file.read_text(encoding="utf-8")))
         nodes = data.get("node") or data.get("vertex")
@@ -58,7 +59,7 @@ def read_compas(source: str | Path) -> Net:
             _numbers(entries, ("px", "py", "pz")),
         )
     except OSError as error:
-        raise ValueError(f"{file} cannot be read ({error.strerror}); correct the name.") from None
+        raise ValueError(f"source is {str(file)!r}: {error.strerror}; correct the name.") from None
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise ValueError(f"{file} is no network or mesh of COMPAS in JSON ({type(error).__name__}: {error}).") from None
 

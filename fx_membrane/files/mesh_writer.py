@@ -45,9 +45,9 @@ def write_mesh(shape: Structure | StageResult | Form, path: str | Path) -> None:
         >>> write_mesh(roof, "output/roof.msh")
         >>> fabric = {"roof": lambda cells: Membrane(cells, Fabric(4e5, 0.3))}
         >>> structure_from_gmsh("output/roof.msh", fabric, {"support 0 xyz": "xyz"})
-        Structure(9 points, {'roof': 8 x Membrane}, 1 supports)
+        Structure(9 points, {'roof': 8 x Membrane}, 1 support)
     """
-    validation.instance("The first argument of write_mesh", shape, Structure | StageResult | Form)
+    validation.instance("write_mesh shape", shape, Structure | StageResult | Form)
     structure = shape if isinstance(shape, Structure) else shape.structure
     points = shape.position if isinstance(shape, StageResult) else shape.points
     file = paths.path("path", path)

@@ -10,7 +10,7 @@ import numpy as np
 from mpi4py import MPI
 
 from ..checks import paths, validation
-from ..results.states import MembraneResult, StageResult, StageResults
+from ..results.states import StageResult, StageResults
 from ..results.tables import cell_columns
 from ..runtime.processes import by_the_first, together
 from .whole_file import writing
@@ -122,7 +122,7 @@ def write_paraview(results: StageResults, folder: str | Path, *, force_unit: str
     Warns:
         SeriesWarning: A step could not be written, as on a full disk.
     """
-    validation.instance("The first argument of write_paraview", results, StageResults)
+    validation.instance("write_paraview results", results, StageResults)
     series = ParaViewSeries(folder, force_unit=force_unit, length_unit=length_unit)
     for state in results.values():
         series(state)
@@ -160,7 +160,7 @@ def _block(state: StageResult, name: str, units: tuple[str, str]) -> Any:
     grid.cell_data["state"] = np.array([STATES.index(entry) for entry in word.tolist()], dtype=np.uint8)
     for head in columns.keys() - {f"{axis} [{length}]" for axis in "xyz"}:
         grid.cell_data[head] = columns[head]
-    if isinstance(found, MembraneResult):
+    if found.dimension == 2:
         grid.cell_data[f"Cauchy stress [{force}/{length}]"] = found.cauchy.reshape(-1, 9)
     grid.field_data["stage"] = [state.name]
     return grid

@@ -46,8 +46,8 @@ def write_tables(results: StageResults, folder: str | Path, *, force_unit: str =
         >>> print(open("output/rope/cables.csv").readlines()[1].strip())
         rest,rope,0,1.5,0.0,0.0,3.0,taut,0.0,1000.0
     """
-    validation.instance("The first argument of write_tables", results, StageResults)
-    validation.instances("The values of the results", list(results.values()), StageResult)
+    validation.instance("write_tables results", results, StageResults)
+    validation.instances("write_tables results", list(results.values()), StageResult)
     force_unit, length_unit = validation.text("force_unit", force_unit), validation.text("length_unit", length_unit)
     place = paths.path("folder", folder)
     paths.check_writable("folder", place / "summary.json")
@@ -57,8 +57,7 @@ def write_tables(results: StageResults, folder: str | Path, *, force_unit: str =
         tables = [
             ({"stage": stage, "part": name}, cell_columns(state, name, *units))
             for stage, state in results.items()
-            for name, part in state.structure.parts.items()
-            if isinstance(part, kind)
+            for name in state.structure.parts_of(kind)
         ]
         if tables:
             _write_csv(place / file, iter(tables))

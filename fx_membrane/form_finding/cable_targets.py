@@ -7,7 +7,6 @@ whose sag and force are inverse to each other; acceleration makes the steps few.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,28 +16,16 @@ from ..geometry.measures import measures
 from ..model.parts import Cable, Mast
 from ..model.structure import Structure
 from .cable_forces import densities_of, measured_lengths
-from .cable_lines import Line, lines_of
-from .constraints import CableConstraint, CableDensity, CableForce, CableLength, CableSag, EdgeAngle
+from .cable_geometry import STRAIGHT, Target, along_of, factor, named, noun, targets_of, value
+from .constraints import CableConstraint, CableDensity, CableForce, EdgeAngle
 from .plan import place as place_of
 
 Array = NDArray[np.float64]
 
 MET = 1e-8  # accepted difference of length, sag or angle from the wanted one, relative to the latter
-STRAIGHT = 1e-9  # relative excess of a length over the distance of its ends, that no finite force gives
 STEP = 30.0  # largest factor on a force in one step
 FLOOR = 1e-6  # relative excess of a force over the prestress, above which an angle is what decides it
 RANGE = 1e9  # factor on the first guess of a force, beyond which none is looked for
-
-
-Geometry = CableLength | CableSag | EdgeAngle
-
-
-class Target(NamedTuple):
-    """Line of a cable and the constraint on it."""
-
-    part: str
-    line: Line
-    constraint: Geometry
 
 
 class CableTargets:
@@ -49,12 +36,20 @@ class CableTargets:
         constraints: Constraints of cables.
         axes: Two axes of the plan and its normal as columns, shape (3, 3) [-].
         measure: Meaning of the prestress of cables, one of `MEASURES`.
+        guided: Nodes with a constraint of their own, shape (n,).
 
     Raises:
         ValueError: A constraint does not fit its cable.
     """
 
-    def __init__(self, structure: Structure, constraints: Sequence[CableConstraint], axes: Array, measure: str) -> None:
+    def __init__(
+        self,
+        structure: Structure,
+        constraints: Sequence[CableConstraint],
+        axes: Array,
+        measure: str,
+        guided: NDArray[np.bool_],
+    ) -> None:
         bars = {name: part for name, part in structure.parts.items() if isinstance(part, Cable | Mast)}
         forces = {name: part.prestress_tensors().ravel().copy() for name, part in bars.items()}
         self.kinds = {name: np.full(len(part.cells), measure, dtype=object) for name, part in bars.items()}
@@ -67,7 +62,7 @@ class CableTargets:
                 forces[constraint.part][cells] = constraint.density
                 self.kinds[constraint.part][cells] = "force density"
             else:
-                self.targets += _targets(structure, constraint, cells)
+                self.targets += targets_of(structure, constraint, cells, guided)
         self.bars = {name: replace(part, prestress=forces[name]) for name, part in bars.items()}
         self.points = structure.points
         self.first: list[float] = []
@@ -80,7 +75,7 @@ class CableTargets:
                 finds its shape.
         """
         found = self.by_force(self.points)
-        for name, line, _ in self.targets:
+        for name, line, *_ in self.targets:
             length = measures(self.points, self.bars[name].cells[line.cells])
             found[name][line.cells] = np.maximum(found[name][line.cells], guess / length)
             self.first.append(_mean(found[name][line.cells]))
@@ -99,20 +94,23 @@ class CableTargets:
             ValueError: A cable of given horizontal force has no length in plan.
         """
         found = self.by_force(points)
-        for name, line, constraint in self.targets:
+        for name, line, constraint, is_anchored, least in self.targets:
             part, loaded = self.bars[name], np.zeros(len(found[name]), dtype=bool)
             loaded[line.cells] = True
             place = points if reference is None else reference
             length = measured_lengths(name, part, place, self.axes, self.kinds[name], loaded)[line.cells]
-            factor = np.clip(_factor(line, constraint, points), 1 / STEP, STEP)
-            q = _mean(densities[name][line.cells] * length) * factor / length
-            found[name][line.cells] = np.maximum(q, found[name][line.cells]) if _is_limit(constraint) else q
+            share = np.clip(factor(line, constraint, points, is_anchored), 1 / STEP, STEP)
+            q = _mean(densities[name][line.cells] * length) * share / length
+            if isinstance(constraint, EdgeAngle):
+                given = part.prestress_tensors().ravel()[line.cells]
+                q = np.maximum(q, (given if reference is None else np.maximum(given, least)) / length)
+            found[name][line.cells] = q
         return found
 
     def mixed(self, densities: Mapping[str, Array], wanted: Mapping[str, Array]) -> dict[str, Array]:
         """Force densities with those wanted by lines of given geometry only, by part, shape (cells,) [N/m]."""
         found = {name: q.copy() for name, q in densities.items()}
-        for name, line, _ in self.targets:
+        for name, line, *_ in self.targets:
             found[name][line.cells] = wanted[name][line.cells]
         return found
 
@@ -123,19 +121,26 @@ class CableTargets:
             name: replace(bar, prestress=wanted[name] * measures(points, bar.cells)) for name, bar in self.bars.items()
         }
 
-    def miss(self, points: Array, densities: Mapping[str, Array]) -> tuple[float, str]:
-        """Largest difference from a wanted length, sag or angle, relative to it [-], and the words for it."""
-        worst, words, prescribed = 0.0, "", self.by_force(points) if self.targets else {}
-        for name, line, constraint in self.targets:
-            now, goal, unit = _value(line, constraint, points)
+    def miss(self, points: Array, densities: Mapping[str, Array], wanted: Mapping[str, Array]) -> tuple[float, str]:
+        """Largest difference from a wanted length, sag or angle, relative to it [-], and the words for it.
+
+        Args:
+            points: The shape, shape (n, 3) [m].
+            densities: Force densities of the shape.
+            wanted: Those that it asks for.
+        """
+        worst, words = 0.0, ""
+        for name, line, constraint, *_ in self.targets:
+            now, goal, unit = value(line, constraint, points)
             off = abs(now / goal - 1)
-            if _is_limit(constraint) and now < goal:  # by the prestress, if it is no less than that
-                off *= bool((densities[name][line.cells] > prescribed[name][line.cells] * (1 + FLOOR)).any())
+            if isinstance(constraint, EdgeAngle) and now < goal:  # by the prestress, as far as it is asked for
+                change = np.abs(densities[name][line.cells] / wanted[name][line.cells] - 1).max()
+                off = float(change) if change > FLOOR else 0.0
             if off > worst:
                 worst, words = (
                     off,
                     (
-                        f"{_named(name, line, points)} has the {_noun(constraint)} {now:.6g}{unit} instead of "
+                        f"the {named(name, line, points)} has the {noun(constraint)} {now:.6g}{unit} instead of "
                         f"{goal:.6g}{unit}"
                     ),
                 )
@@ -143,19 +148,19 @@ class CableTargets:
 
     def out_of_range(self, points: Array, densities: Mapping[str, Array]) -> str:
         """Tell of a line that has its wanted geometry under no force, in words; empty without one."""
-        for first, (name, line, constraint) in zip(self.first, self.targets, strict=True):
-            now, goal, unit = _value(line, constraint, points)
-            if isinstance(constraint, CableSag) and now <= STRAIGHT * line.length(points):
+        for first, (name, line, constraint, is_anchored, _) in zip(self.first, self.targets, strict=True):
+            now, goal, unit = value(line, constraint, points)
+            if is_anchored and line.sag(points, along_of(constraint)) <= STRAIGHT * line.length(points):
                 return (
-                    f"{_named(name, line, points)} stays straight under any force, as no load and no membrane pulls it "
-                    f"sideways; it has no sag of {goal:.6g}{unit}: give its force instead."
+                    f"the {named(name, line, points)} has no sag under any force, as no load and no membrane pulls it "
+                    f"that way; it cannot have the {noun(constraint)} {goal:.6g}{unit}: give its force instead."
                 )
             mean = _mean(densities[name][line.cells])
             if not 1 / RANGE < mean / first < RANGE:
                 return (
-                    f"{_named(name, line, points)} reaches the {_noun(constraint)} {goal:.6g}{unit} under no force: it "
-                    f"is {now:.4g}{unit} with the mean force density {mean:.3g}; give a value nearer to that, or move "
-                    "the ends of the line."
+                    f"the {named(name, line, points)} reaches the {noun(constraint)} {goal:.6g}{unit} under no "
+                    f"force: it is {now:.4g}{unit} with the mean force density {mean:.3g}; give a value nearer to "
+                    "that, draw the line nearer to its form at the start, or move its ends."
                 )
         return ""
 
@@ -184,75 +189,6 @@ def _distinct(
         taken[name][cells] = True
         found.append((constraint, cells))
     return found
-
-
-def _targets(structure: Structure, constraint: Geometry, cells: NDArray[np.int64]) -> list[Target]:
-    """Lines of a constraint.
-
-    Raises:
-        ValueError: A line cannot have the geometry wanted.
-    """
-    held, name, points = structure.supported.all(axis=1), constraint.part, structure.points
-    lines = lines_of(structure.parts[name].cells, cells, held)
-    for line in lines:
-        who = _named(name, line, points)
-        if isinstance(constraint, CableLength):
-            apart = line.chord(points) if held[line.nodes[[0, -1]]].all() else 0.0
-            if constraint.length <= apart * (1 + STRAIGHT):
-                raise ValueError(
-                    f"{who} is to have the length {constraint.length:.6g}, and its held ends are {apart:.6g} apart; "
-                    "give a larger length."
-                )
-            if len(line.cells) == 1 and apart:
-                raise ValueError(f"{who} is one segment between held ends, whose length is given; divide it.")
-        elif isinstance(constraint, CableSag) and constraint.along is not None and _is_along(line, constraint, points):
-            raise ValueError(f"{who} has its chord along the direction of its sag; give another direction (along=...).")
-        elif line.is_closed:
-            raise ValueError(f"{who} is closed, so it has no chord; give its length (CableLength) or its force.")
-        elif len(line.cells) == 1:
-            raise ValueError(f"{who} is one segment, which stays straight; divide it for a {_noun(constraint)}.")
-    return [Target(name, line, constraint) for line in lines]
-
-
-def _value(line: Line, constraint: Geometry, points: Array) -> tuple[float, float, str]:
-    """Value of a line in a shape, the wanted one, and their unit in words."""
-    if isinstance(constraint, CableLength):
-        return line.length(points), constraint.length, ""
-    if isinstance(constraint, CableSag):
-        along = None if constraint.along is None else validation.direction("along", constraint.along)
-        return line.sag(points, along), constraint.sag, ""
-    return float(np.degrees(line.angle(points))), constraint.angle, " degrees"
-
-
-def _factor(line: Line, constraint: Geometry, points: Array) -> float:
-    """Factor on the force of a line that brings it near the wanted geometry."""
-    now, goal, _ = _value(line, constraint, points)
-    if isinstance(constraint, EdgeAngle):
-        return float(np.tan(np.radians(now) / 2) / np.tan(np.radians(goal) / 2))
-    chord = line.chord(points)
-    if isinstance(constraint, CableLength) and now > chord * (1 + STRAIGHT) and goal > chord * (1 + STRAIGHT):
-        return float(np.sqrt((now - chord) / (goal - chord)))
-    return now / goal
-
-
-def _is_along(line: Line, constraint: CableSag, points: Array) -> bool:
-    """Return True if the chord of a line has the direction of its sag."""
-    chord = points[line.nodes[-1]] - points[line.nodes[0]]
-    across = np.cross(chord, validation.direction("along", constraint.along))  # type: ignore[arg-type]
-    return bool(np.linalg.norm(across) <= STRAIGHT * np.linalg.norm(chord)) and not line.is_closed
-
-
-def _is_limit(constraint: Geometry) -> bool:
-    return isinstance(constraint, EdgeAngle)
-
-
-def _noun(constraint: Geometry) -> str:
-    return {CableLength: "length", CableSag: "sag", EdgeAngle: "edge angle"}[type(constraint)]
-
-
-def _named(name: str, line: Line, points: Array) -> str:
-    ends = [validation.format_point(points[node]) for node in line.nodes[[0, -1]]]
-    return f"The line of cable {name!r} from node {line.nodes[0]} at {ends[0]} to node {line.nodes[-1]} at {ends[1]}"
 
 
 def _mean(values: Array) -> float:

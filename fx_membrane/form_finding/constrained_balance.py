@@ -66,7 +66,7 @@ class ConstrainedBalance:
         self.structure, self.loads, self.collapse = structure, loads, collapse
         self.motions = motions_of(structure, [one for one in given if isinstance(one, NodeConstraint)])
         of_cables = [one for one in given if isinstance(one, CableConstraint)]
-        self.targets = CableTargets(structure, of_cables, axes, measure)
+        self.targets = CableTargets(structure, of_cables, axes, measure, self.motions.guided)
 
     def start(self, plans: Mapping[str, Plan]) -> dict[str, Array]:
         """Force densities of the first step, by part, shape (cells,) [N/m]."""
@@ -124,9 +124,9 @@ class ConstrainedBalance:
             found = self(start, plans, densities, number, reference)
             if isinstance(found, str):
                 return found
-            miss, words = self.targets.miss(found.points, densities)
+            miss, words = self.targets.miss(found.points, densities, found.wanted)
             wanted = self.targets.mixed(densities, found.wanted)
             if miss <= MET and difference(densities, wanted) <= NEAR:
                 return found
             densities, start = accelerated(densities, wanted), found.points
-        return f"{words or 'A force does not settle'} after {STEPS} solves; give a value nearer to that."
+        return f"{words or 'a force does not settle'} after {STEPS} solves; give a value nearer to that."

@@ -29,7 +29,7 @@ class CableForce:
         part: Name of the cable.
         force: Tension [N].
         cells: Its cells of that force, shape (k,); all if not given.
-        horizontal: True for the force in projection on the plan, the same in all its cells.
+        horizontal: True for the force in projection on the plan of `projected_stress`, or on the plane of x and y.
 
     Raises:
         ValueError: The force is not positive, or a field is of another kind.
@@ -80,8 +80,10 @@ class CableDensity:
 class CableLength:
     """Length of a cable in the form; its force is found.
 
-    A line of the cable runs between its ends, branches and nodes held in all components. Each line has that length, and
-    one force, or horizontal force, or force density, as the argument `cables` of the method says.
+    A line of the cable runs between its ends, branches and nodes held in all components; a closed one is divided where
+    supports, other cables or masts, or constraints of nodes hold it. Each line has that length, and one force, or
+    horizontal force, or force density, as the argument `cables` of `projected_stress` says. In `natural_force_density`
+    it has one force.
 
     Args:
         part: Name of the cable.
@@ -143,7 +145,8 @@ class EdgeAngle:
 
     An edge cable of force T in a membrane of stress n is an arc of radius T / n. Over a chord c its angle a has
     sin a = c n / 2 T: the smaller the force, the deeper the edge and the sharper the corner. A line whose prestress
-    gives a larger angle gets the force of this one; the others keep their prestress. Lines are those of `CableLength`.
+    gives a larger angle gets the force of this one; the others keep their prestress. `natural_force_density` goes no
+    lower than c n / 2 sin a, with the least principal stress n beside the edge. Lines are those of `CableLength`.
 
     Args:
         part: Name of the cable.
@@ -172,6 +175,9 @@ class EdgeAngle:
 @dataclass(frozen=True, eq=False)
 class Slide:
     """Nodes that slide without friction in form finding: on a line, or on a plane, through their first position.
+
+    In the structure of the form, a node that slides along axes has a support in its other components. One that slides
+    in an inclined direction is held, as supports have the directions of axes; its reaction has no part along the slide.
 
     Args:
         nodes: A node number or several, shape (k,).
@@ -217,7 +223,8 @@ class Ring:
     """Nodes on a circle that stay plane and round in form finding, while the ring moves and turns.
 
     The nodes keep their angles on the circle. Supports of the ring's nodes guide it: held in "z", it moves in its
-    plane.
+    plane. What keeps it round is in `Form.reactions`. In the structure of the form, bars without prestress along the
+    ring take these forces where they balance them, as those of a mast around a cone; else its nodes are held.
 
     Args:
         nodes: The nodes, on a circle at the start, shape (k,), k >= 3.
@@ -246,6 +253,9 @@ class Ring:
 @dataclass(frozen=True, eq=False)
 class RigidBody:
     """Nodes that move and turn together in form finding, as those of a stiff head frame.
+
+    Two nodes are the ends of a strut of given length; a `Mast` without prestress between them takes its force. Bars and
+    supports take the forces of a body as those of a `Ring`.
 
     Args:
         nodes: The nodes, shape (k,), k >= 2.

@@ -144,7 +144,10 @@ def projected_stress(
             collapse = found
             break
         before, points, reactions, densities = points, found.points, found.reactions, following
-        (miss, words), error = balance.targets.miss(points, densities), difference(densities, found.wanted)
+        (miss, words), error = (
+            balance.targets.miss(points, densities, found.wanted),
+            difference(densities, found.wanted),
+        )
         following = accelerated(densities, found.wanted)
         stray = max([_stray(plan, points @ axes[:, :2]).max() for plan in plans.values()], default=0.0)
         area = float(sum(measures(points, plan.cells).sum() for plan in plans.values()))

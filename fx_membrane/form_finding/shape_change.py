@@ -13,7 +13,7 @@ TURN = 0.6  # difference of the unit vectors of two segments, 35 degrees, above 
 GONE = 1e-3
 GONE_MAST = 1e-2  # no sliding of nodes makes a mast short
 HOLD = (
-    "hold the mast head as a support in form finding, and add mast and stays for the analysis, with forces that "
+    "hold the mast head as a support in form finding, and add mast and stays by masts_and_stays, with forces that "
     "balance the reactions of the form; or change the forces that meet there, or the first shape."
 )
 

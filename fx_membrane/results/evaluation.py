@@ -15,7 +15,8 @@ from ..assembly.part_forms import PartForms
 from ..assembly.problem import Problem
 from ..forms import kinematics, stress
 from ..solvers.base import LIMITS
-from .states import BarResult, Equilibrium, Increment, MembraneResult, StageResult, TermResult
+from .part_results import BarResult, MembraneResult
+from .states import Equilibrium, Increment, StageResult, TermResult
 
 STATES = np.array(["taut", "wrinkled", "slack"])  # in the order of `forms.wrinkling`
 
@@ -30,7 +31,7 @@ MEMBRANE = {
     "state": (),
 }
 BAR = {"strain": (), "force": (), "state": ()}
-CHUNK = 65536  # cells evaluated at once: all quantities of all cells would double the memory of the result
+CHUNK = 4096  # cells evaluated at once: their quantities fit into the cache of a processor
 
 
 class StateEvaluator:
@@ -52,8 +53,10 @@ class StateEvaluator:
         terms = tuple(TermResult(*acting, forces) for acting, forces in problem.term_forces(x))
         loads = actions.loads + problem.pressure_loads(x) + sum(entry.forces for entry in terms)
         reactions = np.where(actions.held, residual, 0.0)
-        unbalanced = np.abs(residual - reactions).max(axis=1)
+        unbalanced = np.abs(np.where(actions.held, 0.0, residual)).max(axis=1)
         position = problem.structure.points + displacement
+        with np.errstate(invalid="ignore"):  # of a start at which an energy term is not a number
+            moments = [np.cross(position, forces).sum(axis=0) for forces in (loads, reactions)]
         return StageResult(
             name=name,
             structure=problem.structure,
@@ -65,8 +68,8 @@ class StateEvaluator:
             equilibrium=Equilibrium(
                 loads=loads.sum(axis=0),
                 reactions=reactions.sum(axis=0),
-                load_moment=np.cross(position, loads).sum(axis=0),
-                reaction_moment=np.cross(position, reactions).sum(axis=0),
+                load_moment=moments[0],
+                reaction_moment=moments[1],
                 residual=float(unbalanced.max()),
                 unbalanced=unbalanced,
             ),

@@ -6,8 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..checks import validation
 from ..geometry.measures import measures
-from .states import BarResult, MembraneResult, StageResult
+from .part_results import BarResult, MembraneResult
+from .states import StageResult
 
 Columns = dict[str, NDArray[Any]]
 
@@ -30,12 +32,12 @@ def cell_columns(result: StageResult, part: str, force_unit: str = "N", length_u
     Raises:
         ValueError: There is no part of that name.
     """
-    if part not in result.parts:
-        raise ValueError(f"No part is named {part!r}; those of the structure are {list(result.parts)}.")
+    if not isinstance(part, str) or part not in result.parts:
+        raise ValueError(f"part is {validation.short_repr(part)}; those of the structure are {list(result.parts)}.")
     cells, found, points = result.structure.parts[part].cells, result.parts[part], result.structure.points
     columns: Columns = {"cell": np.arange(len(cells))}
     columns |= _vector(("x", "y", "z"), length_unit, points[cells].mean(axis=1))
-    if isinstance(found, BarResult):
+    if found.dimension == 1:
         columns[f"length [{length_unit}]"] = measures(points, cells)
         return columns | dict(_bar(found, force_unit))
     columns[f"area [{length_unit}2]"] = measures(points, cells)
