@@ -148,7 +148,8 @@ def _neck(problem: NearestProblem, state: State) -> str:
             shrunk, where = float(ratio[cell]), f"part {name!r}, at {place(state.points, block.cells, cell)}"
     return (
         f"no surface of such stress spans the supports; it closes to a neck in {where}. Bring the rings nearer to each "
-        "other, make the ring larger, or wish for more stress from ring to ring than around them."
+        "other, make the ring larger, wish for more stress from ring to ring than around them, or give the stress in "
+        "plan, projected_stress."
     )
 
 
