@@ -90,8 +90,10 @@ def reason_of(
 def weak_edges(problem: NearestProblem) -> list[WeakEdge]:
     """Edge cables too weak for their span, the weakest first."""
     structure, found = problem.structure, []
+    bars = np.concatenate([np.zeros((0, 2), dtype=np.int64), *(block.cells for block in problem.bars.values())])
+    count = np.bincount(bars.ravel(), minlength=len(structure.points))
     for name, block in problem.bars.items():
-        for line in _lines(structure, block.cells):
+        for line in _lines(structure, block.cells, (count == 2) & ~structure.supported.any(axis=1)):
             cells, ends = block.cells[line], _ends(block.cells[line])
             stress = _pull(problem, cells)
             if stress is None or len(ends) != 2:
@@ -183,12 +185,9 @@ def _across(block: MembraneBlock, points: Array, edges: NDArray[np.int64]) -> tu
     return np.einsum("ea,eab,eb->e", local, triangles.wish[cell], local), size
 
 
-def _lines(structure: Structure, cells: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-    """Bars in lines between held nodes and ends, as numbers of their cells."""
-    held = structure.supported.any(axis=1)
+def _lines(structure: Structure, cells: NDArray[np.int64], inner: NDArray[np.bool_]) -> list[NDArray[np.int64]]:
+    """Bars in lines that end where nodes are held or other bars meet them, as numbers of their cells."""
     n = len(structure.points)
-    count = np.bincount(cells.ravel(), minlength=n)
-    inner = (count == 2) & ~held
     ends = [np.flatnonzero(inner[corner]) for corner in cells.T]
     rows = np.concatenate(ends)
     columns = np.concatenate([corner[at] for corner, at in zip(cells.T, ends, strict=True)])
