@@ -3,20 +3,40 @@
 from . import plot
 from .analysis.arc_length import PathError, equilibrium_path
 from .analysis.checkpoint import CheckpointWarning
+from .analysis.convergence_error import ConvergenceError
 from .analysis.modes import Modes, Stability, natural_frequencies, stability
 from .analysis.path import EquilibriumPath, PathPoint
-from .analysis.stages import Analysis, ConvergenceError
+from .analysis.stages import Analysis
 from .analysis.wave_speed import MassUnitWarning
 from .analysis.work import WorkLimit
 from .assembly.actions import Actions
+from .assembly.constraints import Constraints
 from .assembly.loaded_problem import LoadedProblem
 from .assembly.problem import Problem
 from .assembly.wrinkling_direction import tension_direction
+from .files.archive import load_results, save_results
+from .files.compas import Net, read_compas
 from .files.dolfinx_functions import PartFunctions, to_dolfinx
 from .files.dolfinx_mesh import structure_from_dolfinx
 from .files.gmsh import structure_from_gmsh
+from .files.mesh_files import structure_from_file
+from .files.mesh_writer import write_mesh
+from .files.paraview import ParaViewSeries, SeriesWarning, write_paraview
+from .files.report.write import write_report
+from .files.tables import write_tables
+from .form_finding.constraints import (
+    CableDensity,
+    CableForce,
+    CableLength,
+    CableSag,
+    EdgeAngle,
+    RigidBody,
+    Ring,
+    Slide,
+)
 from .form_finding.force_density import force_density
 from .form_finding.form import Form, FormStep
+from .form_finding.natural_force_density import natural_force_density
 from .form_finding.projected_stress import projected_stress
 from .form_finding.updated_reference import UnsettledFormWarning, updated_reference
 from .geometry.edges import edges_where
@@ -32,13 +52,12 @@ from .model.stages import PrescribedDisplacement, Stage
 from .model.structure import SliverWarning, Structure
 from .model.supports import Support
 from .results.balance import UnbalancedStateWarning
+from .results.part_results import BarResult, MembraneResult
 from .results.report import report
 from .results.states import (
-    BarResult,
     Equilibrium,
     Increment,
     LostPrestressWarning,
-    MembraneResult,
     StageResult,
     StageResults,
     TermResult,
@@ -57,11 +76,17 @@ __all__ = [
     "Axial",
     "BarResult",
     "Cable",
+    "CableDensity",
+    "CableForce",
+    "CableLength",
+    "CableSag",
     "CheckpointWarning",
     "CoincidentNodesWarning",
     "ConjugateGradient",
+    "Constraints",
     "ConvergenceError",
     "DistributedLoad",
+    "EdgeAngle",
     "EnergyTerm",
     "Equilibrium",
     "EquilibriumPath",
@@ -82,9 +107,11 @@ __all__ = [
     "Modes",
     "MooneyRivlin",
     "NeoHooke",
+    "Net",
     "Newton",
     "OrthotropicFabric",
     "Outcome",
+    "ParaViewSeries",
     "PartFunctions",
     "PathError",
     "PathPoint",
@@ -93,6 +120,10 @@ __all__ = [
     "PrescribedDisplacement",
     "Pressure",
     "Problem",
+    "RigidBody",
+    "Ring",
+    "SeriesWarning",
+    "Slide",
     "SliverWarning",
     "Solution",
     "Solve",
@@ -114,18 +145,27 @@ __all__ = [
     "edges_where",
     "equilibrium_path",
     "force_density",
+    "load_results",
+    "natural_force_density",
     "natural_frequencies",
     "plot",
     "polyline",
     "projected_stress",
+    "read_compas",
     "rectangle",
     "report",
+    "save_results",
     "stability",
     "structure_from_dolfinx",
+    "structure_from_file",
     "structure_from_gmsh",
     "tension_direction",
     "to_dolfinx",
     "updated_reference",
+    "write_mesh",
+    "write_paraview",
+    "write_report",
+    "write_tables",
 ]
 
 __version__: str

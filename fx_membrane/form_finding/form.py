@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..checks.values import counted
 from ..model.energy_terms import described
 from ..model.structure import Structure
 
@@ -35,7 +36,7 @@ class Form:
         forces: By part, axial forces of cables and masts, shape (cells,) [N], and Cauchy stress times thickness of
             membranes in the warp/weft frame, shape (cells, 2, 2) [N/m]. `force_density` gives those of its branches
             under "net".
-        reactions: Forces on the constrained components, shape (n, 3) [N]; zero where free.
+        reactions: Forces of supports, and of constraints of nodes, shape (n, 3) [N]; zero where free.
         steps: The steps of a method that takes several.
         converged: True if the form has the forces asked for, within the tolerances of its method.
         made: As `structure`; None for a net of force densities.
@@ -63,8 +64,8 @@ class Form:
         return self.made
 
     def __repr__(self) -> str:
-        shape = f"{len(self.points)} points" if self.made is None else repr(self.made)
-        return f"Form({shape}, {len(self.steps)} steps, converged={self.converged})"
+        shape = counted(len(self.points), "point") if self.made is None else repr(self.made)
+        return f"Form({shape}, {counted(len(self.steps), 'step')}, converged={self.converged})"
 
 
 def refuse_terms(structure: Structure) -> None:

@@ -11,7 +11,6 @@ prescribed. Elsewhere the nodes move in plan, and the stress in plan changes wit
 
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,16 +18,20 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
-from ..geometry.measures import SLIVER, aspects, measures, normals
+from ..geometry.measures import measures
 from ..model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
-from ..model.parts import Membrane, Part
+from ..model.parts import Membrane
 from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
 from ..solvers.progress import Pulse
-from .cable_forces import MEASURES, Acceleration, check_bars, densities_of, difference
+from .cable_forces import MEASURES, check_bars, difference
+from .cable_targets import MET
+from .constrained_balance import ConstrainedBalance
+from .constraints import Constraint
 from .form import Form, FormStep, refuse_terms
-from .linear_balance import LinearBalance
-from .plan import Field, Plan, cauchy, place, plan_of
+from .hand_over import handed_over
+from .membrane_balance import collapse_of, stressed
+from .plan import Field, Plan, place, plan_of
 from .shape_change import change_of_shape
 from .updated_reference import STRAY, UnsettledFormWarning
 
@@ -43,6 +46,7 @@ def projected_stress(
     direction: ArrayLike = (0.0, 0.0, 1.0),
     tolerance: float = 1e-3,
     max_iterations: int = 100,
+    constraints: Sequence[Constraint] = (),
 ) -> Form:
     """Find the shape whose stress, projected on a plan, is the prestress of the structure.
 
@@ -69,6 +73,7 @@ def projected_stress(
         direction: Normal of the plan, shape (3,), any length.
         tolerance: Accepted relative difference of cable forces from the prescribed ones [-].
         max_iterations: Maximum number of steps towards the cable forces; 1 is a single linear solve.
+        constraints: Cables by force, force density, length, sag or angle; nodes that slide; rings and rigid bodies.
 
     Returns:
         The form. It has converged if the cable forces are within the tolerance, the stress in its plan within 10 % of
@@ -78,7 +83,7 @@ def projected_stress(
         ValueError: The stress of a membrane is not positive, or that of a cable compressive; a cell has no area in
             plan, or the plan folds over itself; a warp vanishes in plan; a cable has no length in plan; a part is tied
             to no held node in some component; stresses differ too much for the number of digits; the loads do not fit
-            the structure; it has energy terms.
+            the structure; it has energy terms; a constraint does not fit it, or contradicts its supports.
         RuntimeError: The loads grow with the form faster than the stress can carry; in the first step a cell shrinks to
             nothing, or a cable of given horizontal force becomes upright.
 
@@ -122,32 +127,35 @@ def projected_stress(
     tolerance = validation.positive("tolerance", tolerance)
     max_iterations = validation.positive_integer("max_iterations", max_iterations)
     check_bars(structure)
+    balance = ConstrainedBalance(
+        structure, stage.loads, constraints, axes, cables, lambda shape, _: collapse_of(structure, shape)
+    )
 
-    membranes = {name: part for name, part in structure.parts.items() if isinstance(part, Membrane)}
+    membranes = structure.parts_of(Membrane)
     plans = {name: plan_of(name, part, structure.points, axes, fields.get(name)) for name, part in membranes.items()}
     pulse = Pulse("form finding", MPI.COMM_WORLD.rank == 0)
     points, reactions, error, stray, steps = structure.points, np.zeros(0), np.inf, np.inf, list[FormStep]()
-    densities, following = {}, densities_of(structure, points, axes, cables)
-    collapse, accelerated = "", Acceleration()
-    while error > tolerance and len(steps) < max_iterations:
+    densities, following = {}, balance.start(plans)
+    collapse, accelerated, miss = "", balance.acceleration(), np.inf
+    while (error > tolerance or miss > MET) and len(steps) < max_iterations:
         pulse(f"step {len(steps) + 1} towards the forces of cables")
-        found, balance = _solved(structure, stage.loads, points, plans, following)
-        collapse = _collapse(structure, found)
-        try:
-            wanted = densities_of(structure, found, axes, cables)
-        except ValueError as upright:
-            collapse = collapse or str(upright)
-        if collapse:
+        found = balance(points, plans, following, len(steps) + 1)
+        if isinstance(found, str):
+            collapse = found
             break
-        before, points, reactions, densities = points, found, balance, following
-        error, following = difference(densities, wanted), accelerated(densities, wanted)
+        before, points, reactions, densities = points, found.points, found.reactions, following
+        (miss, words), error = (
+            balance.targets.miss(points, densities, found.wanted),
+            difference(densities, found.wanted),
+        )
+        following = accelerated(densities, found.wanted)
         stray = max([_stray(plan, points @ axes[:, :2]).max() for plan in plans.values()], default=0.0)
         area = float(sum(measures(points, plan.cells).sum() for plan in plans.values()))
         change = change_of_shape(structure, before, points - before)
         steps.append(FormStep(float(area), float(change), float(max(error, stray))))
     if not steps:
         raise RuntimeError(f"Form finding has no form after its first step: {collapse}")
-    problem = collapse or _fold(plans, points, axes) or _excess(error, tolerance, len(steps))
+    problem = collapse or _fold(plans, points, axes) or _excess(error, tolerance, len(steps), miss, words)
     problem = problem or _motion(plans, points, axes)
     if problem:
         warnings.warn(
@@ -155,8 +163,8 @@ def projected_stress(
             UnsettledFormWarning,
             stacklevel=2,
         )
-    parts, forces = _stressed(structure, points, plans, densities)
-    return Form(points, forces, reactions, tuple(steps), not problem, replace(structure, points=points, parts=parts))
+    made = stressed(structure, points, plans, densities)
+    return handed_over(structure, balance.motions, points, made, reactions, tuple(steps), not problem)
 
 
 def _axes(normal: Array) -> Array:
@@ -171,7 +179,7 @@ def _checked_fields(structure: Structure, stress: Any) -> dict[str, Field]:
     validation.instance("stress", stress, Mapping | None)
     fields = dict(stress or {})
     for name, field in fields.items():
-        if not isinstance(structure.parts.get(name) if isinstance(name, str) else None, Membrane):
+        if not isinstance(name, str) or name not in structure.parts_of(Membrane):
             raise ValueError(f"stress names {validation.short_repr(name)}, which is no membrane of the structure.")
         if not callable(field):
             raise ValueError(
@@ -179,49 +187,6 @@ def _checked_fields(structure: Structure, stress: Any) -> dict[str, Field]:
                 "as the prestress of the part."
             )
     return fields
-
-
-def _solved(
-    structure: Structure, loads: Sequence[Any], start: Array, plans: Mapping[str, Plan], densities: Mapping[str, Array]
-) -> tuple[Array, Array]:
-    """Shape in equilibrium with stress and force densities, and its reactions, both of shape (n, 3)."""
-    line = np.array([[1.0, -1.0], [-1.0, 1.0]])
-    blocks = [(plan.cells, plan.stiffness()) for plan in plans.values()]
-    blocks += [(structure.parts[name].cells, q[:, None, None] * line) for name, q in densities.items()]
-    return LinearBalance(structure, blocks).solve(start, lambda points: _nodal_loads(structure, loads, points))
-
-
-def _nodal_loads(structure: Structure, loads: Sequence[Any], points: Array) -> Array:
-    """Spread loads on the nodes of a shape, shape (n, 3) [N]."""
-    total = np.zeros(points.shape)
-    for load in loads:
-        if isinstance(load, PointLoad):
-            total[np.asarray(load.nodes)] += np.asarray(load.force)
-            continue
-        cells = structure.parts[load.part].cells
-        cells = cells if load.cells is None else cells[np.asarray(load.cells)]
-        size = measures(points, cells)[:, None]
-        if isinstance(load, Pressure):
-            force = load.pressure * size * normals(points, cells)
-        elif isinstance(load, PlanLoad):
-            force = size * np.abs(normals(points, cells)[:, 2:]) * np.asarray(load.load)
-        else:
-            force = size * np.asarray(load.load)
-        for corner in cells.T:
-            np.add.at(total, corner, force / cells.shape[1])
-    return total
-
-
-def _collapse(structure: Structure, points: Array) -> str:
-    """Tell of a cell that has shrunk to nothing, in words; empty without one."""
-    for name, part in structure.parts.items():
-        gone = np.flatnonzero(aspects(points, part.cells) > SLIVER)
-        if len(gone):
-            return (
-                f"part {name!r}, cell {gone[0]} shrinks to nothing at {place(points, part.cells, gone[0])}: the forces "
-                "around it pull its nodes together; hold one of them, or change the forces there."
-            )
-    return ""
 
 
 def _stray(plan: Plan, flat: Array) -> Array:
@@ -246,8 +211,10 @@ def _fold(plans: Mapping[str, Plan], points: Array, axes: Array) -> str:
     return ""
 
 
-def _excess(error: float, tolerance: float, steps: int) -> str:
-    """Tell how far the forces of cables are from the prescribed ones, in words; empty if they are near."""
+def _excess(error: float, tolerance: float, steps: int, miss: float, words: str) -> str:
+    """Tell how far cables are from the forces or the geometry prescribed, in words; empty if they are near."""
+    if miss > MET:
+        return f"{words} after step {steps}, the last; allow more steps (max_iterations=...), or give a nearer value."
     if error <= tolerance:
         return ""
     return (
@@ -269,19 +236,3 @@ def _motion(plans: Mapping[str, Plan], points: Array, axes: Array) -> str:
                 "dataclasses.replace(structure, points=form.points)."
             )
     return ""
-
-
-def _stressed(
-    structure: Structure, points: Array, plans: Mapping[str, Plan], densities: Mapping[str, Array]
-) -> tuple[dict[str, Part], dict[str, Array]]:
-    """Parts with the forces in a shape as prestress, and these forces."""
-    parts: dict[str, Part] = {}
-    forces: dict[str, Array] = {}
-    for name, part in structure.parts.items():
-        if isinstance(part, Membrane):
-            forces[name], warp = cauchy(plans[name], points)
-            parts[name] = replace(part, prestress=forces[name], warp=warp)
-        else:
-            forces[name] = densities[name] * measures(points, part.cells)
-            parts[name] = replace(part, prestress=forces[name])
-    return parts, forces

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ..checks.values import counted
 from ..geometry.topology import connected
 from . import energy_terms
 from .energy_terms import Term
@@ -43,8 +44,8 @@ def check_supports(structure: Structure, held: NDArray[np.bool_], terms: Sequenc
             freest = MOTIONS[int(np.argmax(np.sum(named**2, axis=0)))]
             join = ", or join it to the rest, with which it shares no node" if len(pieces) > 1 else ""
             raise ValueError(
-                f"The structure is not supported enough: the piece with node {nodes[0]} ({len(nodes)} nodes: "
-                f"{_named(structure, nodes)}) can {freest} as a rigid body. Add supports or prescribed displacements "
+                f"The structure is not supported enough: the piece with node {nodes[0]} ({counted(len(nodes), 'node')}"
+                f": {_named(structure, nodes)}) can {freest} as a rigid body. Add supports or prescribed displacements "
                 f"there{join}."
             )
 
@@ -71,10 +72,8 @@ def _named(structure: Structure, nodes: NDArray[np.intp]) -> str:
 
 
 def _check_masts(structure: Structure, held: NDArray[np.bool_]) -> None:
-    for name, part in structure.parts.items():
-        ends = loose_ends(structure, name, held) if isinstance(part, Mast) else []
-        if ends:
-            cell, node = ends[0]
+    for name in structure.parts_of(Mast):
+        for cell, node in loose_ends(structure, name, held)[:1]:
             raise ValueError(
                 f"Mast {cell} of {name!r} ends nowhere: no other part and no support is at node {node}. "
                 "Support the node, or join it to a part."
@@ -95,7 +94,7 @@ def loose_ends(structure: Structure, name: str, held: NDArray[np.bool_]) -> list
 def free_motions(points: NDArray[np.float64], held: NDArray[np.bool_]) -> NDArray[np.float64]:
     """Free rigid motions, orthonormal, shape (motions, 6).
 
-    Each row is three translations and three rotations about the centre of the points, lengths scaled to the largest
+    Each row is three translations and three rotations about the centre of the points. Lengths are scaled to the largest
     distance from it. A motion that moves no point, as the turn of a straight cable about itself, is left out.
 
     Args:

@@ -10,11 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.part_forms import stiffness
+from ..geometry.extremes import TIE, first_largest
 from ..geometry.measures import lengths
 from ..model.parts import Mast
 from ..model.structure import Structure
+from .part_results import MembraneResult
 from .pieces import Pieces
-from .states import BarResult, MembraneResult, StageResult
+from .states import StageResult
 
 Array = NDArray[np.float64]
 
@@ -41,10 +43,10 @@ def pushes(result: StageResult) -> list[Push]:
     """List the parts that carry a structure though slack or wrinkled: at most one entry for bars, one for membranes.
 
     Compression that a part takes up within itself, or between held nodes, carries nothing: the forces of its cells must
-    leave a net force on a node that is free. That counts where it is above `LIMIT` of the largest force at the end of a
-    mast, and at other nodes of cables of the largest in the same piece; what is not connected hides nothing. Other
-    nodes of membranes count where it carries more than half of their load, if that is above `LIMIT` of the loads of the
-    piece: folds of too much fabric that hangs push each other aside, and carry nothing.
+    leave a net force on a node that is free. At the end of a mast that counts where it is above `LIMIT` of the largest
+    force there. At other nodes of cables it is compared with the largest force in the same piece; what is not connected
+    hides nothing. Other nodes of membranes count where it carries more than half of their load. That must be above
+    `LIMIT` of the loads of the piece: folds of too much fabric that hangs push each other aside, and carry nothing.
     """
     names, held = list(result.parts), result.actions.held
     if not any(compression(result, name).any() for name in names):
@@ -55,16 +57,18 @@ def pushes(result: StageResult) -> list[Push]:
     for name, (_, others) in forces.items():
         np.maximum.at(at_node, result.structure.parts[name].cells, lengths(others))
     found = []
-    for kind in (BarResult, MembraneResult):
-        here = {name: forces[name] for name in names if isinstance(result.parts[name], kind)}
+    for dimension in (1, 2):
+        here = {name: forces[name] for name in names if result.structure.parts[name].dimension == dimension}
         net = np.zeros(held.shape)
         for name, (kept, _) in here.items():
             np.add.at(net, result.structure.parts[name].cells, kept)
         net[held] = 0.0
         size = lengths(net)
-        carried = _carried_loads(result, net, pieces) if kind is MembraneResult else _strong(here, size, pieces)
+        carried = _carried_loads(result, net, pieces) if dimension == 2 else _strong(here, size, pieces)
         nodes = np.flatnonzero(np.where(_mast_ends(result.structure), size > LIMIT * at_node, carried))
-        if push := _push(result, list(here), nodes[np.argsort(-size[nodes], kind="stable")]):
+        largest = size[nodes].max(initial=0.0)
+        order = np.argsort(-np.round(size[nodes] / (TIE * largest or 1.0)), kind="stable")
+        if push := _push(result, list(here), nodes[order]):
             found.append(push)
     return found
 
@@ -78,7 +82,7 @@ def _strong(forces: dict[str, tuple[Array, Array]], size: Array, pieces: Pieces)
 
 
 def _carried_loads(result: StageResult, net: Array, pieces: Pieces) -> NDArray[np.bool_]:
-    """Nodes of which net forces, shape (n, 3) [N], carry most of the load, if that is much in their piece, (n,)."""
+    """Nodes whose net forces, shape (n, 3) [N], carry most of a load that is much in their piece, (n,)."""
     loads = np.where(result.actions.held, 0.0, result.loads)
     load = lengths(loads)
     against = -(net * loads).sum(axis=1) / np.maximum(load, 1e-300)
@@ -95,7 +99,7 @@ def _push(result: StageResult, names: list[str], nodes: NDArray[np.int64]) -> Pu
         there = np.isin(result.structure.parts[name].cells, nodes).any(axis=1)
         values = np.where(there, compression(result, name), 0.0)
         if values.max() > rounding(result, name):
-            found[name] = (int(values.argmax()), float(values.max()))
+            found[name] = (first_largest(values), float(values.max()))
         largest = max(largest, float(_sizes(result, name)[there].max(initial=0.0)))
     return Push(found, largest, nodes) if found else None
 
@@ -103,43 +107,34 @@ def _push(result: StageResult, names: list[str], nodes: NDArray[np.int64]) -> Pu
 def _mast_ends(structure: Structure) -> NDArray[np.bool_]:
     """Nodes at which a mast ends, shape (n,)."""
     ends = np.zeros(len(structure.points), dtype=bool)
-    for part in structure.parts.values():
-        if isinstance(part, Mast):
-            ends[part.cells] = True
+    for mast in structure.parts_of(Mast).values():
+        ends[mast.cells] = True
     return ends
-
-
-def slack_cells(result: StageResult, name: str) -> NDArray[np.bool_]:
-    """Cells of a part without tension, shape (cells,)."""
-    part = result.parts[name]
-    return part.slack if isinstance(part, BarResult) else part.state == "slack"
 
 
 def compression(result: StageResult, name: str) -> Array:
     """Largest compression of each slack or wrinkled cell, shape (cells,) [N or N/m]; 0 in others and in masts."""
     part = result.parts[name]
-    if isinstance(part, BarResult):
-        return np.where(part.slack, np.maximum(-part.force, 0.0), 0.0)
-    return np.where(part.state == "taut", 0.0, np.maximum(-part.principal[:, 1], 0.0))
+    return np.where(part.taut, 0.0, np.maximum(-part.principal[:, -1], 0.0))
 
 
 def _sizes(result: StageResult, name: str) -> Array:
     """Force of each cable or mast [N], or largest principal stress of each cell of a membrane [N/m], shape (cells,)."""
-    part = result.parts[name]
-    return np.abs(part.force) if isinstance(part, BarResult) else part.principal[:, 0]
+    largest = result.parts[name].principal[:, 0]
+    return np.abs(largest) if result.structure.parts[name].dimension == 1 else largest
 
 
 def rounding(result: StageResult, name: str) -> float:
     """Compression that is rounding [N or N/m]."""
     part = result.structure.parts[name]
-    kept = 1.0 if isinstance(part, Mast) or part.carries_compression else part.compression_stiffness
+    kept = 1.0 if part.carries_compression else part.compression_stiffness
     return SEEN * kept * stiffness(part)
 
 
 def _corner_forces(result: StageResult, name: str) -> tuple[Array, Array]:
     """Corner forces of the cells of a part, of compression and of the other stresses, (cells, corners, 3) [N]."""
     part, x = result.parts[name], result.position[result.structure.parts[name].cells]
-    if isinstance(part, BarResult):
+    if part.dimension == 1:
         way = x[:, 1] - x[:, 0]
         direction = way / np.maximum(np.linalg.norm(way, axis=1), 1e-300)[:, None]
         unit = np.stack([direction, -direction], axis=1)
