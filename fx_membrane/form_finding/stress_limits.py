@@ -75,7 +75,10 @@ def reason_of(
         return ""
     where = _worst(problem, state)
     if failure:
-        cause = weak[0].words(problem.structure.points) if weak else _neck(problem, state)
+        # A neck away from the edges stays with stronger cables: then both are named.
+        words = [weak[0].words(problem.structure.points)] if weak else []
+        words += [] if weak and _is_at_edge(problem, state) else [_neck(problem, state)]
+        cause = " Besides, ".join(words)
         return f"it is not that of the wish: {failure}. The reason: {cause} {where}"
     if weak:
         return f"{weak[0].words(problem.structure.points)} {where}"
@@ -129,14 +132,26 @@ def remarks_of(problem: NearestProblem, state: State) -> tuple[str, ...]:
 
 def _worst(problem: NearestProblem, state: State) -> str:
     """Tell of the cell whose stress is farthest from the wish."""
-    sizes = {name: differences(ratio) for name, ratio in state.ratios.items()}
-    name = max(sizes, key=lambda name: float(sizes[name].max(initial=0.0)))
-    cell = int(sizes[name].argmax())
+    name, cell = _farthest(state)
     cells = problem.membranes[name].cells if name in problem.membranes else problem.bars[name].cells
     return (
         f"The stress is farthest from the wish in part {name!r}, cell {cell} at {place(state.points, cells, cell)}, by "
-        f"{100 * sizes[name][cell]:.3g} %; form.differences has all."
+        f"{100 * state.largest:.3g} %; form.differences has all."
     )
+
+
+def _is_at_edge(problem: NearestProblem, state: State) -> bool:
+    """Return True if the cell farthest from the wish has a node on a cable."""
+    name, cell = _farthest(state)
+    on = np.concatenate([np.zeros(0, dtype=np.int64), *(block.cells.ravel() for block in problem.bars.values())])
+    return name in problem.bars or bool(np.isin(problem.membranes[name].cells[cell], on).any())
+
+
+def _farthest(state: State) -> tuple[str, int]:
+    """Part and cell whose stress is farthest from the wish."""
+    sizes = {name: differences(ratio) for name, ratio in state.ratios.items()}
+    name = max(sizes, key=lambda name: float(sizes[name].max(initial=0.0)))
+    return name, int(sizes[name].argmax())
 
 
 def _neck(problem: NearestProblem, state: State) -> str:
