@@ -96,7 +96,7 @@ def read_case(path: str | Path) -> Case:
 def _case(file: Path, text: str, data: dict[str, Any]) -> Case:
     from pydantic import ValidationError  # noqa: PLC0415  (0.2 s, which only case files are to wait for)
 
-    from . import schema  # noqa: PLC0415
+    from . import schema, structure_schema  # noqa: PLC0415
     from .model import Builder, given  # noqa: PLC0415
 
     units, faults = _units(data)
@@ -116,7 +116,7 @@ def _case(file: Path, text: str, data: dict[str, Any]) -> Case:
             solver = SOLVERS[tables.solver.method](**given(tables.solver, "method"))
     if structure is None or builder.faults:
         raise case_error(file, text, builder.faults)
-    names = tables.units or schema.UnitNames()
+    names = tables.units or structure_schema.UnitNames()
     form = tables.form_finding
     return Case(
         file,

@@ -20,7 +20,7 @@ from ...model.structure import Structure
 from ...model.supports import Support
 from ..drawing import Drawing, nodes_of, triangles_of
 from ..mesh_files import drawing_of
-from . import schema
+from . import schema, structure_schema
 from .faults import Fault, nearest
 
 Nodes = NDArray[np.int64]
@@ -122,12 +122,12 @@ class Builder:
 
     def _geometry(self) -> Drawing:
         table = self._case.geometry
-        if isinstance(table, schema.FileGeometry):
+        if isinstance(table, structure_schema.FileGeometry):
             unit = self._case.units.length if self._case.units else None
             options = given(table, "kind", "file")
             return drawing_of(self._folder / table.file, options.pop("weld", None), unit)
         drawing = Drawing("the geometry", "group", np.zeros((0, 3)))
-        if isinstance(table, schema.GridGeometry):
+        if isinstance(table, structure_schema.GridGeometry):
             drawing.points, triangles = rectangle(**given(table, "kind"))
             drawing.add("grid", triangles)
         else:
@@ -144,7 +144,7 @@ class Builder:
                         cells[name] = self._cells_of(name, part, cells)
         return cells
 
-    def _cells_of(self, name: str, part: schema.PartModel, cells: Mapping[str, Nodes]) -> Nodes:
+    def _cells_of(self, name: str, part: structure_schema.PartModel, cells: Mapping[str, Nodes]) -> Nodes:
         _one_of(part, "group", "cells", "edges_of")
         points = self._drawing.points
         if part.cells is not None:
@@ -166,7 +166,7 @@ class Builder:
 
     def _part(self, table: Any, cells: Nodes, materials: Mapping[str, Any]) -> Part:
         values = given(table, "kind", "group", "cells", "edges_of", "where", "material")
-        if isinstance(table, schema.MembranePart):
+        if isinstance(table, structure_schema.MembranePart):
             if table.material not in materials:
                 raise ValueError(
                     f"its material {table.material!r} is not among materials{nearest(table.material, materials)}"
@@ -174,7 +174,7 @@ class Builder:
             values["material"] = materials[table.material]
         return PARTS[table.kind](cells, **values)
 
-    def _nodes(self, structure: Structure, table: schema.NodeChoice) -> Nodes:
+    def _nodes(self, structure: Structure, table: structure_schema.NodeChoice) -> Nodes:
         _one_of(table, *CHOICES, needed=True)
         if table.nodes is not None:
             return np.array(table.nodes, dtype=np.int64)
@@ -222,7 +222,7 @@ class Builder:
             raise ValueError("no cell has its centroid in the range of where; correct it")
         return found
 
-    def _in(self, box: schema.Box | None, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def _in(self, box: structure_schema.Box | None, points: NDArray[np.float64]) -> NDArray[np.bool_]:
         inside = np.ones(len(points), dtype=bool)
         room = NEAR * np.ptp(self._drawing.points, axis=0).max()
         for axis, ends in enumerate((box.x, box.y, box.z) if box else ()):
@@ -234,12 +234,12 @@ class Builder:
 CHOICES = ("nodes", "group", "where", "rim_of")
 
 
-def given(table: schema.Model, *without: str) -> dict[str, Any]:
+def given(table: structure_schema.Model, *without: str) -> dict[str, Any]:
     """Values that a table gives, apart from some keys: the package has the defaults."""
     return {name: getattr(table, name) for name in table.model_fields_set if name not in without}
 
 
-def _one_of(table: schema.Model, *keys: str, needed: bool = False) -> None:
+def _one_of(table: structure_schema.Model, *keys: str, needed: bool = False) -> None:
     given = [key for key in keys if getattr(table, key) is not None]
     if len(given) > 1 or (needed and not given):
         raise ValueError(f"give one of {', '.join(keys)}" + (f", not {' and '.join(given)}" if given else ""))
