@@ -42,6 +42,7 @@ ONE_PROCESS = {
     "unit/form_finding/test_forms_of_masts.py",
     "unit/form_finding/test_mast_heads.py",
     "unit/form_finding/test_masts_and_stays.py",
+    "unit/form_finding/test_masts_and_stays_refusals.py",
     "unit/form_finding/test_natural_force_density.py",
     "unit/form_finding/test_projected_stress.py",
     "unit/form_finding/test_projected_stress_refusals.py",

@@ -1,4 +1,4 @@
-"""Masts and stays in the place of held nodes: hand-over at rest, choice of forces, supports, and refusals."""
+"""Masts and stays in the place of held nodes: hand-over at rest, choice of forces, and supports."""
 
 from dataclasses import replace
 
@@ -9,9 +9,7 @@ from fx_membrane import (
     Analysis,
     Cable,
     DistributedLoad,
-    Fabric,
     Mast,
-    Membrane,
     NeoHooke,
     PlanLoad,
     PointLoad,
@@ -19,72 +17,17 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
-    boundary_edges,
     force_density,
     masts_and_stays,
     natural_force_density,
     projected_stress,
-    rectangle,
     stability,
     updated_reference,
 )
+from masted_sails import guys, head, sail
 from models import rotation
-from own_terms import ElasticBed
 
 pytestmark = pytest.mark.filterwarnings("ignore::fx_membrane.UnsettledFormWarning")
-
-FABRIC = Fabric(Et=800e3, nu=0.2)
-
-
-def turned(points, turn):
-    return np.array(points) if turn is None else points @ turn.T
-
-
-def sail(n=8, turn=None, unit=1.0, material=FABRIC):
-    """Sail between arcs on two low points and two high ones, all held; and its corners."""
-    flat, triangles = rectangle(2.0, 2.0, n, n)
-    half, radius = 5.0, 10.0
-    sag = np.sqrt(radius**2 - (half * flat[:, :2]) ** 2) - np.sqrt(radius**2 - half**2)
-    points = half * flat
-    points[:, :2] -= flat[:, :2] * sag[:, ::-1]
-    points[:, :2] = points[:, :2] @ np.array([[1, 1], [-1, 1]]) / np.sqrt(2)
-    west, east, south, north = (k(points[:, i]) for i in (0, 1) for k in (np.argmin, np.argmax))
-    points[[west, east, south, north], 2] = 4, 4, 1, 1
-    parts = {
-        "fabric": Membrane(triangles, material, 2.5e3 * unit),
-        "edges": Cable(boundary_edges(triangles), 2e7 * unit, 25e3 * unit),
-    }
-    return Structure(turned(points, turn), parts, [Support([west, south, east, north])]), (west, east, south, north)
-
-
-def guys(structure, corners, turn=None, third=False):
-    """Make two masts that lean outwards, with two stays each, or three; and the positions of their feet."""
-    n, (west, east, *_) = len(structure.points), corners
-    feet = [(-5.2, 0, 0), (5.2, 0, 0), *((s * 9.0, y, 0.0) for s in (-1, 1) for y in (2.5, -2.5))]
-    stays = [[n + 2, west], [n + 3, west], [n + 4, east], [n + 5, east]]
-    if third:
-        feet += [(-2.0, 0, 0), (2.0, 0, 0)]
-        stays += [[n + 6, west], [n + 7, east]]
-    return {"masts": Mast([[n, west], [n + 1, east]], 3e8), "stays": Cable(stays, 2e7)}, turned(feet, turn)
-
-
-def head(*ends, pull=(3e3, 0.0, 0.0), wanted=0.0, kinds=None):
-    """Form of a node held at (0, 0, 4) under a load, and bars from it to ends, masts by default if below 1 m."""
-    structure = Structure(
-        [[0.0, 0, 4], [8, 0, 4]],
-        {"rope": Cable([[0, 1]], 1e7, pull[0])},
-        [Support([0, 1])],
-    )
-    loads = [PointLoad(0, np.array(pull) * [0, 1, 1])]
-    form = updated_reference(structure, loads)
-    kinds = kinds or ["mast" if np.hypot(*end[:2]) < 1 else "stay" for end in ends]
-    wanted = np.broadcast_to(wanted, len(ends))
-    bars = {}
-    for kind, make in (("mast", Mast), ("stay", Cable)):
-        mine = [i for i, which in enumerate(kinds) if which == kind]
-        if mine:
-            bars[kind] = make([[i + 2, 0] for i in mine], 1e8, prestress=wanted[mine])
-    return form, bars, ends, loads
 
 
 def moved(form, loads=()):
@@ -274,59 +217,3 @@ def test_net_of_force_densities_with_a_structure():
     shifted = replace(structure, points=structure.points + 1.0)
     with pytest.raises(ValueError, match=r"other points.*form\.points"):
         masts_and_stays(replace(net, made=shifted), bars, feet)
-
-
-# Refusals
-
-
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        (((0.3, 0, 0), (-3, 2, 0)), r"balance node 0 at \(0, 0, 4\).*force \(-3000, 0, 0\).*missing.*add a stay.*feet"),
-        (((0.3, 0, 0), (3, 2, 0), (3, -2, 0)), r"mast in cell 0 of part 'mast', from .*tension, \d.*move.*foot"),
-        (((0.3, 0, 0), (3, 2, 0), (3, -2, 0), (5, 0, 0)), r"masts in compression.*stays in tension balance node 0"),
-        (((0.3, 0, 0), (-3, 3, 0), (-3, 1, 0)), r"stay in cell 0 of part 'stay', from .* would be in compression"),
-        (((0.0, 0, 4), (-3, 2, 0), (-3, -2, 0)), r"part 'mast', cell 0.*nodes 2 and 0.*\(0, 0, 4\); move.*foot"),
-    ],
-    ids=["two bars", "stays in front", "choice", "stay in front", "foot on the head"],
-)
-def test_what_cannot_balance_is_refused(given, message):
-    kinds = ["mast"] + ["stay"] * (len(given) - 1)
-    with pytest.raises(ValueError, match=f"(?i){message}"):
-        masts_and_stays(*head(*given, kinds=kinds)[:3])
-
-
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"heads": [12]}, r"node 12 at .*not held.*hold it"),
-        ({"heads": [0, 80]}, "No bar ends at node 80 .*add masts"),
-        ({"heads": [0, 0]}, "twice"),
-        ({"heads": [999]}, "does not exist"),
-        ({"points": [(1.0, 2, 3)] * 4}, r"No bar ends at node 84.*point 3.*leave it out"),
-        ({"points": [(1.0, 2, 3)]}, "bars names node .*does not exist"),
-        ({"components": "w"}, "components"),
-        ({"bars": {}}, "bars is empty"),
-        ({"bars": {"fabric": Mast([[81, 0]], 1e6)}}, "'fabric' already"),
-        ({"bars": {"m": Mast([[81, 0]], 1e6, prestress=5.0)}}, r"cell 0.*prestress 5.*tension.*no mast"),
-        ({"bars": {"m": Cable([[81, 0]], 1e6, prestress=-5.0)}}, r"cell 0.*prestress -5.*compression.*no stay"),
-        ({"bars": {"m": Mast([[81, 40]], 1e6)}, "points": [(0, 0, 9)]}, "No bar ends.*held.*hold"),
-        ({"bars": {"m": Membrane([[0, 1, 2]], FABRIC)}}, "Membrane.*Mast or Cable"),
-    ],
-)
-def test_bad_input_is_refused(change, message):
-    structure, _ = sail()
-    form = projected_stress(structure)
-    bars = {"mast": Mast([[81, 0]], 1e8), "stays": Cable([[82, 0], [83, 0]], 1e7)}
-    given = {"form": form, "bars": bars, "points": [(0.0, 0, 0), (-9, 1, 0), (-9, -1, 0)]} | change
-    with pytest.raises(ValueError, match=message):
-        masts_and_stays(**given)
-
-
-def test_energy_terms_are_refused():
-    structure, corners = sail()
-    form = projected_stress(structure)
-    bars, feet = guys(structure, corners)
-    bedded = replace(form, made=replace(form.made, terms=[ElasticBed("fabric", 1e3)]))
-    with pytest.raises(ValueError, match="energy terms"):
-        masts_and_stays(bedded, bars, feet)
