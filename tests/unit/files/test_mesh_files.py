@@ -1,6 +1,4 @@
-"""Structures from DXF, OBJ, STL, PLY, COMPAS and msh files, and meshes that are written and read back."""
-
-import json
+"""Structures from DXF, OBJ, STL, PLY and msh files, and meshes that are written and read back."""
 
 import numpy as np
 import pytest
@@ -16,20 +14,10 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
-    boundary_edges,
-    force_density,
-    read_compas,
-    rectangle,
     structure_from_file,
     write_mesh,
 )
-
-POINTS, TRIANGLES = rectangle(2.0, 2.0, 3, 3)
-RIM = boundary_edges(TRIANGLES)
-PARTS = {
-    "Dach süd": lambda cells: Membrane(cells, Fabric(4e5, 0.3), 2e3),
-    "edge": lambda cells: Cable(cells, 1e6, 1e2),
-}
+from square_roofs import PARTS, POINTS, RIM, TRIANGLES
 
 
 def roof():
@@ -166,57 +154,6 @@ def test_surface(ending, tmp_path):
     found = structure_from_file(tmp_path / f"roof.{ending}", {"roof": PARTS["Dach süd"]})
     assert_same_cells(found, Structure(POINTS, {"roof": PARTS["Dach süd"](TRIANGLES)}), tolerance=1e-6)
     assert len(found.points) == len(POINTS)
-
-
-NODES = {str(10 + row): dict(zip("xyz", point, strict=True)) for row, point in enumerate(POINTS.tolist())}
-NETWORK = {
-    "dna": {"is_support": False, "pz": -2.0},
-    "dea": {"q": 3.0},
-    "node": {
-        key: values | ({"is_support": True} if row in np.unique(RIM) else {})
-        for row, (key, values) in enumerate(NODES.items())
-    },
-    "edge": {"10": {"11": {"q": 5.0}}, "14": {"15": {}, "18": None}},
-}
-MESH = {
-    "vertex": NODES,
-    "face": {str(row): [str(10 + node) for node in cell] for row, cell in enumerate(TRIANGLES.tolist())},
-}
-
-
-@pytest.mark.serial
-@pytest.mark.parametrize(
-    "wrap",
-    [
-        lambda data: data,
-        lambda data: {"dtype": "compas.datastructures/Graph", "data": data},
-        lambda data: {"dtype": "compas.datastructures/Network", "value": {"compas": "1.0", "data": data}},
-    ],
-)
-def test_compas(wrap, tmp_path):
-    (tmp_path / "net.json").write_text(json.dumps(wrap(NETWORK)))
-    net = read_compas(tmp_path / "net.json")
-    assert np.array_equal(net.points, POINTS)
-    assert net.edges.tolist() == [[0, 1], [4, 5], [4, 8]]
-    assert net.force_densities.tolist() == [5.0, 3.0, 3.0]
-    assert net.supports.tolist() == np.unique(RIM).tolist()
-    assert net.loads.tolist() == [[0.0, 0.0, -2.0]] * len(POINTS)
-    found = structure_from_file(tmp_path / "net.json", {"edges": PARTS["edge"]})
-    assert len(found.points) == 5
-    (tmp_path / "mesh.json").write_text(json.dumps(wrap(MESH)))
-    found = structure_from_file(tmp_path / "mesh.json", {"faces": PARTS["Dach süd"], "edges": PARTS["edge"]})
-    assert found.parts["faces"].cells.tolist() == TRIANGLES.tolist()
-    assert len(found.parts["edges"].cells) == len(POINTS) + len(TRIANGLES) - 1  # Euler
-
-
-@pytest.mark.serial
-def test_compas_net_finds_its_form(tmp_path):
-    data = NETWORK | {"edge": {str(10 + a): {str(10 + b): {}} for a, b in [(4, 5)]}}
-    data["edge"] = {"14": {"15": {}, "18": {}, "13": {}, "11": {}}, "15": {"12": {}, "16": {}}}
-    (tmp_path / "net.json").write_text(json.dumps(data))
-    net = read_compas(tmp_path / "net.json")
-    form = force_density(net.points, net.edges, net.force_densities, [Support(net.supports)])
-    assert form.points.shape == POINTS.shape
 
 
 @pytest.mark.serial

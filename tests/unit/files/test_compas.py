@@ -1,0 +1,59 @@
+"""Nets and meshes of COMPAS, from JSON files."""
+
+import json
+
+import numpy as np
+import pytest
+
+from fx_membrane import Support, force_density, read_compas, structure_from_file
+from square_roofs import PARTS, POINTS, RIM, TRIANGLES
+
+NODES = {str(10 + row): dict(zip("xyz", point, strict=True)) for row, point in enumerate(POINTS.tolist())}
+NETWORK = {
+    "dna": {"is_support": False, "pz": -2.0},
+    "dea": {"q": 3.0},
+    "node": {
+        key: values | ({"is_support": True} if row in np.unique(RIM) else {})
+        for row, (key, values) in enumerate(NODES.items())
+    },
+    "edge": {"10": {"11": {"q": 5.0}}, "14": {"15": {}, "18": None}},
+}
+MESH = {
+    "vertex": NODES,
+    "face": {str(row): [str(10 + node) for node in cell] for row, cell in enumerate(TRIANGLES.tolist())},
+}
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    "wrap",
+    [
+        lambda data: data,
+        lambda data: {"dtype": "compas.datastructures/Graph", "data": data},
+        lambda data: {"dtype": "compas.datastructures/Network", "value": {"compas": "1.0", "data": data}},
+    ],
+)
+def test_compas(wrap, tmp_path):
+    (tmp_path / "net.json").write_text(json.dumps(wrap(NETWORK)))
+    net = read_compas(tmp_path / "net.json")
+    assert np.array_equal(net.points, POINTS)
+    assert net.edges.tolist() == [[0, 1], [4, 5], [4, 8]]
+    assert net.force_densities.tolist() == [5.0, 3.0, 3.0]
+    assert net.supports.tolist() == np.unique(RIM).tolist()
+    assert net.loads.tolist() == [[0.0, 0.0, -2.0]] * len(POINTS)
+    found = structure_from_file(tmp_path / "net.json", {"edges": PARTS["edge"]})
+    assert len(found.points) == 5
+    (tmp_path / "mesh.json").write_text(json.dumps(wrap(MESH)))
+    found = structure_from_file(tmp_path / "mesh.json", {"faces": PARTS["Dach süd"], "edges": PARTS["edge"]})
+    assert found.parts["faces"].cells.tolist() == TRIANGLES.tolist()
+    assert len(found.parts["edges"].cells) == len(POINTS) + len(TRIANGLES) - 1  # Euler
+
+
+@pytest.mark.serial
+def test_compas_net_finds_its_form(tmp_path):
+    data = NETWORK | {"edge": {str(10 + a): {str(10 + b): {}} for a, b in [(4, 5)]}}
+    data["edge"] = {"14": {"15": {}, "18": {}, "13": {}, "11": {}}, "15": {"12": {}, "16": {}}}
+    (tmp_path / "net.json").write_text(json.dumps(data))
+    net = read_compas(tmp_path / "net.json")
+    form = force_density(net.points, net.edges, net.force_densities, [Support(net.supports)])
+    assert form.points.shape == POINTS.shape
