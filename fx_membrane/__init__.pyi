@@ -17,6 +17,7 @@ from .files.dolfinx_mesh import structure_from_dolfinx
 from .files.gmsh import structure_from_gmsh
 from .form_finding.force_density import force_density
 from .form_finding.form import Form, FormStep
+from .form_finding.natural_force_density import natural_force_density
 from .form_finding.projected_stress import projected_stress
 from .form_finding.updated_reference import UnsettledFormWarning, updated_reference
 from .geometry.edges import edges_where
@@ -114,6 +115,7 @@ __all__ = [
     "edges_where",
     "equilibrium_path",
     "force_density",
+    "natural_force_density",
     "natural_frequencies",
     "plot",
     "polyline",

@@ -6,11 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.measures import measures
-from ..model.parts import Bar, Mast
+from ..model.parts import Bar, Mast, Part
 from ..model.structure import Structure
 from .plan import UPRIGHT, place
 
 Array = NDArray[np.float64]
+Measures = NDArray[np.str_]
 
 MEASURES = ("horizontal force", "force", "force density")
 DEPTH = 8  # number of earlier steps that the next one takes into account
@@ -40,36 +41,50 @@ def check_bars(structure: Structure) -> None:
             )
 
 
-def densities_of(structure: Structure, points: Array, axes: Array, measure: str) -> dict[str, Array]:
+def densities_of(
+    parts: Mapping[str, Part], points: Array, axes: Array, measure: str | Mapping[str, Measures]
+) -> dict[str, Array]:
     """Force densities of bars by their prestress and their length in a shape, by part, shape (cells,) [N/m].
 
     Args:
-        structure: The structure; the forces of its masts are true ones.
+        parts: Parts by name; the forces of masts are true ones.
         points: The shape, shape (n, 3) [m].
         axes: Two axes of the plan and its normal as columns, shape (3, 3) [-].
-        measure: Meaning of the prestress of cables, one of `MEASURES`.
+        measure: Meaning of the prestress of cables, one of `MEASURES`, or one for each cell by part.
 
     Raises:
         ValueError: A cable of given horizontal force has no length in plan.
     """
     found = {}
-    for name, part in structure.parts.items():
-        if not isinstance(part, Bar):
-            continue
-        force, length = part.prestress_tensors().ravel(), measures(points, part.cells)
-        if measure == "force density" and not isinstance(part, Mast):
-            length = np.ones(len(force))
-        elif measure == "horizontal force" and not isinstance(part, Mast):
-            flat = measures(points @ axes[:, :2] @ axes[:, :2].T, part.cells)
-            upright = np.flatnonzero((flat <= UPRIGHT * length) & (force != 0))
-            if len(upright):
-                raise ValueError(
-                    f"Part {name!r}, cell {upright[0]} at {place(points, part.cells, upright[0])} has no length in "
-                    'plan, so no horizontal force; give its force, with cables="force".'
-                )
-            length = flat
-        found[name] = np.divide(force, length, where=force != 0, out=np.zeros(len(force)))
+    for name, part in parts.items():
+        if isinstance(part, Bar):
+            force = part.prestress_tensors().ravel()
+            given = measure if isinstance(measure, str) else measure[name]
+            length = measured_lengths(name, part, points, axes, given, force != 0)
+            found[name] = np.divide(force, length, where=force != 0, out=np.zeros(len(force)))
     return found
+
+
+def measured_lengths(
+    name: str, part: Bar, points: Array, axes: Array, measure: str | Measures, loaded: NDArray[np.bool_]
+) -> Array:
+    """Ratio of the prestress of a bar to its force density in a shape, shape (cells,) [m]; 1 for a force density.
+
+    Raises:
+        ValueError: A loaded cable of given horizontal force has no length in plan.
+    """
+    length = measures(points, part.cells)
+    if isinstance(part, Mast):
+        return length
+    kinds = np.broadcast_to(np.asarray(measure), len(length))
+    flat = measures(points @ axes[:, :2] @ axes[:, :2].T, part.cells)
+    upright = np.flatnonzero((flat <= UPRIGHT * length) & loaded & (kinds == "horizontal force"))
+    if len(upright):
+        raise ValueError(
+            f"Part {name!r}, cell {upright[0]} at {place(points, part.cells, upright[0])} has no length in plan, so no "
+            'horizontal force; give its force, with cables="force".'
+        )
+    return np.where(kinds == "force density", 1.0, np.where(kinds == "horizontal force", flat, length))
 
 
 def difference(densities: Mapping[str, Array], wanted: Mapping[str, Array]) -> float:

@@ -1,4 +1,4 @@
-"""Equilibrium of given force densities: one symmetric system for each coordinate of the nodes."""
+"""Equilibrium of given force densities: one symmetric system for each coordinate of the nodes, or for all of them."""
 
 from collections.abc import Callable, Sequence
 
@@ -6,10 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import splu
 
 from ..checks import validation
 from ..model.structure import Structure
+from .component_solve import ComponentSolve
+from .coupled_solve import CoupledSolve
+from .motions import Motions, motions_of
 
 Array = NDArray[np.float64]
 Cells = NDArray[np.int64]
@@ -18,7 +20,6 @@ SAME = 1e-13  # relative change of the loads that counts as none
 NEAR = 1e-10  # the same, if it falls no more: it is rounding of the shape then
 REPEATS = 200  # maximum number of solves for loads that depend on the shape
 FAR = 1e3  # displacement over size of the start, above which loads that still change grow without bound
-SINGULAR = 1e-13  # pivot over the largest entry, that counts as zero
 
 
 class LinearBalance:
@@ -27,38 +28,20 @@ class LinearBalance:
     Args:
         structure: The structure; its supports hold nodes where they are.
         blocks: Cells and their matrices, shapes (cells, k) and (cells, k, k) [N/m]; zero ones tie nothing.
+        motions: Free motions of the nodes of that structure; those that its supports leave, if not given.
 
     Raises:
         ValueError: Nodes are tied to no held node in some component, or the system is singular up to rounding.
     """
 
-    def __init__(self, structure: Structure, blocks: Sequence[tuple[Cells, Array]]) -> None:
-        n = len(structure.points)
-        self.held = structure.supported | ~structure.used[:, None]
-        self.reacting = structure.supported
-        self.matrix = _assembled(n, blocks)
-        _check_ties(structure, self.held, blocks)
-        self.solvers: dict[bytes, Callable[[Array], Array]] = {}
-        for component in range(3):
-            key = self.held[:, component].tobytes()
-            if key not in self.solvers:
-                self.solvers[key] = self._factorized(~self.held[:, component])
-
-    def _factorized(self, free: NDArray[np.bool_]) -> Callable[[Array], Array]:
-        if not free.any():
-            return lambda right: right
-        matrix = self.matrix[free][:, free].tocsc()
-        try:
-            factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
-            least = np.abs(factors.U.diagonal()).min()
-        except RuntimeError:  # SuperLU: exactly singular
-            least = 0.0
-        if least <= SINGULAR * np.abs(self.matrix.diagonal()).max():
-            raise ValueError(
-                "The stresses and cable forces differ so much that the smaller ones are lost in rounding; give values "
-                "nearer to each other."
-            )
-        return lambda right: np.asarray(factors.solve(right))
+    def __init__(
+        self, structure: Structure, blocks: Sequence[tuple[Cells, Array]], motions: Motions | None = None
+    ) -> None:
+        self.motions = motions_of(structure) if motions is None else motions
+        self.matrix = _assembled(len(structure.points), blocks)
+        _check_ties(structure, self.motions, blocks)
+        coupled = CoupledSolve if self.motions.couple else ComponentSolve
+        self._solve = coupled(structure, self.matrix, self.motions)
 
     def solve(self, start: Array, loads: Callable[[Array], Array]) -> tuple[Array, Array]:
         """Find the shape in balance with the loads on it, and its reactions, both of shape (n, 3).
@@ -77,21 +60,13 @@ class LinearBalance:
             last, change = change, np.abs(force - before).max()
             settled = change <= NEAR * np.abs(force).max() and change > last / 2
             if change <= SAME * np.abs(force).max() or settled:
-                return shape, np.where(self.reacting, self.matrix @ shape - before, 0.0)
+                return shape, self.motions.reactions(self.matrix @ shape - before)
             if np.abs(shape - start).max() > FAR * np.ptp(start, axis=0).max():
                 break
         raise RuntimeError(
             "Form finding found no shape for the loads: they grow with the form faster than the stress can hold. Give "
             "a larger stress or smaller loads."
         )
-
-    def _solve(self, held_at: Array, force: Array) -> Array:
-        shape = held_at.copy()
-        for component in range(3):
-            held = self.held[:, component]
-            right = force[:, component] - self.matrix[:, held] @ held_at[held, component]
-            shape[~held, component] = self.solvers[held.tobytes()](right[~held])
-        return shape
 
 
 def _assembled(n: int, blocks: Sequence[tuple[Cells, Array]]) -> sparse.csr_matrix:
@@ -101,15 +76,20 @@ def _assembled(n: int, blocks: Sequence[tuple[Cells, Array]]) -> sparse.csr_matr
     return sparse.coo_matrix((values, (rows, columns)), shape=(n, n)).tocsr()
 
 
-def _check_ties(structure: Structure, held: NDArray[np.bool_], blocks: Sequence[tuple[Cells, Array]]) -> None:
+def _check_ties(structure: Structure, motions: Motions, blocks: Sequence[tuple[Cells, Array]]) -> None:
     """Refuse pieces that no support holds in some component."""
-    n = len(held)
+    n = len(structure.points)
     tying = [cells[matrices.any(axis=(1, 2))] for cells, matrices in blocks]
+    tying += [body.nodes[None] for body in motions.bodies]
     pairs = np.concatenate([np.stack([c[:, 0], c[:, k]], axis=1) for c in tying for k in range(1, c.shape[1])])
     links = sparse.coo_matrix((np.ones(len(pairs)), pairs.T), shape=(n, n))
     piece = connected_components(links, directed=False)[1]
+    held = motions.held | motions.reacting
     for component in range(3):
-        loose = np.flatnonzero(~np.isin(piece, piece[held[:, component]]))
+        holding = held[:, component].copy()
+        for body in motions.bodies:
+            holding[body.nodes] = structure.supported[body.nodes, component]
+        loose = np.flatnonzero(~np.isin(piece, piece[holding]))
         if len(loose):
             where = validation.format_point(structure.points[loose[0]])
             raise ValueError(

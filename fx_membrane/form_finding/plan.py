@@ -114,15 +114,16 @@ def _stress(name: str, part: Membrane, points: Array, field: Field | None) -> Ar
     return tensors
 
 
-def cauchy(plan: Plan, points: Array) -> tuple[Array, Array]:
+def cauchy(plan: Plan, points: Array, warp: Array | None = None) -> tuple[Array, Array]:
     """Cauchy stress times thickness in the frame of warp and weft, shape (cells, 2, 2) [N/m], and the warp (cells, 3).
 
-    The warp is that of the plan, carried into space.
+    The warp is that of the plan, carried into space, if no unit tangents are given, shape (cells, 3).
     """
     gradient = plan.deformation(points)
     normal = normals(points, plan.cells)
-    warp = np.einsum("cxa,ca->cx", gradient, plan.frame[:, :, 0])
-    warp /= np.linalg.norm(warp, axis=1, keepdims=True)
+    if warp is None:
+        warp = np.einsum("cxa,ca->cx", gradient, plan.frame[:, :, 0])
+        warp /= np.linalg.norm(warp, axis=1, keepdims=True)
     frame = np.stack([warp, np.cross(normal, warp)], axis=2)
     local = frame.swapaxes(1, 2) @ gradient
     ratio = measures(points, plan.cells) / plan.areas

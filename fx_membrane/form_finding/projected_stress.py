@@ -19,16 +19,16 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
-from ..geometry.measures import SLIVER, aspects, measures, normals
+from ..geometry.measures import measures
 from ..model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
-from ..model.parts import Membrane, Part
+from ..model.parts import Membrane
 from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
 from ..solvers.progress import Pulse
 from .cable_forces import MEASURES, Acceleration, check_bars, densities_of, difference
 from .form import Form, FormStep, refuse_terms
-from .linear_balance import LinearBalance
-from .plan import Field, Plan, cauchy, place, plan_of
+from .membrane_balance import balanced, collapse_of, stressed
+from .plan import Field, Plan, place, plan_of
 from .shape_change import change_of_shape
 from .updated_reference import STRAY, UnsettledFormWarning
 
@@ -131,8 +131,8 @@ def projected_stress(
     collapse, accelerated = "", Acceleration()
     while error > tolerance and len(steps) < max_iterations:
         pulse(f"step {len(steps) + 1} towards the forces of cables")
-        found, balance = _solved(structure, stage.loads, points, plans, following)
-        collapse = _collapse(structure, found)
+        found, balance = balanced(structure, stage.loads, points, plans, following)
+        collapse = collapse_of(structure, found)
         try:
             wanted = densities_of(structure, found, axes, cables)
         except ValueError as upright:
@@ -155,7 +155,7 @@ def projected_stress(
             UnsettledFormWarning,
             stacklevel=2,
         )
-    parts, forces = _stressed(structure, points, plans, densities)
+    parts, forces = stressed(structure, points, plans, densities)
     return Form(points, forces, reactions, tuple(steps), not problem, replace(structure, points=points, parts=parts))
 
 
@@ -179,49 +179,6 @@ def _checked_fields(structure: Structure, stress: Any) -> dict[str, Field]:
                 "as the prestress of the part."
             )
     return fields
-
-
-def _solved(
-    structure: Structure, loads: Sequence[Any], start: Array, plans: Mapping[str, Plan], densities: Mapping[str, Array]
-) -> tuple[Array, Array]:
-    """Shape in equilibrium with stress and force densities, and its reactions, both of shape (n, 3)."""
-    line = np.array([[1.0, -1.0], [-1.0, 1.0]])
-    blocks = [(plan.cells, plan.stiffness()) for plan in plans.values()]
-    blocks += [(structure.parts[name].cells, q[:, None, None] * line) for name, q in densities.items()]
-    return LinearBalance(structure, blocks).solve(start, lambda points: _nodal_loads(structure, loads, points))
-
-
-def _nodal_loads(structure: Structure, loads: Sequence[Any], points: Array) -> Array:
-    """Spread loads on the nodes of a shape, shape (n, 3) [N]."""
-    total = np.zeros(points.shape)
-    for load in loads:
-        if isinstance(load, PointLoad):
-            total[np.asarray(load.nodes)] += np.asarray(load.force)
-            continue
-        cells = structure.parts[load.part].cells
-        cells = cells if load.cells is None else cells[np.asarray(load.cells)]
-        size = measures(points, cells)[:, None]
-        if isinstance(load, Pressure):
-            force = load.pressure * size * normals(points, cells)
-        elif isinstance(load, PlanLoad):
-            force = size * np.abs(normals(points, cells)[:, 2:]) * np.asarray(load.load)
-        else:
-            force = size * np.asarray(load.load)
-        for corner in cells.T:
-            np.add.at(total, corner, force / cells.shape[1])
-    return total
-
-
-def _collapse(structure: Structure, points: Array) -> str:
-    """Tell of a cell that has shrunk to nothing, in words; empty without one."""
-    for name, part in structure.parts.items():
-        gone = np.flatnonzero(aspects(points, part.cells) > SLIVER)
-        if len(gone):
-            return (
-                f"part {name!r}, cell {gone[0]} shrinks to nothing at {place(points, part.cells, gone[0])}: the forces "
-                "around it pull its nodes together; hold one of them, or change the forces there."
-            )
-    return ""
 
 
 def _stray(plan: Plan, flat: Array) -> Array:
@@ -269,19 +226,3 @@ def _motion(plans: Mapping[str, Plan], points: Array, axes: Array) -> str:
                 "dataclasses.replace(structure, points=form.points)."
             )
     return ""
-
-
-def _stressed(
-    structure: Structure, points: Array, plans: Mapping[str, Plan], densities: Mapping[str, Array]
-) -> tuple[dict[str, Part], dict[str, Array]]:
-    """Parts with the forces in a shape as prestress, and these forces."""
-    parts: dict[str, Part] = {}
-    forces: dict[str, Array] = {}
-    for name, part in structure.parts.items():
-        if isinstance(part, Membrane):
-            forces[name], warp = cauchy(plans[name], points)
-            parts[name] = replace(part, prestress=forces[name], warp=warp)
-        else:
-            forces[name] = densities[name] * measures(points, part.cells)
-            parts[name] = replace(part, prestress=forces[name])
-    return parts, forces

@@ -36,6 +36,7 @@ from fx_membrane import (
     edges_where,
     equilibrium_path,
     force_density,
+    natural_force_density,
     natural_frequencies,
     plot,
     polyline,
@@ -139,6 +140,10 @@ CASES = {
         {"points": POINTS.tolist(), "branches": [[0, 1], [1, 2]], "q": [1.0, 2.0], "fixed": [Support([0, 2])],
          "loads": None},
         {"points": "array", "branches": "rows", "q": "array", "fixed": "object", "loads": "array?"},
+    ),
+    natural_force_density: (
+        {"structure": SHEET, "loads": (), "iterations": 2, "tolerance": 0.1},
+        {"structure": "object", "loads": "list", "iterations": "whole", "tolerance": "number"},
     ),
     projected_stress: (
         {"structure": SHEET, "loads": (), "stress": {}, "cables": "force", "direction": [0.0, 0.0, 1.0],
