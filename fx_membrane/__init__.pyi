@@ -15,6 +15,16 @@ from .assembly.wrinkling_direction import tension_direction
 from .files.dolfinx_functions import PartFunctions, to_dolfinx
 from .files.dolfinx_mesh import structure_from_dolfinx
 from .files.gmsh import structure_from_gmsh
+from .form_finding.constraints import (
+    CableDensity,
+    CableForce,
+    CableLength,
+    CableSag,
+    EdgeAngle,
+    RigidBody,
+    Ring,
+    Slide,
+)
 from .form_finding.force_density import force_density
 from .form_finding.form import Form, FormStep
 from .form_finding.natural_force_density import natural_force_density
@@ -58,11 +68,16 @@ __all__ = [
     "Axial",
     "BarResult",
     "Cable",
+    "CableDensity",
+    "CableForce",
+    "CableLength",
+    "CableSag",
     "CheckpointWarning",
     "CoincidentNodesWarning",
     "ConjugateGradient",
     "ConvergenceError",
     "DistributedLoad",
+    "EdgeAngle",
     "EnergyTerm",
     "Equilibrium",
     "EquilibriumPath",
@@ -94,6 +109,9 @@ __all__ = [
     "PrescribedDisplacement",
     "Pressure",
     "Problem",
+    "RigidBody",
+    "Ring",
+    "Slide",
     "SliverWarning",
     "Solution",
     "Solve",

@@ -107,7 +107,7 @@ def _end_tangent(place: Array) -> Array:
     if sine <= np.finfo(float).eps * np.linalg.norm(second) or width == 0:
         return np.asarray(first)
     # The chord-tangent angle of the first segment is the inscribed angle at the third point over it.
-    half = np.arcsin(min(1.0, sine / np.linalg.norm(second) * np.linalg.norm(place[1] - place[0]) / width))
+    half = np.arcsin(min(1.0, float(sine / np.linalg.norm(second) * np.linalg.norm(place[1] - place[0]) / width)))
     return np.asarray(np.cos(half) * first - np.sin(half) * across / sine)
 
 

@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..checks import validation
-from ..model.parts import Bar, Cable
+from ..geometry.measures import measures
+from ..model.parts import Cable, Mast
 from ..model.structure import Structure
-from .cable_forces import densities_of, difference, measured_lengths
+from .cable_forces import densities_of, measured_lengths
 from .cable_lines import Line, lines_of
 from .constraints import CableConstraint, CableDensity, CableForce, CableLength, CableSag, EdgeAngle
 from .plan import place
@@ -54,7 +55,7 @@ class CableTargets:
     """
 
     def __init__(self, structure: Structure, constraints: Sequence[CableConstraint], axes: Array, measure: str) -> None:
-        bars = {name: part for name, part in structure.parts.items() if isinstance(part, Bar)}
+        bars = {name: part for name, part in structure.parts.items() if isinstance(part, Cable | Mast)}
         forces = {name: part.prestress_tensors().ravel().copy() for name, part in bars.items()}
         self.kinds = {name: np.full(len(part.cells), measure, dtype=object) for name, part in bars.items()}
         self.axes, self.targets = axes, list[Target]()
@@ -77,7 +78,7 @@ class CableTargets:
         Args:
             guess: Force density of cables of wanted geometry without prestress [N/m].
         """
-        found = self._by_force(self.points)
+        found = self.by_force(self.points)
         for name, line, _ in self.targets:
             q = found[name][line.cells]
             found[name][line.cells] = np.where(q > 0, q, guess)
@@ -94,7 +95,7 @@ class CableTargets:
         Raises:
             ValueError: A cable of given horizontal force has no length in plan.
         """
-        found = self._by_force(points)
+        found = self.by_force(points)
         for name, line, constraint in self.targets:
             part, loaded = self.bars[name], np.zeros(len(found[name]), dtype=bool)
             loaded[line.cells] = True
@@ -104,13 +105,23 @@ class CableTargets:
             found[name][line.cells] = np.maximum(q, found[name][line.cells]) if _is_limit(constraint) else q
         return found
 
-    def error(self, densities: Mapping[str, Array], wanted: Mapping[str, Array]) -> float:
-        """Largest relative difference of forces of cables from those wanted [-]."""
-        return difference(densities, wanted)
+    def mixed(self, densities: Mapping[str, Array], wanted: Mapping[str, Array]) -> dict[str, Array]:
+        """Force densities with those wanted by lines of given geometry only, by part, shape (cells,) [N/m]."""
+        found = {name: q.copy() for name, q in densities.items()}
+        for name, line, _ in self.targets:
+            found[name][line.cells] = wanted[name][line.cells]
+        return found
+
+    def asked(self, points: Array, densities: Mapping[str, Array]) -> dict[str, Cable | Mast]:
+        """Bars with the forces asked for in a shape as prestress; lines of given geometry have those they carry."""
+        wanted = self.mixed(self.by_force(points), densities)
+        return {
+            name: replace(bar, prestress=wanted[name] * measures(points, bar.cells)) for name, bar in self.bars.items()
+        }
 
     def miss(self, points: Array, densities: Mapping[str, Array]) -> tuple[float, str]:
         """Largest difference from a wanted length, sag or angle, relative to it [-], and the words for it."""
-        worst, words, prescribed = 0.0, "", self._by_force(points) if self.targets else {}
+        worst, words, prescribed = 0.0, "", self.by_force(points) if self.targets else {}
         for name, line, constraint in self.targets:
             now, goal, unit = _value(line, constraint, points)
             off = abs(now / goal - 1)
@@ -144,7 +155,8 @@ class CableTargets:
                 )
         return ""
 
-    def _by_force(self, points: Array) -> dict[str, Array]:
+    def by_force(self, points: Array) -> dict[str, Array]:
+        """Force densities of given forces and densities in a shape, by part, shape (cells,) [N/m]."""
         return densities_of(self.bars, points, self.axes, self.kinds)
 
 

@@ -12,19 +12,25 @@ from ..model.loads import PlanLoad, PointLoad, Pressure
 from ..model.parts import Membrane, Part
 from ..model.structure import Structure
 from .linear_balance import LinearBalance
+from .motions import Motions
 from .plan import Plan, cauchy, place
 
 Array = NDArray[np.float64]
 
 
 def balanced(
-    structure: Structure, loads: Sequence[Any], start: Array, plans: Mapping[str, Plan], densities: Mapping[str, Array]
+    structure: Structure,
+    loads: Sequence[Any],
+    start: Array,
+    plans: Mapping[str, Plan],
+    densities: Mapping[str, Array],
+    motions: Motions | None = None,
 ) -> tuple[Array, Array]:
     """Shape in equilibrium with stress and force densities, and its reactions, both of shape (n, 3)."""
     line = np.array([[1.0, -1.0], [-1.0, 1.0]])
     blocks = [(plan.cells, plan.stiffness()) for plan in plans.values()]
     blocks += [(structure.parts[name].cells, q[:, None, None] * line) for name, q in densities.items()]
-    return LinearBalance(structure, blocks).solve(start, lambda points: nodal_loads(structure, loads, points))
+    return LinearBalance(structure, blocks, motions).solve(start, lambda points: nodal_loads(structure, loads, points))
 
 
 def nodal_loads(structure: Structure, loads: Sequence[Any], points: Array) -> Array:

@@ -10,7 +10,6 @@ strategy, whose first step the linear system is.
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -23,10 +22,13 @@ from ..model.parts import Membrane, Part
 from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
 from ..solvers.progress import Pulse
-from .cable_forces import check_bars, densities_of
+from .cable_forces import check_bars
 from .cell_reference import check_tension, reference_of, warp_at
+from .constrained_balance import ConstrainedBalance
+from .constraints import Constraint
 from .form import Form, FormStep, refuse_terms
-from .membrane_balance import balanced, collapse_of, stressed
+from .hand_over import handed_over
+from .membrane_balance import collapse_of, stressed
 from .shape_change import change_of_shape, check_collapse
 from .updated_reference import UnsettledFormWarning
 
@@ -38,6 +40,7 @@ def natural_force_density(
     loads: Sequence[PointLoad | DistributedLoad | PlanLoad | Pressure] = (),
     iterations: int = 1,
     tolerance: float = 1e-3,
+    constraints: Sequence[Constraint] = (),
 ) -> Form:
     """Find the shape whose stress, pulled back to the mesh given, is the prestress of the structure.
 
@@ -56,6 +59,8 @@ def natural_force_density(
         loads: Loads that the form balances; all but point loads are per area or length of the form.
         iterations: Maximum number of linear solves.
         tolerance: Accepted `FormStep.stress_error`, at which the iterations end [-].
+        constraints: Cables by force, force density, length, sag or angle; nodes that slide; rings and rigid bodies.
+            Each iteration keeps them; for the geometry of cables it takes several linear solves.
 
     Returns:
         The form. It has converged if the stress is within the tolerance of the prestress.
@@ -63,7 +68,7 @@ def natural_force_density(
     Raises:
         ValueError: The stress of a membrane is not positive, or that of a cable compressive; a part is tied to no held
             node in some component; stresses differ too much for the number of digits; the loads do not fit the
-            structure; it has energy terms.
+            structure; it has energy terms; a constraint does not fit it, or contradicts its supports.
         RuntimeError: The loads grow with the form faster than the stress can carry; in the first iteration a cell
             shrinks to nothing, or the warp becomes normal to it.
 
@@ -94,15 +99,23 @@ def natural_force_density(
     for name, part in membranes.items():
         check_tension(name, part, structure.points, part.prestress_tensors())
 
+    balance = ConstrainedBalance(
+        structure,
+        stage.loads,
+        constraints,
+        np.eye(3),
+        "force",
+        lambda points, number: _collapse(structure, points, number),
+    )
     pulse = Pulse("form finding", MPI.COMM_WORLD.rank == 0)
-    form, collapse, steps = None, "", tuple[FormStep, ...]()
+    form, densities, collapse, steps = None, dict[str, Array](), "", tuple[FormStep, ...]()
     while not collapse and len(steps) < iterations and not (steps and steps[-1].stress_error <= tolerance):
         pulse(f"iteration {len(steps) + 1}")
-        found = _step(structure, stage.loads, structure.points if form is None else form.points, len(steps) + 1)
+        found = _step(balance, structure.points if form is None else form.points, densities, len(steps) + 1)
         if isinstance(found, str):
             collapse = found
         else:
-            form, steps = found, (*steps, *found.steps)
+            (form, densities), steps = found, (*steps, *found[0].steps)
     if form is None:
         raise RuntimeError(f"Form finding has no form after its first iteration: {collapse}")
     if collapse:
@@ -115,27 +128,51 @@ def natural_force_density(
     return replace(form, steps=steps, converged=steps[-1].stress_error <= tolerance)
 
 
-def _step(structure: Structure, loads: Sequence[Any], reference: Array, number: int) -> Form | str:
-    """Form of the prestress in a reference shape, with one step; a sentence on its collapse, if it has no other."""
+def _step(
+    balance: ConstrainedBalance, reference: Array, before: dict[str, Array], number: int
+) -> tuple[Form, dict[str, Array]] | str:
+    """Form of the prestress in a reference shape, with one step; a sentence on its collapse, if it has no other.
+
+    Args:
+        balance: The balance of the structure.
+        reference: The reference shape, shape (n, 3) [m].
+        before: Force densities of the step before, which lines of given geometry start from; empty in the first.
+        number: Number of the step, for messages.
+
+    Returns:
+        The form and its force densities, or the sentence.
+    """
+    structure = balance.structure
     membranes = {name: part for name, part in structure.parts.items() if isinstance(part, Membrane)}
     plans = {
         name: reference_of(part.cells, reference, warp_at(name, part, reference), part.prestress_tensors())
         for name, part in membranes.items()
     }
-    densities = densities_of(structure, reference, np.eye(3), "force")
-    points, reactions = balanced(structure, loads, reference, plans, densities)
+    given = balance.targets.by_force(reference)
+    start = balance.targets.mixed(given, before) if before else balance.start(plans)
+    found = balance.settled(reference, plans, start, number)
+    if isinstance(found, str):
+        return found
+    points = found.points
     try:
-        check_collapse(structure, points, number)
-        if gone := collapse_of(structure, points):
-            return gone
         warps = {name: warp_at(name, part, points) for name, part in membranes.items()}
-    except (RuntimeError, ValueError) as collapse:
-        return str(collapse)
-    made, forces = stressed(structure, points, plans, densities, warps)
+    except ValueError as upright:
+        return str(upright)
+    made = stressed(structure, points, plans, found.densities, warps)
     area = float(sum(measures(points, part.cells).sum() for part in membranes.values()))
     change = change_of_shape(structure, reference, points - reference)
-    step = FormStep(area, change, stress_error(structure.parts, forces))
-    return Form(points, forces, reactions, (step,), made=replace(structure, points=points, parts=made))
+    asked: dict[str, Part] = {**structure.parts, **balance.targets.asked(points, found.densities)}
+    step = FormStep(area, change, stress_error(asked, made[1]))
+    return handed_over(structure, balance.motions, points, made, found.reactions, (step,), True), found.densities
+
+
+def _collapse(structure: Structure, points: Array, number: int) -> str:
+    """Tell of the collapse of a shape in words; empty without one."""
+    try:
+        check_collapse(structure, points, number)
+    except RuntimeError as collapse:
+        return str(collapse)
+    return collapse_of(structure, points)
 
 
 def stress_error(parts: Mapping[str, Part], forces: Mapping[str, Array]) -> float:

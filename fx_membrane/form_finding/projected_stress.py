@@ -11,7 +11,6 @@ prescribed. Elsewhere the nodes move in plan, and the stress in plan changes wit
 
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -25,9 +24,13 @@ from ..model.parts import Membrane
 from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
 from ..solvers.progress import Pulse
-from .cable_forces import MEASURES, Acceleration, check_bars, densities_of, difference
+from .cable_forces import MEASURES, Acceleration, check_bars, difference
+from .cable_targets import MET
+from .constrained_balance import ConstrainedBalance
+from .constraints import Constraint
 from .form import Form, FormStep, refuse_terms
-from .membrane_balance import balanced, collapse_of, stressed
+from .hand_over import handed_over
+from .membrane_balance import collapse_of, stressed
 from .plan import Field, Plan, place, plan_of
 from .shape_change import change_of_shape
 from .updated_reference import STRAY, UnsettledFormWarning
@@ -43,6 +46,7 @@ def projected_stress(
     direction: ArrayLike = (0.0, 0.0, 1.0),
     tolerance: float = 1e-3,
     max_iterations: int = 100,
+    constraints: Sequence[Constraint] = (),
 ) -> Form:
     """Find the shape whose stress, projected on a plan, is the prestress of the structure.
 
@@ -69,6 +73,7 @@ def projected_stress(
         direction: Normal of the plan, shape (3,), any length.
         tolerance: Accepted relative difference of cable forces from the prescribed ones [-].
         max_iterations: Maximum number of steps towards the cable forces; 1 is a single linear solve.
+        constraints: Cables by force, force density, length, sag or angle; nodes that slide; rings and rigid bodies.
 
     Returns:
         The form. It has converged if the cable forces are within the tolerance, the stress in its plan within 10 % of
@@ -78,7 +83,7 @@ def projected_stress(
         ValueError: The stress of a membrane is not positive, or that of a cable compressive; a cell has no area in
             plan, or the plan folds over itself; a warp vanishes in plan; a cable has no length in plan; a part is tied
             to no held node in some component; stresses differ too much for the number of digits; the loads do not fit
-            the structure; it has energy terms.
+            the structure; it has energy terms; a constraint does not fit it, or contradicts its supports.
         RuntimeError: The loads grow with the form faster than the stress can carry; in the first step a cell shrinks to
             nothing, or a cable of given horizontal force becomes upright.
 
@@ -122,32 +127,32 @@ def projected_stress(
     tolerance = validation.positive("tolerance", tolerance)
     max_iterations = validation.positive_integer("max_iterations", max_iterations)
     check_bars(structure)
+    balance = ConstrainedBalance(
+        structure, stage.loads, constraints, axes, cables, lambda shape, _: collapse_of(structure, shape)
+    )
 
     membranes = {name: part for name, part in structure.parts.items() if isinstance(part, Membrane)}
     plans = {name: plan_of(name, part, structure.points, axes, fields.get(name)) for name, part in membranes.items()}
     pulse = Pulse("form finding", MPI.COMM_WORLD.rank == 0)
     points, reactions, error, stray, steps = structure.points, np.zeros(0), np.inf, np.inf, list[FormStep]()
-    densities, following = {}, densities_of(structure, points, axes, cables)
-    collapse, accelerated = "", Acceleration()
-    while error > tolerance and len(steps) < max_iterations:
+    densities, following = {}, balance.start(plans)
+    collapse, accelerated, miss = "", Acceleration(), np.inf
+    while (error > tolerance or miss > MET) and len(steps) < max_iterations:
         pulse(f"step {len(steps) + 1} towards the forces of cables")
-        found, balance = balanced(structure, stage.loads, points, plans, following)
-        collapse = collapse_of(structure, found)
-        try:
-            wanted = densities_of(structure, found, axes, cables)
-        except ValueError as upright:
-            collapse = collapse or str(upright)
-        if collapse:
+        found = balance(points, plans, following, len(steps) + 1)
+        if isinstance(found, str):
+            collapse = found
             break
-        before, points, reactions, densities = points, found, balance, following
-        error, following = difference(densities, wanted), accelerated(densities, wanted)
+        before, points, reactions, densities = points, found.points, found.reactions, following
+        (miss, words), error = balance.targets.miss(points, densities), difference(densities, found.wanted)
+        following = accelerated(densities, found.wanted)
         stray = max([_stray(plan, points @ axes[:, :2]).max() for plan in plans.values()], default=0.0)
         area = float(sum(measures(points, plan.cells).sum() for plan in plans.values()))
         change = change_of_shape(structure, before, points - before)
         steps.append(FormStep(float(area), float(change), float(max(error, stray))))
     if not steps:
         raise RuntimeError(f"Form finding has no form after its first step: {collapse}")
-    problem = collapse or _fold(plans, points, axes) or _excess(error, tolerance, len(steps))
+    problem = collapse or _fold(plans, points, axes) or _excess(error, tolerance, len(steps), miss, words)
     problem = problem or _motion(plans, points, axes)
     if problem:
         warnings.warn(
@@ -155,8 +160,8 @@ def projected_stress(
             UnsettledFormWarning,
             stacklevel=2,
         )
-    parts, forces = stressed(structure, points, plans, densities)
-    return Form(points, forces, reactions, tuple(steps), not problem, replace(structure, points=points, parts=parts))
+    made = stressed(structure, points, plans, densities)
+    return handed_over(structure, balance.motions, points, made, reactions, tuple(steps), not problem)
 
 
 def _axes(normal: Array) -> Array:
@@ -203,8 +208,10 @@ def _fold(plans: Mapping[str, Plan], points: Array, axes: Array) -> str:
     return ""
 
 
-def _excess(error: float, tolerance: float, steps: int) -> str:
-    """Tell how far the forces of cables are from the prescribed ones, in words; empty if they are near."""
+def _excess(error: float, tolerance: float, steps: int, miss: float, words: str) -> str:
+    """Tell how far cables are from the forces or the geometry prescribed, in words; empty if they are near."""
+    if miss > MET:
+        return f"{words} after step {steps}, the last; allow more steps (max_iterations=...), or give a nearer value."
     if error <= tolerance:
         return ""
     return (

@@ -1,0 +1,119 @@
+"""Balance of membranes, bars and loads under constraints, step by step towards the geometry of cables."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..checks import validation
+from ..model.structure import Structure
+from .cable_forces import Acceleration, difference
+from .cable_targets import MET, CableTargets
+from .constraints import CableConstraint, Constraint, NodeConstraint
+from .membrane_balance import balanced, nodal_loads
+from .motions import motions_of
+from .plan import Plan
+
+Array = NDArray[np.float64]
+
+STEPS = 100  # maximum number of solves towards the geometry of cables
+EVEN = 1e-6  # accepted relative difference of forces along a line
+
+
+class Balance(NamedTuple):
+    """Shape in balance.
+
+    Attributes:
+        points: Positions of the nodes, shape (n, 3) [m].
+        reactions: Forces of supports and constraints, shape (n, 3) [N].
+        wanted: Force densities of bars that the shape asks for, by part, shape (cells,) [N/m].
+        densities: Those it is in balance with.
+    """
+
+    points: Array
+    reactions: Array
+    wanted: dict[str, Array]
+    densities: dict[str, Array]
+
+
+class ConstrainedBalance:
+    """Balance of a structure with loads under constraints.
+
+    Args:
+        structure: The structure in its first shape.
+        loads: Loads on it.
+        constraints: Constraints of cables and nodes.
+        axes: Two axes of the plan and its normal as columns, shape (3, 3) [-].
+        measure: Meaning of the prestress of cables, one of `MEASURES`.
+        collapse: Function of a shape and the number of its step, that tells of its collapse in words.
+
+    Raises:
+        ValueError: A constraint does not fit the structure or its supports.
+    """
+
+    def __init__(
+        self,
+        structure: Structure,
+        loads: Sequence[Any],
+        constraints: Sequence[Constraint],
+        axes: Array,
+        measure: str,
+        collapse: Callable[[Array, int], str],
+    ) -> None:
+        given = validation.instances("constraints", constraints, Constraint)
+        self.structure, self.loads, self.collapse = structure, loads, collapse
+        self.motions = motions_of(structure, [one for one in given if isinstance(one, NodeConstraint)])
+        of_cables = [one for one in given if isinstance(one, CableConstraint)]
+        self.targets = CableTargets(structure, of_cables, axes, measure)
+
+    def start(self, plans: Mapping[str, Plan]) -> dict[str, Array]:
+        """Force densities of the first step, by part, shape (cells,) [N/m]."""
+        stress = max((float(np.abs(plan.stress).max()) for plan in plans.values()), default=0.0)
+        force = np.abs(nodal_loads(self.structure, self.loads, self.structure.points)).sum()
+        return self.targets.start(stress + float(force) / self.structure.size or 1.0)
+
+    def __call__(
+        self, start: Array, plans: Mapping[str, Plan], densities: dict[str, Array], number: int
+    ) -> Balance | str:
+        """Solve for the shape of given force densities; a sentence on its collapse, if it has none.
+
+        Args:
+            start: Shape with the held nodes in place, shape (n, 3) [m].
+            plans: Membranes in their reference.
+            densities: Force densities of bars, by part, shape (cells,) [N/m].
+            number: Number of the step.
+
+        Raises:
+            ValueError, RuntimeError: There is no balance in the first step; later ones have an earlier shape to keep.
+        """
+        try:
+            points, reactions = balanced(self.structure, self.loads, start, plans, densities, self.motions)
+        except (ValueError, RuntimeError) as failure:
+            if number == 1:
+                raise
+            return str(failure)
+        try:
+            collapse = self.collapse(points, number) or self.targets.out_of_range(points, densities)
+            return collapse or Balance(points, reactions, self.targets.wanted(points, densities), densities)
+        except ValueError as upright:
+            return str(upright)
+
+    def settled(
+        self, start: Array, plans: Mapping[str, Plan], densities: dict[str, Array], number: int
+    ) -> Balance | str:
+        """Solve as often as the geometry of cables asks for, with the other force densities given.
+
+        Args and Raises as for a call.
+        """
+        accelerated, words = Acceleration(), ""
+        for _ in range(STEPS):
+            found = self(start, plans, densities, number)
+            if isinstance(found, str):
+                return found
+            miss, words = self.targets.miss(found.points, densities)
+            wanted = self.targets.mixed(densities, found.wanted)
+            if miss <= MET and difference(densities, wanted) <= EVEN:
+                return found
+            densities, start = accelerated(densities, wanted), found.points
+        return f"{words or 'A line has no even force'} after {STEPS} solves; give a nearer value."
