@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..checks import validation
 from ..geometry.measures import measures
 from ..model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
-from ..model.parts import Membrane
+from ..model.parts import Cable, Membrane
 from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
 from ..solvers.progress import Pulse
@@ -31,9 +31,11 @@ from .constraints import Constraint
 from .form import Form, FormStep, refuse_terms
 from .hand_over import handed_over
 from .membrane_balance import collapse_of, stressed
+from .no_form import causes
 from .plan import Field, Plan, place, plan_of
 from .shape_change import change_of_shape
 from .updated_reference import STRAY, UnsettledFormWarning
+from .weak_edges import weak_edges
 
 Array = NDArray[np.float64]
 
@@ -135,8 +137,9 @@ def projected_stress(
     plans = {name: plan_of(name, part, structure.points, axes, fields.get(name)) for name, part in membranes.items()}
     pulse = Pulse("form finding", MPI.COMM_WORLD.rank == 0)
     points, reactions, error, stray, steps = structure.points, np.zeros(0), np.inf, np.inf, list[FormStep]()
-    densities, following = {}, balance.start(plans)
-    collapse, accelerated, miss = "", Acceleration(), np.inf
+    first = balance.start(plans)
+    densities, following, kept = dict[str, Array](), first, None
+    collapse, accelerated, miss, fold = "", Acceleration(), np.inf, ""
     while (error > tolerance or miss > MET) and len(steps) < max_iterations:
         pulse(f"step {len(steps) + 1} towards the forces of cables")
         found = balance(points, plans, following, len(steps) + 1)
@@ -150,11 +153,16 @@ def projected_stress(
         area = float(sum(measures(points, plan.cells).sum() for plan in plans.values()))
         change = change_of_shape(structure, before, points - before)
         steps.append(FormStep(float(area), float(change), float(max(error, stray))))
+        fold = _fold(plans, points, axes)
+        kept = (points, reactions, densities, len(steps)) if not fold else kept
     if not steps:
         raise RuntimeError(f"Form finding has no form after its first step: {collapse}")
-    problem = collapse or _fold(plans, points, axes) or _excess(error, tolerance, len(steps), miss, words)
-    problem = problem or _motion(plans, points, axes)
+    if fold and kept is not None:
+        points, reactions, densities, count = kept
+        fold, steps = f"it is that of step {count}, and in later ones {fold}", steps[:count]
+    problem = collapse or fold or _excess(error, tolerance, len(steps), miss, words) or _motion(plans, points, axes)
     if problem:
+        problem = " ".join(filter(None, (problem, _weak_edges(structure, plans, axes, first))))
         warnings.warn(
             f"The form is in equilibrium with the stress it is handed over with, but {problem}",
             UnsettledFormWarning,
@@ -206,6 +214,16 @@ def _fold(plans: Mapping[str, Plan], points: Array, axes: Array) -> str:
                 "plan; give larger forces to the cables, or hold nodes."
             )
     return ""
+
+
+def _weak_edges(structure: Structure, plans: Mapping[str, Plan], axes: Array, densities: Mapping[str, Array]) -> str:
+    """Tell of the edge cable that lacks most force in plan, in words; empty if none is too weak."""
+    plane = axes[:, :2]
+    flat = structure.points @ plane @ plane.T
+    stresses = {name: plane @ plan.stress @ plane.T for name, plan in plans.items()}
+    cables = {name: part for name, part in structure.parts.items() if isinstance(part, Cable)}
+    forces = {name: densities[name] * measures(flat, part.cells) for name, part in cables.items()}
+    return causes(weak_edges(structure, flat, stresses, forces))
 
 
 def _excess(error: float, tolerance: float, steps: int, miss: float, words: str) -> str:

@@ -43,6 +43,13 @@ def boundary_edges(triangles: ArrayLike) -> NDArray[np.int64]:
     return np.asarray(edges[outer][np.argsort(edge[outer])])
 
 
+def boundary_cells(triangles: NDArray[np.int64]) -> NDArray[np.intp]:
+    """Triangles of the boundary edges, in the order of `boundary_edges`, shape (edges,)."""
+    _, edge, count = _edges(triangles)
+    outer = np.flatnonzero(count[edge] == 1)
+    return np.asarray(outer[np.argsort(edge[outer])] % len(triangles))
+
+
 def orientation(triangles: NDArray[np.int64]) -> NDArray[np.float64] | None:
     """Signs that turn all triangles of a connected piece to the sense of its first, shape (cells,); or None.
 
