@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 EXACT = 1e-14  # accepted error of a constraint and unbalanced force, over the squared size and the largest force
 ROUNDING = 1e-11  # the same, where it falls no more
 REPEATS = 30  # maximum number of Newton's steps
+ASIDE = 1e-3  # distance from the start, over the size
 UNSTABLE = -1e-9  # curvature over the largest, below which a balance is no minimum
 
 
@@ -47,8 +48,9 @@ def settled(bodies: Sequence[Body], stiffness: Array, loose: Array, start: Array
             "fun": lambda z: equations.values(z * size) / size**2,
             "jac": lambda z: equations.gradients(z * size) / size,
         }
+        aside = start / size + ASIDE * np.cos(np.arange(len(start)))  # off a balance that is no minimum
         lowest = minimize(
-            energy, start / size, jac=True, method="SLSQP", constraints=held, options={"ftol": 1e-14, "maxiter": 500}
+            energy, aside, jac=True, method="SLSQP", constraints=held, options={"ftol": 1e-14, "maxiter": 500}
         )
         found = _newton(equations, stiffness, loose, lowest.x * size)
     if found is None:

@@ -102,12 +102,16 @@ class Acceleration:
     Plain steps move nodes along an edge by little: the finer the mesh, the more of them. Where the difference grows,
     the earlier steps are forgotten.
 
+    Args:
+        largest: Largest factor on a force density in a step.
+
     Source:
         H. F. Walker, P. Ni, Anderson acceleration for fixed-point iterations, SIAM Journal on Numerical Analysis 49
         (2011) 1715-1735.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, largest: float = np.inf) -> None:
+        self._largest = np.log(largest)
         self._points: list[Array] = []
         self._steps: list[Array] = []
 
@@ -129,6 +133,8 @@ class Acceleration:
             change = np.diff(self._steps, axis=0).T
             share = np.linalg.lstsq(change, self._steps[-1], rcond=1e-10)[0]
             following = then - (np.diff(self._points, axis=0).T + change) @ share
+        if np.isfinite(self._largest):
+            following = now + np.clip(following - now, -self._largest, self._largest)
         ends = np.cumsum([mask.sum() for mask in loaded.values()])[:-1]
         found = {name: np.zeros(len(q)) for name, q in wanted.items()}
         for (name, mask), part in zip(loaded.items(), np.split(following, ends), strict=True):

@@ -12,6 +12,8 @@ from ..geometry.measures import lengths
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 
+TINY = float(np.finfo(float).tiny)
+
 
 class Line(NamedTuple):
     """Line of a cable.
@@ -45,10 +47,10 @@ class Line(NamedTuple):
         place = points[self.nodes]
         chord, offset = place[-1] - place[0], place - place[0]
         if along is None:
-            share = offset @ chord / (chord @ chord)
+            share = offset @ chord / max(chord @ chord, TINY)
             return float(lengths(offset - share[:, None] * chord).max())
         across = chord - (chord @ along) * along
-        share = offset @ across / (across @ across)
+        share = offset @ across / max(across @ across, TINY)
         return float(np.abs((offset - share[:, None] * chord) @ along).max())
 
     def angle(self, points: Array) -> float:

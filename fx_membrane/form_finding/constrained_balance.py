@@ -18,7 +18,8 @@ from .plan import Plan
 Array = NDArray[np.float64]
 
 STEPS = 100  # maximum number of solves towards the geometry of cables
-EVEN = 1e-6  # accepted relative difference of forces along a line
+LARGEST = 3.0  # factor on a force density in one step
+NEAR = 1e-6  # accepted relative change of a force towards a wanted geometry
 
 
 class Balance(NamedTuple):
@@ -70,11 +71,20 @@ class ConstrainedBalance:
     def start(self, plans: Mapping[str, Plan]) -> dict[str, Array]:
         """Force densities of the first step, by part, shape (cells,) [N/m]."""
         stress = max((float(np.abs(plan.stress).max()) for plan in plans.values()), default=0.0)
-        force = np.abs(nodal_loads(self.structure, self.loads, self.structure.points)).sum()
-        return self.targets.start(stress + float(force) / self.structure.size or 1.0)
+        force = float(np.abs(nodal_loads(self.structure, self.loads, self.structure.points)).sum())
+        return self.targets.start(stress * self.structure.size + force or 1.0)
+
+    def acceleration(self) -> Acceleration:
+        """Return an acceleration of the steps, bounded where the geometry of cables is given."""
+        return Acceleration(LARGEST if self.targets.targets else np.inf)
 
     def __call__(
-        self, start: Array, plans: Mapping[str, Plan], densities: dict[str, Array], number: int
+        self,
+        start: Array,
+        plans: Mapping[str, Plan],
+        densities: dict[str, Array],
+        number: int,
+        reference: Array | None = None,
     ) -> Balance | str:
         """Solve for the shape of given force densities; a sentence on its collapse, if it has none.
 
@@ -83,6 +93,7 @@ class ConstrainedBalance:
             plans: Membranes in their reference.
             densities: Force densities of bars, by part, shape (cells,) [N/m].
             number: Number of the step.
+            reference: Shape in which a line of given geometry has one force; the shape found, if not given.
 
         Raises:
             ValueError, RuntimeError: There is no balance in the first step; later ones have an earlier shape to keep.
@@ -95,7 +106,8 @@ class ConstrainedBalance:
             return str(failure)
         try:
             collapse = self.collapse(points, number) or self.targets.out_of_range(points, densities)
-            return collapse or Balance(points, reactions, self.targets.wanted(points, densities), densities)
+            wanted = {} if collapse else self.targets.wanted(points, densities, reference)
+            return collapse or Balance(points, reactions, wanted, densities)
         except ValueError as upright:
             return str(upright)
 
@@ -104,16 +116,17 @@ class ConstrainedBalance:
     ) -> Balance | str:
         """Solve as often as the geometry of cables asks for, with the other force densities given.
 
-        Args and Raises as for a call.
+        A line of given geometry has one force for its lengths in the start. Args and Raises as for a call.
         """
-        accelerated, words = Acceleration(), ""
+        accelerated, words = self.acceleration(), ""
+        reference = start
         for _ in range(STEPS):
-            found = self(start, plans, densities, number)
+            found = self(start, plans, densities, number, reference)
             if isinstance(found, str):
                 return found
-            miss, words = self.targets.miss(found.points, densities)
+            miss, words = self.targets.miss(found.points, densities, found.wanted)
             wanted = self.targets.mixed(densities, found.wanted)
-            if miss <= MET and difference(densities, wanted) <= EVEN:
+            if miss <= MET and difference(densities, wanted) <= NEAR:
                 return found
             densities, start = accelerated(densities, wanted), found.points
-        return f"{words or 'A line has no even force'} after {STEPS} solves; give a nearer value."
+        return f"{words or 'a force does not settle'} after {STEPS} solves; give a value nearer to that."

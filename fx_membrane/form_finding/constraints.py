@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
 
@@ -134,7 +133,8 @@ class CableSag:
         _check_cable(self)
         validation.store(self, validation.positive, "sag")
         if self.along is not None:
-            validation.store(self, validation.direction, "along")
+            validation.store(self, validation.vector, "along")
+            validation.direction("CableSag along", self.along)
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +143,8 @@ class EdgeAngle:
 
     An edge cable of force T in a membrane of stress n is an arc of radius T / n. Over a chord c its angle a has
     sin a = c n / 2 T: the smaller the force, the deeper the edge and the sharper the corner. A line whose prestress
-    gives a larger angle gets the force of this one; the others keep their prestress. Lines are those of `CableLength`.
+    gives a larger angle gets the force of this one; the others keep their prestress. `natural_force_density` goes no
+    lower than c n / 2 sin a, with the least principal stress n beside the edge. Lines are those of `CableLength`.
 
     Args:
         part: Name of the cable.
@@ -195,21 +196,21 @@ class Slide:
         if (self.direction is None) == (self.normal is None):
             raise ValueError("A Slide is on a line or on a plane; give one of direction=(x, y, z), normal=(x, y, z).")
         field = "direction" if self.normal is None else "normal"
-        validation.keep(self, **{field: self._checked(field)})
-
-    def _checked(self, field: str) -> np.ndarray[Any, Any]:
-        value, count = validation.finite(f"Slide {field}", getattr(self, field)), len(np.asarray(self.nodes))
+        validation.store(self, validation.finite, field)
+        value, count = np.asarray(getattr(self, field)), len(np.asarray(self.nodes))
         if value.shape not in {(3,), (count, 3)}:
             raise ValueError(f"Slide {field} has shape {value.shape}; give (3,), or ({count}, 3) for one at each node.")
-        rows = np.atleast_2d(value)
-        zero = np.flatnonzero(~rows.any(axis=1))
+        zero = np.flatnonzero(~np.atleast_2d(value).any(axis=1))
         if len(zero):
             where = f" of node {np.asarray(self.nodes)[zero[0]]}" if value.ndim == 2 else ""
-            raise ValueError(f"Slide {field}{where} is zero; give a direction (x, y, z).")
-        unit = rows / np.abs(rows).max(axis=1, keepdims=True)  # squares of tiny ones would be zero
-        unit /= np.linalg.norm(unit, axis=1, keepdims=True)
-        unit.setflags(write=False)
-        return unit[0] if value.ndim == 1 else unit
+            raise ValueError(f"Slide {field}{where} is zero; give a vector (x, y, z) that is not.")
+
+    def unit(self) -> NDArray[np.float64]:
+        """Direction or normal at each node, of length one, shape (k, 3) [-]."""
+        given = np.atleast_2d(np.asarray(self.direction if self.normal is None else self.normal))
+        scaled = given / np.abs(given).max(axis=1, keepdims=True)  # squares of tiny ones would be zero
+        scaled /= np.linalg.norm(scaled, axis=1, keepdims=True)
+        return np.broadcast_to(scaled, (len(np.asarray(self.nodes)), 3))
 
 
 @dataclass(frozen=True, eq=False)

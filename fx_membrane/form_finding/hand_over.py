@@ -14,6 +14,7 @@ from .motions import Body, Motions
 
 Array = NDArray[np.float64]
 
+AXES = ["x", "y", "z"]
 BALANCED = 1e-11  # unbalanced force over the largest reaction, that counts as none
 
 
@@ -58,7 +59,8 @@ def handed_over(
             parts[name] = replace(parts[name], prestress=forces[name])
             _add_ends(reactions, structure.parts[name].cells[cells], points, force)
         reactions[body.nodes] = np.where(free, 0.0, reactions[body.nodes])
-    added = [Support(np.flatnonzero(extra[:, c]), "xyz"[c]) for c in range(3) if extra[:, c].any()]
+    patterns = np.unique(extra[extra.any(axis=1)], axis=0)
+    added = [Support(np.flatnonzero((extra == row).all(axis=1)), "".join(np.array(AXES)[row])) for row in patterns]
     made_of = replace(structure, points=points, parts=parts, supports=[*structure.supports, *added])
     return Form(points, forces, reactions, steps, converged, made_of)
 

@@ -149,8 +149,7 @@ def _ways(structure: Structure, slide: Slide) -> Array:
     """
     nodes = np.asarray(slide.nodes)
     supported = structure.supported[nodes]
-    given = slide.direction if slide.normal is None else slide.normal
-    unit = np.broadcast_to(np.asarray(given), (len(nodes), 3))
+    unit = slide.unit()
     along = unit[:, :, None] * unit[:, None, :]
     blocked = along if slide.normal is not None else np.eye(3) - along
     blocked = blocked + np.eye(3) * supported[:, None, :]

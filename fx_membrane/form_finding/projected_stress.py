@@ -24,7 +24,7 @@ from ..model.parts import Cable, Membrane
 from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
 from ..solvers.progress import Pulse
-from .cable_forces import MEASURES, Acceleration, check_bars, difference
+from .cable_forces import MEASURES, check_bars, difference
 from .cable_targets import MET
 from .constrained_balance import ConstrainedBalance
 from .constraints import Constraint
@@ -139,7 +139,7 @@ def projected_stress(
     points, reactions, error, stray, steps = structure.points, np.zeros(0), np.inf, np.inf, list[FormStep]()
     first = balance.start(plans)
     densities, following, kept = dict[str, Array](), first, None
-    collapse, accelerated, miss, fold = "", Acceleration(), np.inf, ""
+    collapse, accelerated, miss, fold = "", balance.acceleration(), np.inf, ""
     while (error > tolerance or miss > MET) and len(steps) < max_iterations:
         pulse(f"step {len(steps) + 1} towards the forces of cables")
         found = balance(points, plans, following, len(steps) + 1)
@@ -147,7 +147,10 @@ def projected_stress(
             collapse = found
             break
         before, points, reactions, densities = points, found.points, found.reactions, following
-        (miss, words), error = balance.targets.miss(points, densities), difference(densities, found.wanted)
+        (miss, words), error = (
+            balance.targets.miss(points, densities, found.wanted),
+            difference(densities, found.wanted),
+        )
         following = accelerated(densities, found.wanted)
         stray = max([_stray(plan, points @ axes[:, :2]).max() for plan in plans.values()], default=0.0)
         area = float(sum(measures(points, plan.cells).sum() for plan in plans.values()))

@@ -1,0 +1,309 @@
+"""Cables by force, force density, length, sag and edge angle: lines, hand-over, both methods, words of failure."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fx_membrane import (
+    Analysis,
+    Cable,
+    CableDensity,
+    CableForce,
+    CableLength,
+    CableSag,
+    DistributedLoad,
+    EdgeAngle,
+    Fabric,
+    Mast,
+    Membrane,
+    PointLoad,
+    Stage,
+    Structure,
+    Support,
+    UnsettledFormWarning,
+    boundary_edges,
+    natural_force_density,
+    polyline,
+    projected_stress,
+    rectangle,
+)
+from fx_membrane.form_finding.cable_lines import lines_of
+from fx_membrane.geometry.measures import measures
+from models import rotation
+
+pytestmark = pytest.mark.filterwarnings("ignore::fx_membrane.UnsettledFormWarning")
+
+FABRIC = Fabric(Et=6e5, nu=0.3)
+
+
+def rope(n=8, span=100.0, rise=0.0, prestress=0.0):
+    x = np.linspace(0, span, n + 1)
+    points = np.stack([x, 0 * x, rise * x / span], axis=1)
+    return Structure(points, {"rope": Cable(polyline(range(n + 1)), 1e7, prestress)}, [Support([0, n])])
+
+
+def canopy(n=8, force=0.0, depth=0.1, height=2.0):
+    """Four corners held, the edges drawn as arcs of that depth over their half length."""
+    flat, triangles = rectangle(2.0, 2.0, n, n)
+    x, y = flat[:, 0], flat[:, 1]
+    points = 6 * np.stack([x * (1 - depth * (1 - y**2)), y * (1 - depth * (1 - x**2)), 0 * x], axis=1)
+    corners = np.flatnonzero(np.abs(x * y) == 1)
+    points[:, 2] = height * x * y
+    parts = {"film": Membrane(triangles, FABRIC, 2e3), "edge": Cable(boundary_edges(triangles), 2e7, force)}
+    return Structure(points, parts, [Support(corners)])
+
+
+def edges(structure, points):
+    """Lengths and sags of the four edges."""
+    held = structure.supported.all(axis=1)
+    cells = structure.parts["edge"].cells
+    lines = lines_of(cells, np.arange(len(cells)), held)
+    assert len(lines) == 4
+    return [line.length(points) for line in lines], [line.sag(points, None) for line in lines], lines
+
+
+def moved(form, loads=()):
+    state = Analysis(form.structure).run([Stage("form", loads)])["form"]
+    assert np.abs(state.reactions - form.reactions).max() <= 1e-9 * np.abs(form.reactions).max()
+    return np.abs(state.displacement).max() / np.ptp(form.points)
+
+
+METHODS = [
+    lambda structure, constraints: projected_stress(structure, cables="force", constraints=constraints, tolerance=1e-8),
+    lambda structure, constraints: natural_force_density(structure, iterations=3, constraints=constraints),
+]
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(("kind", "value"), [(CableLength, 12.9), (CableSag, 0.9), (EdgeAngle, 15.0)])
+def test_edges_have_the_geometry_given_and_the_form_is_in_equilibrium(method, kind, value):
+    structure = canopy()
+    form = method(structure, [kind("edge", value)])
+    length, sag, lines = edges(structure, form.points)
+    found = {CableLength: length, CableSag: sag, EdgeAngle: [np.degrees(line.angle(form.points)) for line in lines]}
+    if method is METHODS[0] or kind is not EdgeAngle:
+        assert found[kind] == pytest.approx([value] * 4, rel=2e-8)
+    assert max(found[kind]) <= value * (1 + 2e-8)
+    assert form.forces["edge"].min() > 1e3
+    assert moved(form) < 1e-12
+
+
+def test_force_of_an_edge_of_given_sag_gives_that_sag():
+    structure = canopy()
+    one = projected_stress(structure, cables="force", constraints=[CableSag("edge", 0.9)], tolerance=1e-8)
+    cable = replace(structure.parts["edge"], prestress=one.forces["edge"])
+    given = replace(structure, parts={**structure.parts, "edge": cable})
+    other = projected_stress(given, cables="force", tolerance=1e-8)
+    assert other.points == pytest.approx(one.points, abs=1e-6)
+
+
+def test_horizontal_force_of_a_line_is_one():
+    form = projected_stress(rope(), [PointLoad(range(1, 8), (0, 0, -1e3))], constraints=[CableLength("rope", 110.0)])
+    flat = measures(form.points * [1, 1, 0], form.structure.parts["rope"].cells)
+    horizontal = form.forces["rope"] * flat / measures(form.points, form.structure.parts["rope"].cells)
+    assert horizontal == pytest.approx(np.full(8, horizontal[0]), rel=1e-6)
+    assert measures(form.points, form.structure.parts["rope"].cells).sum() == pytest.approx(110, rel=1e-8)
+
+
+@pytest.mark.parametrize("method", [projected_stress, natural_force_density])
+def test_cable_under_its_weight_is_found_by_length(method):
+    weight = [DistributedLoad((0, 0, -50.0), "rope")]
+    form = method(rope(), weight, constraints=[CableLength("rope", 110.0)])
+    assert form.converged
+    assert form.reactions[:, 2].sum() == pytest.approx(50.0 * 110, rel=1e-7)
+    assert moved(form, weight) < 1e-12
+
+
+@pytest.mark.parametrize("prestress", [0.0, 1.0, 1e7])
+def test_first_guess_does_not_matter(prestress):
+    loads = [PointLoad(range(1, 8), (0, 0, -1e3))]
+    form = projected_stress(rope(prestress=prestress), loads, constraints=[CableSag("rope", 10.0)])
+    assert form.points[4, 2] == pytest.approx(-10, rel=1e-7)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e6])
+def test_units_do_not_matter(scale):
+    loads = [PointLoad(range(1, 8), (0, 0, -1e3 * scale))]
+    form = projected_stress(rope(), loads, constraints=[CableSag("rope", 10.0)])
+    assert -form.reactions[0, 0] == pytest.approx(1e3 * scale * 100 / 10, rel=1e-7)  # moment of the half span over sag
+
+
+def test_sag_along_a_direction_is_measured_there():
+    loads = [PointLoad(range(1, 8), (0, 0, -1e3))]
+    form = projected_stress(rope(rise=50.0), loads, constraints=[CableSag("rope", 10.0, along=(0, 0, 3))])
+    assert form.points[4, 2] == pytest.approx(25 - 10, rel=1e-7)
+    normal = projected_stress(rope(rise=50.0), loads, constraints=[CableSag("rope", 10.0)])
+    assert 25 - normal.points[4, 2] == pytest.approx(10 * np.hypot(100, 50) / 100, rel=1e-7)
+
+
+def test_cells_of_a_cable_have_constraints_of_their_own():
+    structure = canopy()
+    cells = structure.parts["edge"].cells
+    lines = edges(structure, structure.points)[2]
+    given = [
+        CableForce("edge", 30e3, lines[0].cells),
+        CableDensity("edge", 2e4, lines[1].cells),
+        CableLength("edge", 12.9, lines[2].cells),
+        CableForce("edge", 25e3, lines[3].cells, horizontal=True),
+    ]
+    form = projected_stress(structure, cables="force", constraints=given, tolerance=1e-8)
+    length = measures(form.points, cells)
+    assert form.forces["edge"][lines[0].cells] == pytest.approx(np.full(8, 30e3), rel=1e-7)
+    assert form.forces["edge"][lines[1].cells] / length[lines[1].cells] == pytest.approx(np.full(8, 2e4), rel=1e-10)
+    assert length[lines[2].cells].sum() == pytest.approx(12.9, rel=1e-8)
+    flat = measures(form.points * [1, 1, 0], cells)[lines[3].cells]
+    assert form.forces["edge"][lines[3].cells] * flat / length[lines[3].cells] == pytest.approx(
+        np.full(8, 25e3), rel=1e-7
+    )
+    assert moved(form) < 1e-12
+
+
+def test_force_constraint_is_the_prestress():
+    one = projected_stress(canopy(force=30e3), cables="force")
+    other = projected_stress(canopy(), constraints=[CableForce("edge", 30e3)])
+    assert np.array_equal(one.points, other.points)
+    one = natural_force_density(canopy(force=30e3), iterations=3)
+    other = natural_force_density(canopy(), iterations=3, constraints=[CableForce("edge", 30e3)])
+    assert np.array_equal(one.points, other.points)
+    assert one.steps == other.steps
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_idle_limit_of_the_angle_leaves_the_prestress(method):
+    structure = canopy(force=60e3)
+    free, limited = method(structure, ()), method(structure, [EdgeAngle("edge", 30.0)])
+    assert limited.points == pytest.approx(free.points, abs=1e-4)
+    assert limited.forces["edge"] == pytest.approx(free.forces["edge"], rel=1e-4)
+
+
+def test_closed_line_has_its_length():
+    angle = np.arange(16) * np.pi / 8
+    circle = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    points = np.concatenate([circle, 3 * circle])
+    a, b = np.arange(16), np.roll(np.arange(16), -1)
+    triangles = np.concatenate([np.stack([a, b, b + 16], axis=1), np.stack([a, b + 16, a + 16], axis=1)])
+    parts = {"film": Membrane(triangles, FABRIC, 2e3), "ring": Cable(np.stack([a, b], axis=1), 1e7)}
+    structure = Structure(points, parts, [Support(range(16, 32))])
+    form = projected_stress(structure, cables="force", constraints=[CableLength("ring", 6.0)])
+    assert measures(form.points, structure.parts["ring"].cells).sum() == pytest.approx(6.0, rel=1e-8)
+    assert np.linalg.norm(form.points[:16], axis=1) == pytest.approx(np.full(16, 6 / 32 / np.sin(np.pi / 16)))
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_form_turns_with_the_structure(seed):
+    structure, turn = canopy(), rotation(seed)
+    turned = replace(
+        structure,
+        points=structure.points @ turn.T,
+        parts={**structure.parts, "film": replace(structure.parts["film"], warp=turn @ [1, 0.3, 0])},
+    )
+    sag = [CableSag("edge", 0.9)]
+    one, other = (natural_force_density(s, iterations=2, constraints=sag) for s in (structure, turned))
+    assert other.points == pytest.approx(one.points @ turn.T, abs=1e-7)
+
+
+def test_every_process_has_the_same_form():
+    form = projected_stress(canopy(), cables="force", constraints=[CableSag("edge", 0.9)])
+    for points in MPI.COMM_WORLD.allgather(form.points):
+        assert np.array_equal(points, form.points)
+
+
+def test_lines_end_at_ends_branches_and_held_nodes():
+    cells = np.array([[3, 4], [0, 1], [2, 1], [2, 3], [5, 4], [4, 6], [7, 8], [8, 9], [9, 7]])
+    held = np.arange(10) == 2
+    found = {tuple(sorted(line.cells.tolist())) for line in lines_of(cells, np.arange(9), held)}
+    assert found == {(1, 2), (0, 3), (4,), (5,), (6, 7, 8)}
+    (ring,) = (line for line in lines_of(cells, np.arange(9), held) if line.is_closed)
+    assert ring.nodes[0] == ring.nodes[-1]
+    assert len(ring.nodes) == 4
+
+
+@pytest.mark.parametrize("angle", [0.01, 0.7, 1.5])
+def test_angle_and_sag_of_an_arc_are_exact_at_any_nodes(angle):
+    t = np.array([-angle, -0.8 * angle, -0.1 * angle, 0.0, 0.5 * angle, angle])
+    points = np.stack([np.sin(t), np.cos(t), 0 * t], axis=1) @ rotation(4).T
+    (line,) = lines_of(polyline(range(6)), np.arange(5), np.zeros(6, dtype=bool))
+    assert line.angle(points) == pytest.approx(angle, rel=1e-9)
+    assert line.sag(points, None) == pytest.approx(1 - np.cos(angle), rel=1e-9)
+
+
+def net(kind=Cable):
+    points = [[0.0, 0, 0], [2, 0, 0], [1, 1, 0]]
+    return Structure(points, {"bar": kind([[0, 2], [2, 1]], 1e6, 10.0 * (kind is Cable))}, [Support([0, 1])])
+
+
+REFUSED = [
+    (rope, [CableLength("rope", 99.0)], r"'rope' from node \d at .* length 99, and its held ends are 100 ap"),
+    (rope, [CableLength("rope", 100.0)], "ends are 100 apart; give a larger length"),
+    (lambda: rope(n=1), [CableLength("rope", 101.0)], "one segment between held ends"),
+    (lambda: rope(n=1), [CableSag("rope", 1.0)], "one segment, which stays straight; divide it for a sag"),
+    (rope, [CableSag("rope", 1.0, along=(1, 0, 0))], "chord along the direction of its sag"),
+    (rope, [CableSag("rope", 1.0), CableForce("rope", 1.0, [3])], r"cell 3 at .* has two constraints"),
+    (rope, [CableForce("rope", 1.0, [8])], "CableForce of part 'rope' names cell 8"),
+    (rope, [CableForce("cord", 1.0)], "No Cable is named 'cord'"),
+    (lambda: net(Mast), [CableLength("bar", 1.0)], "No Cable is named 'bar', which is a Mast"),
+    (rope, CableForce("rope", 1.0), "constraints must be a list"),
+    (rope, ["sag"], "constraints has 'sag'"),
+]
+
+
+@pytest.mark.parametrize("number", range(len(REFUSED)))
+@pytest.mark.parametrize("method", [projected_stress, natural_force_density])
+def test_refusals(method, number):
+    structure, constraints, words = REFUSED[number]
+    with pytest.raises(ValueError, match=words):
+        method(structure(), constraints=constraints)
+
+
+@pytest.mark.parametrize("constraint", [CableSag("ring", 1.0), EdgeAngle("ring", 20.0)])
+def test_closed_line_has_no_chord(constraint):
+    structure = rope(n=3)
+    parts = {**structure.parts, "ring": Cable([[0, 1], [1, 2], [2, 0]], 1e6)}
+    free = replace(structure, parts=parts, supports=[Support([3])])
+    with pytest.raises(ValueError, match=r"'ring' from node .* is closed, so it has no chord"):
+        projected_stress(free, constraints=[constraint])
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: CableLength("edge", 0.0),
+        lambda: CableSag("edge", -1.0),
+        lambda: CableForce("edge", 0.0),
+        lambda: CableDensity("edge", -1.0),
+        lambda: EdgeAngle("edge", 91.0),
+        lambda: EdgeAngle("edge", 0.0),
+        lambda: CableSag("edge", 1.0, along=(0, 0, 0)),
+        lambda: CableForce("", 1.0),
+        lambda: CableForce("edge", 1.0, [0, 0]),
+    ],
+)
+def test_unfit_data_are_refused(make):
+    with pytest.raises(ValueError, match=r"\.$"):
+        make()
+
+
+@pytest.mark.parametrize("method", [projected_stress, natural_force_density])
+@pytest.mark.parametrize("constraint", [CableSag("rope", 1.0), CableLength("rope", 101.0)])
+def test_straight_rope_without_a_load_is_named(method, constraint):
+    with pytest.raises(RuntimeError, match=r"'rope' from node .* has no sag under any force, as no load"):
+        method(rope(), constraints=[constraint])
+
+
+def test_sag_beyond_reach_is_named_and_the_last_form_kept():
+    structure = canopy(depth=0.0, height=0.0)
+    with pytest.warns(UnsettledFormWarning, match="reaches the sag 8 under no force: it is 4"):
+        form = projected_stress(structure, cables="force", constraints=[CableSag("edge", 8.0)])
+    assert not form.converged
+    assert np.isfinite(form.points).all()
+    with pytest.raises(RuntimeError, match="reaches the sag 8 under no force"):
+        natural_force_density(structure, constraints=[CableSag("edge", 8.0)])
+
+
+def test_too_few_steps_name_the_line():
+    with pytest.warns(UnsettledFormWarning, match=r"cable 'edge' from node .* has the sag .* instead of 0\.9"):
+        form = projected_stress(canopy(), constraints=[CableSag("edge", 0.9)], max_iterations=2)
+    assert len(form.steps) == 2
+    assert not form.converged
