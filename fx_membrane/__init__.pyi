@@ -27,6 +27,7 @@ from .form_finding.constraints import (
 )
 from .form_finding.force_density import force_density
 from .form_finding.form import Form, FormStep
+from .form_finding.masts_and_stays import masts_and_stays
 from .form_finding.natural_force_density import natural_force_density
 from .form_finding.projected_stress import projected_stress
 from .form_finding.updated_reference import UnsettledFormWarning, updated_reference
@@ -133,6 +134,7 @@ __all__ = [
     "edges_where",
     "equilibrium_path",
     "force_density",
+    "masts_and_stays",
     "natural_force_density",
     "natural_frequencies",
     "plot",

@@ -44,6 +44,7 @@ from fx_membrane import (
     edges_where,
     equilibrium_path,
     force_density,
+    masts_and_stays,
     natural_force_density,
     natural_frequencies,
     plot,
@@ -69,6 +70,7 @@ STATE = Analysis(ARCH, comm=MPI.COMM_SELF).run([LOAD])["load"]
 HISTORY = STATE.increments[0].iterations
 SQUARE, TRIANGLES = rectangle(1.0, 1.0, 1, 1)
 SHEET = Structure(SQUARE, {"sheet": Membrane(TRIANGLES, Fabric(1e5, 0.3), 1e3)}, [Support(range(4))])
+FORM = updated_reference(SHEET)
 BAR = {"cells": [[0, 1], [1, 2]], "axial_stiffness": 1e6, "prestress": [1.0, 2.0], "mass": 1.0, "material": None}
 BARS = {"cells": "rows", "axial_stiffness": "number", "prestress": "array", "mass": "number", "material": "object?"}
 MODULUS = {"cells": [[0, 1]], "E": 1e9, "area": 1e-4, "prestress": 0.0, "density": 1.0}
@@ -170,6 +172,11 @@ CASES = {
     natural_force_density: (
         {"structure": SHEET, "loads": (), "iterations": 2, "tolerance": 0.1, "constraints": ()},
         {"structure": "object", "loads": "list", "iterations": "whole", "tolerance": "number", "constraints": "list"},
+    ),
+    masts_and_stays: (
+        {"form": FORM, "bars": {"stay": Cable([[0, 4]], 1e6)}, "points": [[-2.0, 0.0, 0.0]], "heads": [0],
+         "components": "x"},
+        {"form": "object", "bars": "object", "points": "array", "heads": "rows?", "components": "object"},
     ),
     projected_stress: (
         {"structure": SHEET, "loads": (), "stress": {}, "cables": "force", "direction": [0.0, 0.0, 1.0],

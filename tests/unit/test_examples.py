@@ -14,7 +14,7 @@ NAMES = {name: getattr(fx_membrane, name) for name in fx_membrane.__all__} | {"n
 SHOWN = {
     "Analysis", "Cable", "DistributedLoad", "Fabric", "Mast", "Membrane", "OrthotropicFabric", "PlanLoad",
     "PointLoad", "PrescribedDisplacement", "Pressure", "Stage", "StageResult", "Structure", "Support",
-    "boundary_edges", "edges_where", "equilibrium_path", "force_density", "natural_force_density",
+    "boundary_edges", "edges_where", "equilibrium_path", "force_density", "masts_and_stays", "natural_force_density",
     "natural_frequencies", "polyline", "projected_stress", "rectangle", "report", "stability", "updated_reference",
 }  # fmt: skip
 
