@@ -15,8 +15,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from fx_membrane import (
-    Analysis, Cable, Mast, Membrane, OrthotropicFabric, PlanLoad, Pressure, Stage, Structure, Support, plot,
-    projected_stress,
+    Analysis, Cable, Mast, Membrane, OrthotropicFabric, PlanLoad, Pressure, Stage, Structure, Support,
+    masts_and_stays, plot, projected_stress,
 )  # fmt: skip
 
 folder = Path("output/cone")
@@ -86,23 +86,20 @@ for name, values in zip(("warp", "weft"), np.diagonal(form.forces["fabric"], axi
 # %% [markdown]
 # ## Mast and ring
 #
-# Hangers from the head of a mast carry the ring, which chords stiffen. Forces that balance the reactions of the form
-# follow by least squares. Nothing moves when the supports of the ring go.
+# Hangers from the head of a mast carry the ring, which chords stiffen. Their forces balance the reactions of the form.
+# Nothing moves when the supports of the ring go.
+
+# %%
 head, foot = len(points), len(points) + 1
-points = np.concatenate([form.points, [(0, 0, 6.2), (0, 0, 0)]])
 chords = np.concatenate([np.stack([ring, np.roll(ring, -k)], axis=1) for k in (1, around // 4)])
-bars = np.concatenate([np.stack([np.full(around, head), ring], axis=1), chords, [(foot, head)]])
-way = np.diff(points[bars], axis=1)[:, 0] / np.linalg.norm(np.diff(points[bars], axis=1), axis=2)
-pull = np.zeros((len(points), 3, len(bars)))
-pull[bars[:, 0], :, np.arange(len(bars))] = way
-pull[bars[:, 1], :, np.arange(len(bars))] = -way
-free, held = [*ring, head], np.concatenate([form.reactions[ring], np.zeros((1, 3))])
-forces = np.linalg.lstsq(pull[free].reshape(-1, len(bars)), held.ravel(), rcond=1e-12)[0]
-parts = dict(form.structure.parts)
-kinds = {"hangers": (Cable, 4.0e3), "ring": (Mast, 2.0e5), "mast": (Mast, 4.3e5)}
-for (name, (kind, stiffness)), k in zip(kinds.items(), np.split(range(len(bars)), [around, 3 * around]), strict=True):
-    parts[name] = kind(bars[k], stiffness, forces[k])
-structure = Structure(points, parts, [Support(corners), Support(foot)])
+bars = {
+    "hangers": Cable(np.stack([np.full(around, head), ring], axis=1), axial_stiffness=4.0e3),
+    "ring": Mast(chords, axial_stiffness=2.0e5),
+    "mast": Mast([(foot, head)], axial_stiffness=4.3e5),
+}
+form = masts_and_stays(form, bars, [(0, 0, 6.2), (0, 0, 0)], heads=[*ring, head])
+for name in bars:
+    say(f"Forces of {name}: {form.forces[name].min():.2f} to {form.forces[name].max():.2f} kN")
 
 # %% [markdown]
 # ## Loads
@@ -110,7 +107,7 @@ structure = Structure(points, parts, [Support(corners), Support(foot)])
 # Snow of 0.6 kN/m2 in plan; uplift of 0.5 kN/m2; wind along x, which presses by 0.3 and sucks by 0.5 kN/m2. The
 # utilisation is the largest stress over the strength: fabric 115 and 100 kN/m over 5, edge cables 130 kN over 2,
 # hangers 30 kN over 2, mast half the Euler load of a tube 168 x 4.
-up, x = np.sign(structure.normals("fabric")[0, 2]), points[triangles].mean(axis=1)[:, 0]
+up, x = np.sign(form.structure.normals("fabric")[0, 2]), points[triangles].mean(axis=1)[:, 0]
 windward, leeward = np.flatnonzero(x < 0), np.flatnonzero(x > 0)
 loads = {
     "snow": [PlanLoad((0, 0, -0.6), "fabric")],
@@ -118,9 +115,9 @@ loads = {
     "wind": [Pressure(-up * 0.3, "fabric", windward), Pressure(up * 0.5, "fabric", leeward)],
 }
 stages = [Stage("prestress"), *(Stage(name, load, after="prestress") for name, load in loads.items())]
-results = Analysis(structure).run(stages)
+results = Analysis(form.structure).run(stages)
 strength = {"warp": 23.0, "weft": 20.0, "edge cables": 65.0, "hangers": 15.0, "mast": 189.0}
-numbers = {"heights [m]": form.points[node[:, 0], 2].tolist(), "forces of bars [kN]": forces.tolist()}
+numbers = {"heights [m]": form.points[node[:, 0], 2].tolist(), "hangers [kN]": form.forces["hangers"].tolist()}
 say("".join(f"{title:>12}" for title in ["utilisation", *strength, "moves [m]", "wrinkled"]))
 for name, state in results.items():
     threads, wrinkled = state.membrane("fabric").warp_weft_stress, state.membrane("fabric").state != "taut"
