@@ -9,6 +9,7 @@ from ..geometry.measures import normals, projected
 from ..model.parts import Cable, Membrane
 from ..model.structure import Structure
 from .ring_reach import far_ring
+from .unheld import free_edge, lone_point
 from .weak_edges import weak_edges
 
 Array = NDArray[np.float64]
@@ -17,13 +18,14 @@ UNEQUAL = 1.05  # ratio of principal stresses, above which they count as unequal
 
 
 def cause(structure: Structure, points: Array) -> str:
-    """Tell of an edge cable that is too weak, a ring that is too far, or else of unequal stress.
+    """Tell of weak edge cables, rings too far away, edges and points without hold, or else of unequal stress.
 
     Returns:
         Sentences; empty without any, which does not mean that there is a form.
     """
     stresses = stresses_in(structure, points)
-    found = weak_edges(structure, points, stresses, forces_in(structure)), far_ring(structure, points, stresses)
+    found = [weak_edges(structure, points, stresses, forces_in(structure)), far_ring(structure, points, stresses)]
+    found += [free_edge(structure, points), lone_point(structure, points)]
     return causes(*found) or _unequal(structure)
 
 

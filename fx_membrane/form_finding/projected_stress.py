@@ -34,6 +34,7 @@ from .membrane_balance import collapse_of, stressed
 from .no_form import causes
 from .plan import Field, Plan, place, plan_of
 from .shape_change import change_of_shape
+from .unheld import free_edge
 from .updated_reference import STRAY, UnsettledFormWarning
 from .weak_edges import weak_edges
 
@@ -165,7 +166,8 @@ def projected_stress(
         fold, steps = f"it is that of step {count}, and in later ones {fold}", steps[:count]
     problem = collapse or fold or _excess(error, tolerance, len(steps), miss, words) or _motion(plans, points, axes)
     if problem:
-        problem = " ".join(filter(None, (problem, _weak_edges(structure, plans, axes, first))))
+        unheld = "" if constraints else free_edge(structure, structure.points)
+        problem = " ".join(filter(None, (problem, causes(_weak_edges(structure, plans, axes, first), unheld))))
         warnings.warn(
             f"The form is in equilibrium with the stress it is handed over with, but {problem}",
             UnsettledFormWarning,
@@ -226,7 +228,7 @@ def _weak_edges(structure: Structure, plans: Mapping[str, Plan], axes: Array, de
     stresses = {name: plane @ plan.stress @ plane.T for name, plan in plans.items()}
     cables = {name: part for name, part in structure.parts.items() if isinstance(part, Cable)}
     forces = {name: densities[name] * measures(flat, part.cells) for name, part in cables.items()}
-    return causes(weak_edges(structure, flat, stresses, forces))
+    return weak_edges(structure, flat, stresses, forces)
 
 
 def _excess(error: float, tolerance: float, steps: int, miss: float, words: str) -> str:

@@ -17,6 +17,7 @@ from fx_membrane import (
     Support,
     UnsettledFormWarning,
     boundary_edges,
+    natural_force_density,
     projected_stress,
     rectangle,
     updated_reference,
@@ -184,3 +185,47 @@ def test_unequal_stress_is_named_where_nothing_else_is():
     assert "4 times as large" in words
     assert "projected_stress" in words
     assert cause(rings(5.0), rings(5.0).points) == ""
+
+
+def test_edge_without_hold_is_named():
+    points, triangles = rectangle(4.0, 4.0, 4, 4)
+    points[:, 2] = 0.1 * points[:, 0] * points[:, 1]
+    rim, film = boundary_edges(triangles), Membrane(triangles, FABRIC, 2.0)
+    right = points[rim][:, :, 0].min(axis=1) == 2
+    three = Cable(rim[~right], 2e4, 40.0)
+    structure = Structure(points, {"film": film, "edge": three}, [Support([0, 4, 20, 24])])
+    with pytest.raises(RuntimeError, match=r"edge of part 'film' around \(2, .*has neither a cable with a force nor"):
+        updated_reference(structure, max_iterations=300)
+    with pytest.warns(
+        UnsettledFormWarning, match=r"edge of part 'film' around \(2, .*has neither a cable with a force"
+    ):
+        projected_stress(structure)
+    held = Structure(points, {"film": film}, [Support(np.unique(rim))])
+    assert cause(held, points) == ""
+    half = Structure(points, {"film": film}, [Support(np.unique(rim[~right])), Support(np.unique(rim[right]), "x")])
+    assert cause(half, points) == ""
+
+
+def test_single_held_point_is_named():
+    points, triangles = rectangle(4.0, 4.0, 8, 8)
+    middle = len(points) // 2
+    points[middle, 2] = 2.0
+    rim = np.unique(boundary_edges(triangles))
+    film = {"film": Membrane(triangles, FABRIC, 2.0)}
+    words = rf"'film' is held at a single point within it, node {middle} at \(0, 0, 2\)"
+    assert re.search(words, cause(Structure(points, film, [Support(rim), Support(middle)]), points))
+    assert cause(Structure(points, film, [Support(rim), Support([middle, middle + 1])]), points) == ""
+    ridge = Cable([[middle, middle + 1]], 2e4, 3.0)
+    assert cause(Structure(points, {**film, "ridge": ridge}, [Support(rim), Support(middle)]), points) == ""
+
+
+def test_warp_and_prestress_are_refused_with_their_place():
+    points, triangles = rectangle(4.0, 4.0, 4, 4)
+    rim = Support(np.unique(boundary_edges(triangles)))
+    warp = np.tile([1.0, 0.0, 0.0], (len(triangles), 1))
+    warp[5] = (0, 0, 1)
+    for method in (projected_stress, natural_force_density, updated_reference):
+        with pytest.raises(ValueError, match=r"cell 5: its warp .* is zero or normal to the cell, at \(0\.66"):
+            method(Structure(points, {"film": Membrane(triangles, FABRIC, (3.0, 2.0), warp)}, [rim]))
+        with pytest.raises(ValueError, match=r"cell 0.* at \(-1\.33333, -1\.66667, 0\)"):
+            method(Structure(points, {"film": Membrane(triangles, FABRIC, -1.0)}, [rim]))
