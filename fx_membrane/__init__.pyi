@@ -3,18 +3,25 @@
 from . import plot
 from .analysis.arc_length import PathError, equilibrium_path
 from .analysis.checkpoint import CheckpointWarning
+from .analysis.convergence_error import ConvergenceError
 from .analysis.modes import Modes, Stability, natural_frequencies, stability
 from .analysis.path import EquilibriumPath, PathPoint
-from .analysis.stages import Analysis, ConvergenceError
+from .analysis.stages import Analysis
 from .analysis.wave_speed import MassUnitWarning
 from .analysis.work import WorkLimit
 from .assembly.actions import Actions
 from .assembly.loaded_problem import LoadedProblem
 from .assembly.problem import Problem
 from .assembly.wrinkling_direction import tension_direction
+from .files.archive import load_results, save_results
+from .files.compas import Net, read_compas
 from .files.dolfinx_functions import PartFunctions, to_dolfinx
 from .files.dolfinx_mesh import structure_from_dolfinx
 from .files.gmsh import structure_from_gmsh
+from .files.mesh_files import structure_from_file
+from .files.mesh_writer import write_mesh
+from .files.paraview import ParaViewSeries, SeriesWarning, write_paraview
+from .files.tables import write_tables
 from .form_finding.constraints import (
     CableDensity,
     CableForce,
@@ -44,13 +51,12 @@ from .model.stages import PrescribedDisplacement, Stage
 from .model.structure import SliverWarning, Structure
 from .model.supports import Support
 from .results.balance import UnbalancedStateWarning
+from .results.part_results import BarResult, MembraneResult
 from .results.report import report
 from .results.states import (
-    BarResult,
     Equilibrium,
     Increment,
     LostPrestressWarning,
-    MembraneResult,
     StageResult,
     StageResults,
     TermResult,
@@ -99,9 +105,11 @@ __all__ = [
     "Modes",
     "MooneyRivlin",
     "NeoHooke",
+    "Net",
     "Newton",
     "OrthotropicFabric",
     "Outcome",
+    "ParaViewSeries",
     "PartFunctions",
     "PathError",
     "PathPoint",
@@ -112,6 +120,7 @@ __all__ = [
     "Problem",
     "RigidBody",
     "Ring",
+    "SeriesWarning",
     "Slide",
     "SliverWarning",
     "Solution",
@@ -134,20 +143,27 @@ __all__ = [
     "edges_where",
     "equilibrium_path",
     "force_density",
+    "load_results",
     "masts_and_stays",
     "natural_force_density",
     "natural_frequencies",
     "plot",
     "polyline",
     "projected_stress",
+    "read_compas",
     "rectangle",
     "report",
+    "save_results",
     "stability",
     "structure_from_dolfinx",
+    "structure_from_file",
     "structure_from_gmsh",
     "tension_direction",
     "to_dolfinx",
     "updated_reference",
+    "write_mesh",
+    "write_paraview",
+    "write_tables",
 ]
 
 __version__: str

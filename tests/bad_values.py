@@ -1,4 +1,4 @@
-"""Values that users give by mistake, by class, and the arguments that accept some of them."""
+"""Values that users give by mistake, by class, the arguments that accept some of them, and faults of refusals."""
 
 import datetime
 from decimal import Decimal
@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from fx_membrane.checks import validation
 
 VALUES: dict[str, list[Any]] = {
     "none": [None],
@@ -92,3 +94,54 @@ def scalars():
         for value, right in every
         if not isinstance(value, list) and np.ndim(value) == 0 and value is not None
     ]
+
+
+ALIASES = {
+    "mesh": ("Mesh",), "groups": ("group",), "part": ("No part",),
+    "name": ("No M", "No C"), "result": ("first argument",), "Et_warp": ("stiffnesses",), "Et_weft": ("stiffnesses",),
+    "points": ("are numbered",), "parts": ("part",), "supports": ("support", "no file"),
+    "source": ("file", "gmsh model"), "fields": ("field",), "histories": ("history",), "separate": ("no file",),
+}  # fmt: skip
+
+
+def attempt(function, given, argument, value):
+    """Call a function; return its value or the text of its refusal. Any other exception is a fault."""
+    try:
+        return function(**{**given, argument: value}), None
+    except ValueError as refusal:
+        words = str(refusal)
+        named = any(alias.lower() in words.lower() for alias in (argument, *ALIASES.get(argument, ())))
+        assert named, f"the refusal does not name {argument}: {words}"
+        assert len(words) > 20, words
+        assert words.endswith((".", ")")), words
+        return None, words
+
+
+def faults(function, given, tries):
+    """List the faults of some calls, in words."""
+    found = []
+    for argument, value, allowed in tries:
+        shown = f"{argument}={validation.short_repr(value)}"
+        try:
+            result, refusal = attempt(function, given, argument, value)
+        except Exception as error:
+            found.append(f"{shown}: {type(error).__name__}: {error!s:.150}")
+            continue
+        if refusal is None and not allowed:
+            found.append(f"{shown} is taken")
+        stored = getattr(result, argument, None) if isinstance(function, type) else None
+        if stored is not None and value is not None and not kept(stored, value):  # None stands for a default
+            found.append(f"{shown} is kept as {stored!r}")
+    return found
+
+
+def kept(stored, value):
+    """Return True if a value is stored as plain data, unchanged."""
+    if isinstance(stored, tuple | list):
+        return list(stored) == list(value)
+    if isinstance(stored, np.ndarray):
+        plain = type(stored) is np.ndarray and stored.dtype in (np.float64, np.int64) and not stored.flags.writeable
+        return plain and bool(np.all(stored == np.asarray(value, dtype=stored.dtype)))
+    return type(stored) in (float, int, bool, str, type(None)) and bool(
+        stored == np.asarray(value, dtype=object).item()
+    )

@@ -27,6 +27,7 @@ ONE_PROCESS = {
     "unit/analysis/test_work.py",
     "unit/assembly/test_partition.py",
     "unit/checks/test_validation.py",
+    "unit/files/test_archive.py",
     "unit/form_finding/test_form_finding.py",
     "unit/form_finding/test_forms_of_masts.py",
     "unit/form_finding/test_masts_and_stays.py",

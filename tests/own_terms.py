@@ -3,7 +3,10 @@
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numpy as np
 from ufl import conditional, dot, gt, inner, lt
+
+from fx_membrane import Problem, Stage
 
 
 @dataclass(frozen=True)
@@ -95,3 +98,27 @@ class Everything:
             + parameters.stiff * stretch**2 * (1 + state.X[0] ** 2)
             + parameters.k * dot(state.n, state.x) ** 2
         )
+
+
+def term(method=None, fields=("k",), frozen=True, **members):
+    """Instance of a class with a part and other fields, all of the value 2."""
+    annotations = {"part": str} | dict.fromkeys(fields, Any)
+    members = {name: value for name, value in {"energy": method, **members}.items() if value is not None}
+    kind = dataclass(frozen=frozen)(type("Mine", (), {"__annotations__": annotations, **members}))
+    return kind("fabric", *[2.0] * len(fields))
+
+
+def bed(self, state, parameters):
+    return parameters.k * state.u[2] ** 2 / 2
+
+
+def under(structure, *loads):
+    """Problem of a structure under loads, among them energy terms."""
+    problem = Problem(structure)
+    return problem.under(problem.actions_of(Stage("loads", loads)))
+
+
+def random(problem, seed, size=0.1):
+    """Random displacement of a size."""
+    shape = problem.structure.points.shape
+    return problem.discretization.to_petsc(size * np.random.default_rng(seed).normal(size=shape))

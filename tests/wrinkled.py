@@ -8,8 +8,18 @@ from dolfinx import fem
 from mpi4py import MPI
 from scipy.spatial.transform import Rotation
 
-from fx_membrane import Analysis, Fabric, OrthotropicFabric, PrescribedDisplacement, Stage, Structure, _dolfinx
+from fx_membrane import (
+    Analysis,
+    Fabric,
+    OrthotropicFabric,
+    PrescribedDisplacement,
+    Stage,
+    Structure,
+    _dolfinx,
+    natural_frequencies,
+)
 from fx_membrane.assembly import wrinkling_direction
+from fx_membrane.assembly.problem import Problem
 from fx_membrane.forms import wrinkling
 from fx_membrane.geometry.measures import normals
 
@@ -152,3 +162,12 @@ class Formula:
         C = values[:, 6:].reshape(-1, 2, 2, 2, 2)
         C = (C + C.swapaxes(3, 4)) / 2  # for symmetric changes of strain
         return energy, values[:, 1].astype(int), values[:, 2:6].reshape(-1, 2, 2), C
+
+
+def frequency_and_tangent(structure):
+    """State at rest, its lowest frequency, and the entries of its tangent."""
+    state = Analysis(structure, comm=MPI.COMM_SELF).run([Stage("rest")])["rest"]
+    problem = Problem(structure, MPI.COMM_SELF).under()
+    A = problem.discretization.create_matrix()
+    problem.tangent(problem.discretization.to_petsc(np.zeros_like(structure.points)), A)
+    return state, natural_frequencies(state, 1).frequencies, A.getValuesCSR()[2]

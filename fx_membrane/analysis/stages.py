@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -24,7 +25,7 @@ from ..model.structure import Structure
 from ..results.evaluation import StateEvaluator
 from ..results.remarks import held_by_slack_parts, remarked, warn_of_remarks
 from ..results.slackness import hanging_ends, slack_parts
-from ..results.states import Increment, StageResult, StageResults
+from ..results.states import StageResult, StageResults
 from ..results.strain_limits import warn_of_large_prestress
 from ..runtime.processes import refuse_differences, together
 from ..solvers import own
@@ -35,36 +36,12 @@ from ..solvers.outcome import Outcome
 from ..solvers.progress import Report
 from . import checkpoint
 from .checkpoint_file import Progress
+from .convergence_error import ConvergenceError
 from .increments import IncrementControl, Verdict
 from .reasons import MORE, reason
 from .work import Work, WorkDone, WorkLimit
 
 PROBE = 1 / 256  # fraction of an increment that snapped: its load shows at the start of a stage which parts carry
-
-
-class ConvergenceError(RuntimeError):
-    """Failure to find equilibrium in a load increment.
-
-    Attributes:
-        results: Results of the stages that were completed, by name.
-        last: The last converged state of the stage that failed: that of its last converged increment, or else its
-            start. Later iterates are discarded.
-        failed: The increment that did not converge, with its iterations.
-        motion: For a mechanism, the free motion of its nodes, the largest displacement of size one, shape (n, 3); None
-            otherwise. `plot.contours(error.last, {"free motion": np.linalg.norm(error.motion, axis=1)}, path)` shows
-            it.
-    """
-
-    def __init__(
-        self,
-        message: str,
-        results: StageResults,
-        last: StageResult,
-        failed: Increment,
-        motion: NDArray[np.float64] | None = None,
-    ):
-        super().__init__(message)
-        self.results, self.last, self.failed, self.motion = results, last, failed, motion
 
 
 class _Course(NamedTuple):
@@ -145,7 +122,12 @@ class Analysis:
         self._solve = own.prepared(solver, self.problem)
         self._record = StateEvaluator(self.problem)
 
-    def run(self, stages: Sequence[Stage], checkpoint_file: str | Path | None = None) -> StageResults:
+    def run(
+        self,
+        stages: Sequence[Stage],
+        checkpoint_file: str | Path | None = None,
+        observe: Callable[[StageResult], None] | None = None,
+    ) -> StageResults:
         """Run the stages and return their final states, by name; an unknown name raises a KeyError with the names.
 
         Args:
@@ -156,6 +138,8 @@ class Analysis:
                 solver that found it. It is one file of any name, an SQLite database. While a run has it, no other can
                 use it. Its journal, with "-journal" after its name, lies beside it and belongs to it. The first process
                 alone reads and writes it.
+            observe: Function that is given the state after each converged increment, on all processes, such as a
+                `ParaViewSeries`; of a stage that the checkpoint has complete, its end.
 
         Raises:
             ValueError: A stage does not fit the structure or the other stages; it leaves a free rigid-body motion (one
@@ -179,13 +163,15 @@ class Analysis:
             file = None if checkpoint_file is None else paths.path("checkpoint_file", checkpoint_file)
             if file and self._comm.rank == 0:
                 paths.check_writable("checkpoint_file", file)
+            if not (observe is None or callable(observe)):
+                raise ValueError(f"observe is {validation.short_repr(observe)}; give a function of a state.")
             self._check(stages)
         refuse_differences(self._comm, lambda: of_stages(stages))
         with together(self._comm):
             if self._comm.rank == 0:
                 warn_of_large_prestress(self.structure, stacklevel=3)
         with checkpoint.opened(file, self.structure, stages, self._comm) as saved:
-            results = StageResults()
+            results = StageResults(stages=stages)
             ends: dict[str | None, Actions] = {None: unloaded(self.structure)}
             for stage in stages:
                 ends[stage.name] = end = self.problem.actions_of(stage, ends[stage.after])
@@ -195,7 +181,10 @@ class Analysis:
                 state = saved.progress.get(stage.name) or Progress(
                     shape, Fraction(0), Fraction(1, stage.increments), ()
                 )
-                results[stage.name] = remarked(self._run(course, state, results, saved.save), shape)
+                accept = partial(self._accept, course, saved, observe)
+                if observe and state.factor == 1:
+                    observe(self._result(course, state))
+                results[stage.name] = remarked(self._run(course, state, results, accept), shape)
                 with together(self._comm):
                     warn_of_remarks(results[stage.name], self._comm, stacklevel=3)
         return results
@@ -210,7 +199,7 @@ class Analysis:
             check_supports(self.structure, held[stage.name], terms[stage.name])
 
     def _run(
-        self, course: _Course, state: Progress, results: StageResults, save: Callable[[str, Progress], None]
+        self, course: _Course, state: Progress, results: StageResults, accept: Callable[[Progress], None]
     ) -> StageResult:
         """Run the load increments of a stage from a converged state."""
         stage = course.stage
@@ -230,9 +219,21 @@ class Analysis:
                     continue
                 if verdict is Verdict.STOP or work.over or not self._located(course, control, work):
                     raise self._failure(course, control, loaded, x, solution, work, results)
-                save(stage.name, control.accept())
+                accept(control.accept())
                 report.increment(float(control.state.factor), control.state.increments[-1].iterations[-1].residual)
         return self._result(course, control.state)
+
+    def _accept(
+        self,
+        course: _Course,
+        saved: checkpoint.Checkpoint,
+        observe: Callable[[StageResult], None] | None,
+        state: Progress,
+    ) -> None:
+        """Save a converged increment, and show it to an observer."""
+        saved.save(course.stage.name, state)
+        if observe:
+            observe(self._result(course, state))
 
     def _solved(self, loaded: LoadedProblem, x: PETSc.Vec, work: Work, thorough: bool) -> Solution:
         """Solve an increment; once the limit of work is used up, allow no retry."""

@@ -5,7 +5,6 @@ import warnings
 import numpy as np
 
 from ..assembly.part_forms import stiffness
-from ..model.parts import Mast, Membrane
 from ..model.structure import Structure
 
 # Speeds in real materials [m/s]: sqrt(Et / mass) is 300 to 2000 in coated fabrics and foils, sqrt(EA / mass) 1500 in
@@ -32,8 +31,8 @@ def warn_of_mass_units(structure: Structure, stacklevel: int) -> None:
         if not part.mass:
             continue
         speed = float(np.sqrt(stiffness(part) / part.mass))
-        slowest, fastest = FABRIC if isinstance(part, Membrane) else BAR
-        if isinstance(part, Mast):
+        slowest, fastest = FABRIC if part.dimension == 2 else BAR
+        if part.is_strut:
             fastest = np.inf  # it may stand for a rigid body
         if any(slowest <= metres * speed <= fastest for metres in units):
             continue

@@ -75,7 +75,7 @@ class Assembler:
         self._packed.clear()
         for name, part in self.parts.items():
             part.p.x.array[:] = data.pressures.get(name, 0.0)
-            own = getattr(part.mesh.part, "compression_stiffness", 1.0)
+            own = part.mesh.part.compression_stiffness
             if part.kept is not None and own < 1:
                 part.kept.value = data.compression * own
             part.follow()

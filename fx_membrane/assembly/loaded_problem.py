@@ -1,33 +1,26 @@
 """A problem under given actions: energy, residual, tangent and their derivatives as functions of the displacement."""
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from mpi4py import MPI
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from petsc4py import PETSc
 
-from ..model.energy_terms import Acting
 from ..model.fingerprints import of_settings
-from ..model.structure import Structure
 from ..runtime.processes import refuse_differences, together
 from . import parameters
 from .actions import Actions, change
-from .assembler import Assembler, CellData
-from .constraints import Constraints, constraints
-from .discretization import Discretization
-from .energy_terms import Terms, terms_of
+from .assembler import Assembler
 from .fitting import check_actions, check_matrix, check_vector
+from .loaded_structure import LoadedStructure, of_actions
 from .rounding import UNIT, Magnitudes
 from .stabilization import Stabilization
 from .work import work
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LoadedProblem:
+class LoadedProblem(LoadedStructure):
     """Energy, residual and tangent of a structure under given actions; made by `Problem.under`.
 
     It is a frozen view: results depend on the displacement x alone, a PETSc vector in the numbering of the `Problem`.
@@ -37,53 +30,22 @@ class LoadedProblem:
     hold reactions and their derivatives. For a linear system, `constraints` replaces these rows: those of a right-hand
     side by `zero_constrained` or `constrain_residual`, those of the tangent, and its columns, by `constrain_tangent`.
 
-    Attributes:
-        actions: The actions.
-        constraints: The constrained components, with operations on vectors and on the tangent.
-        assembler: Sums over the parts.
+    Attributes, beside those of `LoadedStructure`:
         stabilizer: Stabilization of unit shift.
-        magnitudes: Typical forces and stiffnesses.
-        symmetric: True if the tangent is symmetric: without follower pressure and terms without a potential.
-        own_loads: Dead loads on the nodes of this process, in the order of a PETSc vector [N].
-        cells: Pressures and compression stiffness of the cells of this process.
-        terms: Energy terms of the structure and of the actions.
         shift: Stabilization: artificial tension in all parts, as a strain, times the stiffness of each. It is in the
             energy, the residual and the tangent; nonzero only during a homotopy.
     """
 
-    actions: Actions
-    constraints: Constraints
-    assembler: Assembler
     stabilizer: Stabilization
-    magnitudes: Magnitudes
-    symmetric: bool
-    own_loads: NDArray[np.float64]
-    cells: CellData
-    terms: Terms
     shift: float = 0.0
 
     def __repr__(self) -> str:
         return f"LoadedProblem({self.structure}, {np.count_nonzero(self.actions.held)} constrained components)"
 
-    @property
-    def discretization(self) -> Discretization:
-        """The meshes and their common numbering."""
-        return self.assembler.discretization
-
-    @property
-    def structure(self) -> Structure:
-        """The structure."""
-        return self.discretization.structure
-
-    @property
-    def comm(self) -> MPI.Intracomm:
-        """The processes that share the work."""
-        return self.discretization.comm
-
     def under(self, actions: Actions) -> "LoadedProblem":
         """View of the same problem under other actions, the same on all processes; not collective."""
         check_actions("actions", actions, self.structure)
-        return replace(self, **_of_actions(self.assembler, self.magnitudes, actions, self.cells.compression))
+        return replace(self, **of_actions(self.assembler, self.magnitudes, actions, self.cells.compression))
 
     def with_stabilization(self, shift: float) -> "LoadedProblem":
         """View of the problem under the same actions with a stabilization, given as a strain."""
@@ -100,7 +62,7 @@ class LoadedProblem:
     # Energy and its derivatives
 
     def energy(self, x: PETSc.Vec) -> float:
-        """Strain energy less the work of the dead loads, and energy terms [J], Gil (70); without pressures.
+        """Strain energy less the work of loads of fixed direction, and energy terms [J], Gil (70); without pressures.
 
         Terms without a potential are left out, too.
         """
@@ -182,7 +144,7 @@ class LoadedProblem:
     ) -> PETSc.Vec:
         """Differentiate the residual by a parameter of a part, at a fixed displacement [N per unit of the parameter].
 
-        Dead loads and the artificial tension of a stabilization do not follow the parameter.
+        Loads of fixed direction and the stabilization do not follow the parameter.
 
         Args:
             x: Displacement [m].
@@ -239,48 +201,6 @@ class LoadedProblem:
         b.scale(-1.0)
         return b
 
-    # Loads
-
-    def loads(self, x: PETSc.Vec, total: PETSc.Vec) -> None:
-        """Set a vector to the nodal loads in the shape x: dead loads, pressures and all energy terms [N]."""
-        self._following(x, total)
-        self.terms.add_forces(self.terms.standing, total)
-        total.array += self.own_loads
-
-    def pressure_loads(self, x: PETSc.Vec) -> NDArray[np.float64]:
-        """Convert the pressures to nodal forces in the shape x, shape (n, 3) [N]."""
-        with self.discretization.work(1) as (total,):
-            return self.discretization.to_numpy(self._pressure_forces(x, total))
-
-    def term_forces(self, x: PETSc.Vec) -> list[tuple[Acting, NDArray[np.float64]]]:
-        """Energy terms, and their nodal forces in the shape x, shape (n, 3) [N]."""
-        self._update(x)
-        with self.discretization.work(1) as (total,):
-            gather = self.discretization.to_numpy
-            return [(acting, gather(self.terms.forces([acting], total))) for acting in self.terms.all]
-
-    def standing_norm(self, x: PETSc.Vec) -> float:
-        """2-norm of the nodal forces of the structure's energy terms in the shape x [N]."""
-        if not self.terms.standing:
-            return 0.0
-        self._update(x)
-        with self.discretization.work(1) as (total,):
-            return float(self.terms.forces(self.terms.standing, total).norm())
-
-    def load_norm(self, x: PETSc.Vec) -> float:
-        """2-norm of the nodal loads in the shape x: dead loads, pressures, energy terms of the actions [N]."""
-        dead = self._norm(self.own_loads)
-        if not (self.actions.pressed or self.terms.applied):
-            return dead
-        with self.discretization.work(1) as (total,):
-            return dead + float(self._following(x, total).norm())
-
-    def unloaded(self) -> bool:
-        """Return True if there are supports and prestress alone, without loads or prescribed displacements."""
-        loaded = bool(self.own_loads.any() or self.constraints.prescribed.any())
-        following = self.actions.pressed or self.terms.applied
-        return not (following or self.comm.allreduce(loaded, MPI.LOR))
-
     def beyond_rounding(self, x: PETSc.Vec, b: PETSc.Vec) -> float:
         """Norm (2-norm) of a constrained residual in the state x beyond the rounding of each entry [N]."""
         displacement = float(x.norm(PETSc.NormType.NORM_INFINITY))
@@ -289,12 +209,6 @@ class LoadedProblem:
         beyond = np.maximum(np.abs(b.array_r) - rounding, 0.0)
         return self._norm(beyond)
 
-    def _norm(self, own: NDArray[np.float64]) -> float:
-        """2-norm of a vector from the entries of this process."""
-        with np.errstate(all="ignore"):  # of an iterate that diverges
-            square = float(own @ own)
-        return math.sqrt(self.comm.allreduce(square))
-
     def _vector(self, b: PETSc.Vec | None) -> PETSc.Vec:
         """Vector for a result: the given one, or a new one."""
         if b is None:
@@ -302,48 +216,10 @@ class LoadedProblem:
         check_vector("b", b, self.discretization.rows)
         return b
 
-    def _update(self, x: PETSc.Vec) -> None:
-        check_vector("x", x, self.discretization.rows)
-        self.assembler.update(x, self.cells)
-
-    def _pressure_forces(self, x: PETSc.Vec, total: PETSc.Vec) -> PETSc.Vec:
-        self._update(x)
-        if not self.actions.pressed:
-            total.set(0.0)
-            return total
-        return self.assembler.vector(lambda part: part.pressure, total)
-
-    def _following(self, x: PETSc.Vec, total: PETSc.Vec) -> PETSc.Vec:
-        """Set a vector to the nodal loads that depend on the shape, of the actions [N]."""
-        self._pressure_forces(x, total)
-        self.terms.add_forces(self.terms.applied, total)
-        return total
-
 
 def loaded_problem(
     assembler: Assembler, stabilizer: Stabilization, magnitudes: Magnitudes, actions: Actions
 ) -> LoadedProblem:
     """View of a problem under actions."""
-    given = _of_actions(assembler, magnitudes, actions)
+    given = of_actions(assembler, magnitudes, actions)
     return LoadedProblem(assembler=assembler, stabilizer=stabilizer, magnitudes=magnitudes, **given)
-
-
-def _of_actions(
-    assembler: Assembler, magnitudes: Magnitudes, actions: Actions, compression: float = 1.0
-) -> dict[str, Any]:
-    """Fields of a view that belong to its actions, copied from them."""
-    discretization = assembler.discretization
-    pressures = {
-        name: actions.pressures[name][part.mesh.cell_rows].astype(np.float64)
-        for name, part in assembler.parts.items()
-        if name in actions.pressures
-    }
-    terms = terms_of(assembler.terms, actions.terms)
-    return {
-        "actions": actions,
-        "constraints": constraints(discretization, actions, magnitudes.stiffness),
-        "symmetric": not (actions.pressed or terms.without_potential),
-        "own_loads": actions.loads[discretization.owned_nodes].ravel(),
-        "cells": CellData(pressures, compression),
-        "terms": terms,
-    }

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
-from ..model.parts import Membrane
 from ..model.structure import Structure
 from .part_forms import PartForms, by_modulus, by_prestress, moduli
 
@@ -32,7 +31,7 @@ class Change:
                 f"No part is named {validation.short_repr(part)}; those of the structure are {list(structure.parts)}."
             )
         owner = structure.parts[part]
-        names = ("prestress", *moduli(owner), *["pressure"] * isinstance(owner, Membrane))
+        names = ("prestress", *moduli(owner), *["pressure"] * (owner.dimension == 2))
         if not isinstance(parameter, str) or parameter not in names:
             given = validation.short_repr(parameter)
             raise ValueError(f"Part {part!r} has no parameter {given}; those with a derivative are {list(names)}.")

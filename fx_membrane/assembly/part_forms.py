@@ -11,7 +11,7 @@ from dolfinx import fem
 from .. import _dolfinx
 from ..forms import elasticity, inertia, kinematics, loads, stress, wrinkling
 from ..model import laws
-from ..model.parts import Mast, Membrane, Part
+from ..model.parts import Part
 from ..model.structure import Structure
 from . import relaxation
 from .discretization import PartMesh
@@ -80,10 +80,7 @@ def part_forms(mesh: PartMesh, structure: Structure, elastic: bool) -> PartForms
     """Forms of a part; parts of a kind differ by data only, so that they share one compiled form."""
     part, u, d = mesh.part, mesh.u, mesh.part.dimension
     J = ufl.Jacobian(mesh.mesh)
-    if isinstance(part, Membrane):
-        T = kinematics.membrane_frame(J, mesh.cell_field(structure.warp(mesh.name)))
-    else:
-        T = kinematics.bar_frame(J)
+    T = kinematics.membrane_frame(J, mesh.cell_field(structure.warp(mesh.name))) if d == 2 else kinematics.bar_frame(J)
     G = kinematics.displacement_gradient(u, T)
     F = kinematics.deformation_gradient(G, T)
     E = ufl.variable(kinematics.green_lagrange(G, T))
@@ -96,7 +93,7 @@ def part_forms(mesh: PartMesh, structure: Structure, elastic: bool) -> PartForms
     dx = ufl.Measure("dx", domain=mesh.mesh, metadata={"quadrature_degree": 1})  # exact: strains are constant per cell
     energy = w.density * dx
     residual = ufl.derivative(energy, u, v)
-    pressure = loads.follower_pressure(p[0], F, v) * dx if isinstance(part, Membrane) else None
+    pressure = loads.follower_pressure(p[0], F, v) * dx if d == 2 else None
     if pressure is not None:
         residual -= pressure
     tangent = ufl.derivative(residual, u, ufl.TrialFunction(u.function_space))
@@ -195,7 +192,7 @@ def _strain_energy(mesh: PartMesh, E: Any, sigma0: Any, prestress: fem.Function)
     parameters = laws.parameters(law, lambda value: fem.Constant(mesh.mesh, np.float64(value)))
     constants = parameters._asdict()
     full = law.energy(E, sigma0, parameters)
-    if isinstance(part, Mast) or laws.carries_compression(law, part.dimension):
+    if part.is_strut or laws.carries_compression(law, part.dimension):
         return _Energy(full, ufl.as_ufl(wrinkling.TAUT), relaxation.nothing, moduli=constants)
     relaxed, follow = relaxation.relaxed(mesh, E, sigma0, prestress, parameters)
     eta = fem.Constant(mesh.mesh, np.float64(part.compression_stiffness))

@@ -2,8 +2,8 @@
 
     Pi(u) = sum of strain energies - f . u,    R = dPi/du - f_p(u),    K = dR/du        Gil (50), (51), (68)-(71)
 
-with dead loads f and follower pressures f_p, which in general have no potential. Loads, constraints and their
-displacements change from stage to stage as data: nothing is compiled twice.
+with loads f of fixed direction and follower pressures f_p, which in general have no potential. Loads, constraints and
+their displacements change from stage to stage as data: nothing is compiled twice.
 """
 
 from dataclasses import replace

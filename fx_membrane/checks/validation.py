@@ -7,12 +7,15 @@ from collections.abc import Callable, Iterable, Sequence, Set
 from typing import Any
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
 from .entries import all_are, described, entries, frozen_integers, misfit
-from .values import expected, is_real, is_whole, scalar, with_article
-from .values import format_point as format_point  # noqa: PLC0414  (others take both from here)
+from .objects import communicator as communicator  # noqa: PLC0414  (others take all checks from here)
+from .objects import instance as instance  # noqa: PLC0414
+from .objects import instances as instances  # noqa: PLC0414
+from .objects import plain as plain  # noqa: PLC0414
+from .values import format_point as format_point  # noqa: PLC0414
+from .values import is_real, is_whole, scalar
 from .values import short_repr as short_repr  # noqa: PLC0414
 
 LARGEST = 1e60  # limit of all numbers: the square of the product of two is still finite
@@ -251,46 +254,6 @@ def texts(name: str, values: Any) -> tuple[str, ...]:
     """Make a tuple of texts, from any sequence or set of them."""
     values = sorted(values, key=str) if isinstance(values, Set) else values
     return tuple(map(str.__str__, instances(name, values, str)))
-
-
-def communicator(name: str, value: Any) -> MPI.Intracomm:
-    """Check for processes that share the work."""
-    if not isinstance(value, MPI.Intracomm) or value == MPI.COMM_NULL:
-        raise ValueError(f"{name} is {short_repr(value)}; give a communicator of mpi4py, as MPI.COMM_WORLD.")
-    return value
-
-
-def instance(what: str, value: Any, kind: Any) -> None:
-    """Refuse an object of another kind (a class, or several joined by |)."""
-    if not isinstance(value, kind):
-        hint = ", with brackets behind its name" if isinstance(value, type) else ""
-        raise ValueError(f"{what} is {short_repr(value)}; give {with_article(expected(kind))}{hint}.")
-
-
-def plain(what: str, value: Any, kind: Any) -> None:
-    """Refuse an object of another kind or of a derived class, whose own data and methods nothing would use."""
-    instance(what, value, kind)
-    _refuse_derived(f"{what} is", value, kind)
-
-
-def _refuse_derived(what: str, value: Any, kind: Any) -> None:
-    if type(value) not in getattr(kind, "__args__", (kind,)):
-        raise ValueError(
-            f"{what} {with_article(type(value).__name__)}, a class derived from {type(value).__mro__[1].__name__}, "
-            f"whose own data and methods would not be used; give {with_article(expected(kind))} itself."
-        )
-
-
-def instances(name: str, values: Any, kind: Any) -> tuple[Any, ...]:
-    """Make a tuple of objects of a kind (a class, or several joined by |), from any sequence of them."""
-    if not isinstance(values, Sequence) or isinstance(values, str | bytes | bytearray):
-        raise ValueError(f"{name} must be a list of {expected(kind)}, not {short_repr(values)}; put it in brackets.")
-    for value in values:
-        if not isinstance(value, kind):
-            raise ValueError(f"{name} has {short_repr(value)}; give a list of {expected(kind)}.")
-        if kind is not str:
-            _refuse_derived(f"{name} has", value, kind)
-    return tuple(values)
 
 
 def unique(name: str, values: Iterable[str]) -> None:

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from .. import _dolfinx
 from ..checks import validation
 from ..model.fingerprints import of_settings
-from ..model.parts import Membrane
 from ..results.evaluation import STATES
 from ..results.states import StageResult
 from ..runtime.processes import refuse_differences, together
@@ -81,7 +80,7 @@ def _cell_values(state: StageResult, name: str) -> dict[str, NDArray[np.float64]
     """Results in the cells as numbers, by name."""
     result = state.parts[name]
     found: dict[str, Any] = {field.name: getattr(result, field.name) for field in dataclasses.fields(result)}
-    if isinstance(state.structure.parts[name], Membrane):
+    if state.structure.parts[name].dimension == 2:
         found["warp"] = state.structure.warp(name)
     if "state" in found:
         found["state"] = (found["state"][:, None] == STATES).argmax(axis=1)

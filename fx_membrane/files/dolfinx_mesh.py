@@ -47,8 +47,9 @@ def structure_from_dolfinx(
             processes; each must call this function.
         groups: For each name MeshTags and a value, or several values: `{"fabric": (cell_tags, 1), "rope": (edge_tags,
             [7, 8])}`; or a mesh, for all its cells.
-        parts: For each name, a function that makes a part of the cells (intervals or triangles) of that group:
-            `{"fabric": lambda cells: Membrane(cells, Fabric(Et=500e3, nu=0.3), prestress=1e3)}`.
+        parts: For each name, a function that makes a part of the cells (intervals or triangles) of that group,
+            or of its cells and the points of the structure: `{"fabric": lambda cells: Membrane(cells, Fabric(Et=500e3,
+            nu=0.3), prestress=1e3)}`.
         supports: For each name, the constrained components of the nodes of that group: `{"corners": "xyz"}`.
         separate: Pairs of names of parts that lie on each other without being joined, see `Structure`. They must be in
             one mesh, with nodes of their own.

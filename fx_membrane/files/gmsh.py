@@ -32,8 +32,9 @@ def structure_from_gmsh(
     Args:
         source: A mesh file of gmsh, format 2 or 4, or None for the meshed model open in this process. Files are read in
             a separate process: models open in gmsh here are unchanged.
-        parts: For each physical name, a function that makes a part of its cells (lines or triangles, of first order):
-            `{"fabric": lambda cells: Membrane(cells, Fabric(Et=500e3, nu=0.3), prestress=1e3)}`.
+        parts: For each physical name, a function that makes a part of its cells (lines or triangles, of first order),
+            or of its cells and the points of the structure: `{"fabric": lambda cells: Membrane(cells, Fabric(Et=500e3,
+            nu=0.3), prestress=1e3)}`.
         supports: For each physical name, the constrained components of its nodes: `{"corners": "xyz"}`. A group may be
             a part and a support: `{"fabric": "z"}` keeps a membrane flat.
         separate: Pairs of names of parts that lie on each other without being joined, see `Structure`.

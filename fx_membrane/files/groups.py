@@ -1,5 +1,6 @@
 """Structures from named groups of cells and nodes, as meshes of other programs have them."""
 
+import inspect
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -11,7 +12,7 @@ from ..model.parts import Part
 from ..model.structure import Structure
 from ..model.supports import Support
 
-Makers = Mapping[str, Callable[[NDArray[np.int64]], Part]]
+Makers = Mapping[str, Callable[..., Part]]  # of cells, or of cells and points
 
 
 class Groups(NamedTuple):
@@ -46,7 +47,7 @@ def check_arguments(parts: Any, supports: Any) -> None:
         if not callable(make):
             raise ValueError(
                 f"The part {validation.name('part', name)!r} is {validation.short_repr(make)}; give a function of its "
-                "cells, lambda cells: Membrane(cells, ...)."
+                "cells, lambda cells: Membrane(cells, ...), or of its cells and the points."
             )
     for name, components in (supports or {}).items():
         validation.letters(f"The support {validation.name('support', name)!r}", components)
@@ -75,14 +76,27 @@ def structure(
                 f"{groups.label(loose[0])} at {validation.format_point(groups.points[loose[0]])}; put it on a part."
             )
         held.append(Support(np.unique(row[nodes]), components))
-    made = {name: _part(groups.kind, name, make, row[groups.cells[name]]) for name, make in parts.items()}
-    return Structure(groups.points[used], made, held, separate)
+    points = groups.points[used]
+    made = {name: _part(groups.kind, name, make, row[groups.cells[name]], points) for name, make in parts.items()}
+    return Structure(points, made, held, separate)
 
 
-def _part(kind: str, name: str, make: Callable[[NDArray[np.int64]], Part], cells: NDArray[np.int64]) -> Part:
-    """Make a part of cells by the user's function; errors name the group."""
+def _part(
+    kind: str, name: str, make: Callable[..., Part], cells: NDArray[np.int64], points: NDArray[np.float64]
+) -> Part:
+    """Make a part of cells, or of cells and points, by the user's function; errors name the group."""
     try:
-        return make(cells)
+        return make(cells, points) if _takes_points(make) else make(cells)
     except ValueError as error:
         what = "triangles, for a Membrane" if cells.shape[1] == 3 else "segments, for a Cable or a Mast"
         raise ValueError(f"The {kind} {name!r} has {what}; they make no part: {error}") from error
+
+
+def _takes_points(make: Callable[..., Part]) -> bool:
+    """Return True if a function needs two arguments; one with a default is not meant."""
+    try:
+        parameters = inspect.signature(make).parameters.values()
+    except (TypeError, ValueError):  # a callable of C
+        return False
+    positional = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    return sum(entry.kind in positional and entry.default is entry.empty for entry in parameters) == 2

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.sparse import csr_matrix
 
-from ..model.parts import Bar, Mast
 from ..model.structure import Structure
 
 Array = NDArray[np.float64]
@@ -29,8 +28,8 @@ def has_free_masts(structure: Structure) -> bool:
     """Return True if the structure has bars only, with a free mast among them."""
     free = ~structure.supported.all(axis=1)
     parts = structure.parts.values()
-    return all(isinstance(part, Bar) for part in parts) and any(
-        isinstance(part, Mast) and bool(free[part.cells].any()) for part in parts
+    return all(part.dimension == 1 for part in parts) and any(
+        part.is_strut and bool(free[part.cells].any()) for part in parts
     )
 
 
@@ -94,7 +93,7 @@ def _is_standing(structure: Structure, points: Array) -> bool:
     for part in structure.parts.values():
         first, before = _lines(structure.points, part.cells)
         now, after = _lines(points, part.cells)
-        turned = isinstance(part, Mast) and (np.sum(before * after, axis=1) < TURNED).any()
+        turned = part.is_strut and (np.sum(before * after, axis=1) < TURNED).any()
         if turned or (now < SHORT * first).any():
             return False
     return True

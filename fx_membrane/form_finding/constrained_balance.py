@@ -66,7 +66,7 @@ class ConstrainedBalance:
         self.structure, self.loads, self.collapse = structure, loads, collapse
         self.motions = motions_of(structure, [one for one in given if isinstance(one, NodeConstraint)])
         of_cables = [one for one in given if isinstance(one, CableConstraint)]
-        self.targets = CableTargets(structure, of_cables, axes, measure)
+        self.targets = CableTargets(structure, of_cables, axes, measure, self.motions.guided)
 
     def start(self, plans: Mapping[str, Plan]) -> dict[str, Array]:
         """Force densities of the first step, by part, shape (cells,) [N/m]."""

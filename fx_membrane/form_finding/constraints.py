@@ -80,8 +80,10 @@ class CableDensity:
 class CableLength:
     """Length of a cable in the form; its force is found.
 
-    A line of the cable runs between its ends, branches and nodes held in all components. Each line has that length, and
-    one force, or horizontal force, or force density, as the argument `cables` of the method says.
+    A line of the cable runs between its ends, branches and nodes held in all components; a closed one is divided where
+    supports, other cables or masts, or constraints of nodes hold it. Each line has that length, and one force, or
+    horizontal force, or force density, as the argument `cables` of `projected_stress` says. In `natural_force_density`
+    it has one force.
 
     Args:
         part: Name of the cable.
@@ -174,6 +176,9 @@ class EdgeAngle:
 class Slide:
     """Nodes that slide without friction in form finding: on a line, or on a plane, through their first position.
 
+    In the structure of the form, a node that slides along axes has a support in its other components. One that slides
+    in an inclined direction is held, as supports have the directions of axes; its reaction has no part along the slide.
+
     Args:
         nodes: A node number or several, shape (k,).
         direction: Direction of the line, shape (3,), or one for each node, (k, 3); of any length.
@@ -218,7 +223,8 @@ class Ring:
     """Nodes on a circle that stay plane and round in form finding, while the ring moves and turns.
 
     The nodes keep their angles on the circle. Supports of the ring's nodes guide it: held in "z", it moves in its
-    plane.
+    plane. What keeps it round is in `Form.reactions`. In the structure of the form, bars without prestress along the
+    ring take these forces where they balance them, as those of a mast around a cone; else its nodes are held.
 
     Args:
         nodes: The nodes, on a circle at the start, shape (k,), k >= 3.
@@ -247,6 +253,9 @@ class Ring:
 @dataclass(frozen=True, eq=False)
 class RigidBody:
     """Nodes that move and turn together in form finding, as those of a stiff head frame.
+
+    Two nodes are the ends of a strut of given length; a `Mast` without prestress between them takes its force. Bars and
+    supports take the forces of a body as those of a `Ring`.
 
     Args:
         nodes: The nodes, shape (k,), k >= 2.

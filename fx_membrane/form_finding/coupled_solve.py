@@ -51,4 +51,4 @@ class CoupledSolve:
             start = np.concatenate([body.unknowns(held_at) for body in self.motions.bodies])
             _, push = settled(self.motions.bodies, self.stiffness, free[self.columns], start)
             free = free + self.response @ push
-        return np.asarray(base + (self.basis @ free).reshape(base.shape))
+        return np.where(self.motions.held, held_at, base + (self.basis @ free).reshape(base.shape))

@@ -35,7 +35,7 @@ class Form:
         forces: By part, axial forces of cables and masts, shape (cells,) [N], and Cauchy stress times thickness of
             membranes in the warp/weft frame, shape (cells, 2, 2) [N/m]. `force_density` gives those of its branches
             under "net".
-        reactions: Forces on the constrained components, shape (n, 3) [N]; zero where free.
+        reactions: Forces of supports, and of constraints of nodes, shape (n, 3) [N]; zero where free.
         steps: The steps of a method that takes several.
         converged: True if the form has the forces asked for, within the tolerances of its method.
         made: As `structure`; None for a net of force densities.

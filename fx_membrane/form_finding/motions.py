@@ -61,6 +61,7 @@ class Motions:
         slides: Nodes that slide along no axis or plane of axes, shape (s,).
         free: Their free directions as columns, padded by zeros, shape (s, 3, 2).
         bodies: Rings and rigid bodies.
+        guided: Nodes with a constraint of their own, shape (n,).
     """
 
     held: Mask
@@ -68,6 +69,7 @@ class Motions:
     slides: NDArray[np.int64]
     free: Array
     bodies: tuple[Body, ...]
+    guided: Mask
 
     @property
     def couple(self) -> bool:
@@ -138,7 +140,7 @@ def motions_of(structure: Structure, constraints: Sequence[NodeConstraint] = ())
         else:
             bodies.append(_body(structure, constraint))
             reacting[nodes] = True
-    return Motions(held, reacting, np.concatenate(slides), np.concatenate(free), tuple(bodies))
+    return Motions(held, reacting, np.concatenate(slides), np.concatenate(free), tuple(bodies), taken)
 
 
 def _ways(structure: Structure, slide: Slide) -> Array:

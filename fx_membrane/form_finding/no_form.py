@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.measures import normals, projected
-from ..model.parts import Cable, Membrane
+from ..model.parts import Membrane
 from ..model.structure import Structure
 from .ring_reach import far_ring
 from .unheld import free_edge, lone_point
@@ -61,5 +61,5 @@ def stresses_in(structure: Structure, points: Array) -> Mapping[str, Array]:
 
 def forces_in(structure: Structure) -> Mapping[str, Array]:
     """Prestress of cables, by name, shape (cells,) [N]."""
-    parts = structure.parts.items()
-    return {name: part.prestress_tensors().ravel() for name, part in parts if isinstance(part, Cable)}
+    cables = ((name, part) for name, part in structure.parts.items() if part.dimension == 1 and not part.is_strut)
+    return {name: part.prestress_tensors().ravel() for name, part in cables}

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..checks import validation
 from ..geometry.measures import measures
 from ..model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
-from ..model.parts import Cable, Membrane
+from ..model.parts import Membrane
 from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
 from ..solvers.progress import Pulse
@@ -31,7 +31,7 @@ from .constraints import Constraint
 from .form import Form, FormStep, refuse_terms
 from .hand_over import handed_over
 from .membrane_balance import collapse_of, stressed
-from .no_form import causes
+from .no_form import causes, forces_in
 from .plan import Field, Plan, place, plan_of
 from .shape_change import change_of_shape
 from .unheld import free_edge
@@ -134,7 +134,7 @@ def projected_stress(
         structure, stage.loads, constraints, axes, cables, lambda shape, _: collapse_of(structure, shape)
     )
 
-    membranes = {name: part for name, part in structure.parts.items() if isinstance(part, Membrane)}
+    membranes = structure.parts_of(Membrane)
     plans = {name: plan_of(name, part, structure.points, axes, fields.get(name)) for name, part in membranes.items()}
     pulse = Pulse("form finding", MPI.COMM_WORLD.rank == 0)
     points, reactions, error, stray, steps = structure.points, np.zeros(0), np.inf, np.inf, list[FormStep]()
@@ -189,7 +189,7 @@ def _checked_fields(structure: Structure, stress: Any) -> dict[str, Field]:
     validation.instance("stress", stress, Mapping | None)
     fields = dict(stress or {})
     for name, field in fields.items():
-        if not isinstance(structure.parts.get(name) if isinstance(name, str) else None, Membrane):
+        if not isinstance(name, str) or name not in structure.parts_of(Membrane):
             raise ValueError(f"stress names {validation.short_repr(name)}, which is no membrane of the structure.")
         if not callable(field):
             raise ValueError(
@@ -226,8 +226,7 @@ def _weak_edges(structure: Structure, plans: Mapping[str, Plan], axes: Array, de
     plane = axes[:, :2]
     flat = structure.points @ plane @ plane.T
     stresses = {name: plane @ plan.stress @ plane.T for name, plan in plans.items()}
-    cables = {name: part for name, part in structure.parts.items() if isinstance(part, Cable)}
-    forces = {name: densities[name] * measures(flat, part.cells) for name, part in cables.items()}
+    forces = {name: densities[name] * measures(flat, structure.parts[name].cells) for name in forces_in(structure)}
     return weak_edges(structure, flat, stresses, forces)
 
 

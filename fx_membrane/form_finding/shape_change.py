@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from ..checks import validation
 from ..geometry.measures import measures, normals
 from ..geometry.topology import boundary_edges
-from ..model.parts import Bar, Mast, Membrane
+from ..model.parts import Bar, Membrane
 from ..model.structure import Structure
 from .line_tangents import line_tangents, unit
 from .no_form import cause
@@ -45,7 +45,7 @@ def change_of_shape(structure: Structure, points: NDArray[np.float64], displacem
     largest = float(np.linalg.norm(across, axis=1).max() / np.concatenate(edges).mean())
     slides = np.any(tangent, axis=1)
     for part in structure.parts.values():
-        if isinstance(part, Bar):
+        if part.dimension == 1:
             bars = part.cells[~slides[part.cells].any(axis=1)]
             ratio = measures(points + displacement, bars) / measures(points, bars)
             largest = max(largest, float(np.abs(ratio - 1).max(initial=0.0)))
@@ -68,8 +68,8 @@ def check_collapse(structure: Structure, points: NDArray[np.float64], step: int)
     torn = False
     for name, part in structure.parts.items():
         first, now = measures(structure.points, part.cells), measures(points, part.cells)
-        gone = now < (GONE_MAST if isinstance(part, Mast) else GONE) ** part.dimension * first
-        if isinstance(part, Bar):
+        gone = now < (GONE_MAST if part.is_strut else GONE) ** part.dimension * first
+        if part.dimension == 1:
             for cell in np.flatnonzero(gone | (now * GONE > first))[:1]:
                 force = part.prestress_tensors()[cell, 0, 0]
                 raise RuntimeError(_unbalanced(step, name, part, int(cell), force, first[cell], now[cell]))
@@ -81,7 +81,7 @@ def check_collapse(structure: Structure, points: NDArray[np.float64], step: int)
 def collapse(structure: Structure, step: int, points: NDArray[np.float64] | None = None) -> str:
     """Sentences on a shape without equilibrium; free masts, a possible cause, come first."""
     for name, part in structure.parts.items():
-        if isinstance(part, Mast):
+        if part.is_strut:
             force = part.prestress_tensors()[:, 0, 0]
             free = ~np.all(structure.supported, axis=1)[part.cells].all(axis=1)
             for cell in np.flatnonzero(free & (force < 0))[:1]:
@@ -115,7 +115,7 @@ def _where(structure: Structure, points: NDArray[np.float64]) -> str:
 
 
 def _unbalanced(step: int, name: str, part: Bar, cell: int, force: float, first: float, now: float) -> str:
-    kind = "mast" if isinstance(part, Mast) else "cable"
+    kind = "mast" if part.is_strut else "cable"
     fate = "shrinks to a point" if now < first else "grows without bound"
     remedy = "change its force, the forces that meet at its ends, or the loads; or hold its ends by supports."
     if kind == "mast":

@@ -31,12 +31,13 @@ from ..checks import validation
 from ..geometry.measures import measures, normals, projected
 from ..model.fingerprints import of_settings
 from ..model.loads import DistributedLoad, PointLoad, Pressure
-from ..model.parts import Mast, Membrane, Part
+from ..model.parts import Membrane, Part
 from ..model.restraint import check_supports
 from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
 from ..results.evaluation import StateEvaluator
-from ..results.states import BarResult, MembraneResult, StageResult
+from ..results.part_results import BarResult, MembraneResult
+from ..results.states import StageResult
 from ..runtime.processes import refuse_differences, together
 from ..solvers.base import Iteration, Solution
 from ..solvers.newton import Newton
@@ -233,7 +234,7 @@ def _check_prestress(structure: Structure) -> None:
         raise ValueError("No part has a prestress; form finding needs the stress that the form is to have.")
     for name, part in structure.parts.items():
         least = np.linalg.eigvalsh(stresses[name])[:, 0]
-        if not isinstance(part, Mast) and least.min() < 0:
+        if not part.is_strut and least.min() < 0:
             cell = int(np.argmin(least))
             where = validation.format_point(structure.points[part.cells[cell]].mean(axis=0))
             raise ValueError(
@@ -248,15 +249,14 @@ def _stressed(
     """Replace the prestress of a part by the stress of a state, in a new shape; return that, and its relative error."""
     part = structure.parts[name]
     wanted = part.prestress_tensors()
-    if isinstance(state, MembraneResult):
-        assert isinstance(part, Membrane)
+    if state.dimension == 2:
         warp = structure.warp(name)
         normal = normals(points, part.cells)
         first = projected(warp, normal)
         frame = np.stack([first, np.cross(normal, first)], axis=2)
         found = np.einsum("nia,nij,njb->nab", frame, state.cauchy, frame)
         found = (found + found.swapaxes(1, 2)) / 2
-        stressed: Part = replace(part, prestress=found, warp=warp)
+        stressed: Part = replace(structure.part(name, Membrane), prestress=found, warp=warp)
     else:
         found, wanted = state.force, wanted[:, 0, 0]
         stressed = replace(part, prestress=found)

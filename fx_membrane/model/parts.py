@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import ClassVar, Self, TypeVar
+from typing import ClassVar, Literal, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -53,7 +53,8 @@ class Membrane:
         [[2000.0, 0.0], [0.0, 1000.0]]
     """
 
-    dimension: ClassVar[int] = 2
+    dimension: ClassVar[Literal[2]] = 2
+    is_strut: ClassVar[bool] = False
     cells: NDArray[np.int64]
     material: Law
     prestress: ArrayLike = 0.0
@@ -111,9 +112,13 @@ class Membrane:
 
 @dataclass(frozen=True, eq=False)
 class Bar:
-    """Common fields of cables and masts: straight elements with axial force only."""
+    """Common fields of cables and masts: straight elements with axial force only.
 
-    dimension: ClassVar[int] = 1
+    `is_strut` tells those that stand by compression, and fall where nothing holds them.
+    """
+
+    dimension: ClassVar[Literal[1]] = 1
+    is_strut: ClassVar[bool] = False
     cells: NDArray[np.int64]
     axial_stiffness: float = None  # type: ignore[assignment]  # that of the material, if not given
     prestress: ArrayLike = 0.0
@@ -217,8 +222,10 @@ class Mast(Bar):
         210000000.0
     """
 
+    is_strut: ClassVar[bool] = True
     carries_compression: ClassVar[bool] = True
+    compression_stiffness: ClassVar[float] = 1.0
 
 
 Part = Membrane | Cable | Mast
-Kind = TypeVar("Kind", Membrane, Cable, Mast)
+Kind = TypeVar("Kind", bound=Membrane | Bar)

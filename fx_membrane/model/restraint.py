@@ -66,10 +66,8 @@ def _named(structure: Structure, nodes: NDArray[np.intp]) -> str:
 
 
 def _check_masts(structure: Structure, held: NDArray[np.bool_]) -> None:
-    for name, part in structure.parts.items():
-        ends = loose_ends(structure, name, held) if isinstance(part, Mast) else []
-        if ends:
-            cell, node = ends[0]
+    for name in structure.parts_of(Mast):
+        for cell, node in loose_ends(structure, name, held)[:1]:
             raise ValueError(
                 f"Mast {cell} of {name!r} ends nowhere: no other part and no support is at node {node}. "
                 "Support the node, or join it to a part."

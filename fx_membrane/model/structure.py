@@ -17,7 +17,7 @@ from ..geometry.topology import with_one_sense
 from . import energy_terms
 from .coincidence import CoincidentNodesWarning, coincident_nodes
 from .energy_terms import Term
-from .parts import Cable, Kind, Mast, Membrane, Part
+from .parts import Bar, Cable, Kind, Mast, Membrane, Part
 from .supports import Support
 
 
@@ -93,7 +93,8 @@ class Structure:
             for cell in np.flatnonzero(((part.cells < 0) | (part.cells >= count)).any(axis=1))[:1]:
                 validation.in_range(f"Part {name!r}, cell {cell},", part.cells[cell], count, "node")
             self._check_measures(name, part)
-            if isinstance(part, Membrane) and part.warp is not None:
+        for name, membrane in self.parts_of(Membrane).items():
+            if membrane.warp is not None:
                 self.warp(name)
         object.__setattr__(self, "parts", {name: self._turned(name, part) for name, part in self.parts.items()})
         for number, support in enumerate(self.supports):
@@ -181,16 +182,22 @@ class Structure:
         Raises:
             ValueError: There is no part of that name and kind.
         """
-        if not isinstance(kind, type) or kind not in (Membrane, Cable, Mast):
+        found = self.parts_of(kind)
+        if not isinstance(name, str) or name not in found:
+            other = self.parts.get(name) if isinstance(name, str) else None
+            named = f"{validation.short_repr(name)}{f', which is a {type(other).__name__}' * (other is not None)}"
+            raise ValueError(f"No {kind.__name__} is named {named}; those of the structure are {list(found)}.")
+        return found[name]
+
+    def parts_of(self, kind: type[Kind]) -> dict[str, Kind]:
+        """Parts of one kind by name: `Membrane`, `Cable` or `Mast`.
+
+        Raises:
+            ValueError: The kind is none of these.
+        """
+        if not isinstance(kind, type) or kind not in (Membrane, Bar, Cable, Mast):
             raise ValueError(f"The kind of a part is {validation.short_repr(kind)}; give Membrane, Cable or Mast.")
-        part = self.parts.get(name) if isinstance(name, str) else None
-        if not isinstance(part, kind):
-            other = f", which is a {type(part).__name__}" if part is not None else ""
-            names = [key for key, part in self.parts.items() if isinstance(part, kind)]
-            raise ValueError(
-                f"No {kind.__name__} is named {validation.short_repr(name)}{other}; those of the structure are {names}."
-            )
-        return part
+        return {name: part for name, part in self.parts.items() if isinstance(part, kind)}
 
     def check_nodes(self, what: str, nodes: NDArray[np.int64]) -> None:
         """Refuse nodes that do not exist or that no part uses.
@@ -228,7 +235,7 @@ class Structure:
 
     def _turned(self, name: str, part: Part) -> Part:
         """Turn the cells of a part to one sense; store the reason if it has no two sides, until that matters."""
-        if not isinstance(part, Membrane):
+        if part.dimension != 2:
             return part
         cells, reason = with_one_sense(part.cells)
         if reason:

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..model.parts import Mast
 from ..results.states import StageResult
 
 INK = "#30343b"
@@ -62,14 +61,14 @@ def picture(
                 body.cell_data["values"] = sign * field[name]
             elif not isinstance(field, Mapping) and (part.dimension == 2 or not membranes):
                 body.point_data["values"] = sign * field
-            look: dict[str, Any] = {"color": MAST if isinstance(part, Mast) else INK if part.dimension == 1 else FABRIC}
+            look: dict[str, Any] = {"color": MAST if part.is_strut else INK if part.dimension == 1 else FABRIC}
             if "values" in body.array_names:
                 look = {
                     "scalars": "values", "clim": (colours.low, colours.high), "cmap": colours.map,
                     "n_colors": colours.bands, "show_scalar_bar": False,
                 }  # fmt: skip
             if part.dimension == 1:
-                body = body.tube(radius=(2 if isinstance(part, Mast) else 1) * radius)
+                body = body.tube(radius=(2 if part.is_strut else 1) * radius)
             else:
                 look |= {
                     "show_edges": len(part.cells) <= 5000,

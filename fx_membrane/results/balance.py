@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.rounding import meeting, prestresses, scales
-from .states import BarResult, MembraneResult, Remark, StageResult
+from .states import Remark, StageResult
 
 UNBALANCED = 1e-6  # of the loads
 # Share of the forces that meet at a node, below which what is left of them is rounding. Stiffness does not count: where
@@ -22,10 +22,6 @@ class UnbalancedStateWarning(UserWarning):
     """
 
 
-class _Unbalanced(Remark):
-    category = UnbalancedStateWarning
-
-
 def balance_remarks(result: StageResult) -> Iterator[Remark]:
     """At most one, on unbalanced forces that are neither small beside the loads nor rounding of what meets there."""
     loads, reactions = _size(result.loads), _size(result.reactions)
@@ -36,11 +32,12 @@ def balance_remarks(result: StageResult) -> Iterator[Remark]:
     off = unbalanced[unbalanced > np.maximum(UNBALANCED * forces, ROUNDING * _acting(result))]
     if not len(off):
         return
-    yield _Unbalanced(
+    yield Remark(
         f"an unbalanced force of {off.max():.3g} is left beside {kind} of {forces:.3g}, "
         "which the tolerance of the solver or rounding allows; displacements, forces and stresses are off accordingly. "
         "Give the solver a smaller rtol; check units, and parts that are far stiffer or far more prestressed than the "
-        "others: a stiffness of a thousand times theirs is rigid enough."
+        "others: a stiffness of a thousand times theirs is rigid enough.",
+        UnbalancedStateWarning,
     )
 
 
@@ -56,11 +53,10 @@ def _acting(result: StageResult) -> NDArray[np.float64]:
     A prestress counts also where the state has lost it: what is left is the difference of the two.
     """
     given = prestresses(result.structure)
-    return meeting(result.structure, {name: given[name] + _stress(part) for name, part in result.parts.items()})
-
-
-def _stress(part: MembraneResult | BarResult) -> NDArray[np.float64]:
-    return np.abs(part.force) if isinstance(part, BarResult) else np.abs(part.principal).max(axis=1)
+    return meeting(
+        result.structure,
+        {name: given[name] + np.abs(part.principal).max(axis=1) for name, part in result.parts.items()},
+    )
 
 
 def _size(forces: NDArray[np.float64]) -> float:

@@ -14,9 +14,9 @@ from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.part_forms import PartForms
 from ..assembly.problem import Problem
 from ..forms import kinematics, stress
-from ..model.parts import Membrane
 from ..solvers.base import LIMITS
-from .states import BarResult, Equilibrium, Increment, MembraneResult, StageResult, TermResult
+from .part_results import BarResult, MembraneResult
+from .states import Equilibrium, Increment, StageResult, TermResult
 
 STATES = np.array(["taut", "wrinkled", "slack"])  # in the order of `forms.wrinkling`
 
@@ -80,14 +80,13 @@ class StateEvaluator:
     def _part_result(self, name: str) -> MembraneResult | BarResult:
         discretization = self.problem.discretization
         part = self.problem.structure.parts[name]
-        membrane = isinstance(part, Membrane)
-        shapes = MEMBRANE if membrane else BAR
+        shapes = MEMBRANE if part.dimension == 2 else BAR
         here = self._cell_values(name, shapes)
         fields: dict[str, NDArray[Any]] = {}
         for field, shape in shapes.items():  # one by one: they fill the memory
             fields[field] = discretization.gather_cells(name, here.pop(field)).reshape(-1, *shape)
         state = STATES[fields.pop("state").astype(int)]
-        if membrane:
+        if part.dimension == 2:
             return MembraneResult(**fields, state=state)
         slack = state == "slack"
         if not part.carries_compression:  # cables without force, or with rounding
@@ -112,7 +111,7 @@ def _expression(part: PartForms) -> Callable[[], NDArray[np.float64]]:
     """Compile the quantities of a part as one vector-valued expression, in the order of `MEMBRANE` or `BAR`."""
     F, S = part.F, part.S
     cauchy = stress.cauchy(F, S, kinematics.stretch_ratio(F))
-    if isinstance(part.mesh.part, Membrane):
+    if part.mesh.part.dimension == 2:
         fields = {
             "strain": part.E,
             "second_piola_kirchhoff": S,

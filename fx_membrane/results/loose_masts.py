@@ -7,10 +7,10 @@ from numpy.typing import NDArray
 
 from ..geometry.measures import measures
 from ..model.energy_terms import touched
-from ..model.parts import Mast, Membrane
+from ..model.parts import Bar, Mast
 from ..solvers.curvature import WEAK
-from .slack_forces import LIMIT, compression, rounding, slack_cells
-from .states import BarResult, StageResult
+from .slack_forces import LIMIT, compression, rounding
+from .states import StageResult
 
 Array = NDArray[np.float64]
 
@@ -49,15 +49,14 @@ def loose_masts(result: StageResult) -> list[Loose]:
     masts in one plane with their guys do. Joints of masts alone are none: solvers meet the missing stiffness
     themselves.
     """
-    if not any(isinstance(part, Mast) for part in result.structure.parts.values()):
+    if not result.structure.parts_of(Mast):
         return []
     ends = _ends(result)
     could = ends.mast & ~ends.fabric & ~result.actions.held.all(axis=1)
     could &= ~touched(result.structure, result.structure.terms)  # an elastic bed may hold them
     blocks = np.zeros((len(could), 3, 3))
-    for name, part in result.structure.parts.items():
-        if not isinstance(part, Membrane):
-            np.add.at(blocks, part.cells, _bar_tangent(result, name)[:, None])
+    for name, bar in result.structure.parts_of(Bar).items():
+        np.add.at(blocks, bar.cells, _bar_tangent(result, name, bar)[:, None])
     nodes = np.flatnonzero(could & np.where(ends.slack, ends.pressed, ends.cable))
     own, free = blocks[nodes], ~result.actions.held[nodes]
     own = own * (free[:, :, None] & free[:, None, :])
@@ -74,12 +73,12 @@ def loose_masts(result: StageResult) -> list[Loose]:
 def _ends(result: StageResult) -> _Ends:
     ends = _Ends(*(np.zeros(len(result.structure.points), dtype=bool) for _ in _Ends._fields))
     for name, part in result.structure.parts.items():
-        loose = slack_cells(result, name)
+        loose = result.parts[name].slack
         ends.slack[part.cells[loose]] = True
         ends.pressed[part.cells[compression(result, name) > rounding(result, name)]] = True
-        if isinstance(part, Membrane):
+        if part.dimension == 2:
             ends.fabric[part.cells[~loose]] = True
-        elif isinstance(part, Mast):
+        elif part.is_strut:
             ends.mast[part.cells] = True
             ends.pressed[part.cells[result.mast(name).force < -LIMIT * rounding(result, name)]] = True
         else:
@@ -94,10 +93,8 @@ def _together(result: StageResult, nodes: NDArray[np.int64]) -> list[Loose]:
     row = np.full(len(result.structure.points), -1)
     row[nodes] = np.arange(len(nodes))
     blocks = np.zeros((len(nodes), len(nodes), 3, 3))
-    for name, part in result.structure.parts.items():
-        if isinstance(part, Membrane):
-            continue
-        tangent, rows = _bar_tangent(result, name), row[part.cells]
+    for name, bar in result.structure.parts_of(Bar).items():
+        tangent, rows = _bar_tangent(result, name, bar), row[bar.cells]
         for i, j in np.ndindex(2, 2):
             here = (rows[:, [i, j]] >= 0).all(axis=1)
             np.add.at(blocks, (rows[here, i], rows[here, j]), tangent[here] if i == j else -tangent[here])
@@ -111,15 +108,13 @@ def _together(result: StageResult, nodes: NDArray[np.int64]) -> list[Loose]:
     return [Loose(int(nodes[most]), motion[most] / np.linalg.norm(motion[most]), slack=False)]
 
 
-def _bar_tangent(result: StageResult, name: str) -> Array:
+def _bar_tangent(result: StageResult, name: str, part: Bar) -> Array:
     """Stiffness of each cable or mast at one end while the other stands still, 0 if slack, (cells, 3, 3) [N/m]."""
-    part, state = result.structure.parts[name], result.parts[name]
-    assert isinstance(state, BarResult)
-    assert not isinstance(part, Membrane)
+    state = result.parts[name]
     x = result.position[part.cells]
     way = x[:, 1] - x[:, 0]
     along = part.axial_stiffness / measures(result.structure.points, part.cells) ** 3
-    across = state.force / np.maximum(np.linalg.norm(way, axis=1), 1e-300)
+    across = state.principal[:, 0] / np.maximum(np.linalg.norm(way, axis=1), 1e-300)
     dyads = way[:, :, None] * way[:, None, :]
     tangent = across[:, None, None] * np.eye(3) + along[:, None, None] * dyads
-    return np.where(slack_cells(result, name)[:, None, None], 0.0, tangent)
+    return np.where(state.slack[:, None, None], 0.0, tangent)

@@ -76,9 +76,7 @@ def _tilted(result: StageResult, start: Array) -> str:
     """Name masts that tilted: the first of each part, the node that moved more, its angle and its distance."""
     motion = result.displacement - start
     given, said = np.where(result.actions.held, motion, 0.0), []
-    for name, part in result.structure.parts.items():
-        if not isinstance(part, Mast):
-            continue
+    for name, part in result.structure.parts_of(Mast).items():
         before = np.diff((result.structure.points + start)[part.cells], axis=1)[:, 0]
         turned, prescribed = (_angles(before, before + np.diff(u[part.cells], axis=1)[:, 0]) for u in (motion, given))
         beyond = turned - prescribed

@@ -13,24 +13,20 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ..model.parts import Cable, Mast, Membrane
+from ..model.parts import Cable, Mast
 from ..model.structure import Structure
 from ..solvers.outcome import Outcome
 from .balance import UnbalancedStateWarning, balance_remarks
 from .loose_masts import Loose, loose_masts
 from .motions import Motion, motion_of
 from .principal import principal_values
-from .slack_forces import Push, pushes, slack_cells
-from .states import BarResult, LostPrestressWarning, Remark, StageResult
+from .slack_forces import Push, pushes
+from .states import LostPrestressWarning, Remark, StageResult
 from .strain_limits import LargeStrainWarning, strain_remarks
 
 LEFT = 0.01  # share of its prestress, below which a part has lost it
 SHOWN = 3  # load factors and parts that are named
 TOLD_ONCE = (LargeStrainWarning, UnbalancedStateWarning)  # by one process for all
-
-
-class _Lost(Remark):
-    category = LostPrestressWarning
 
 
 def remarked(result: StageResult, start: NDArray[np.float64] | None, loaded: bool = True) -> StageResult:
@@ -78,7 +74,7 @@ def _remarks(result: StageResult, start: NDArray[np.float64] | None) -> Iterator
     yield from told
     lost = [name for name in result.parts if _has_lost_its_prestress(result, name)]
     if lost:
-        yield _Lost(_loss(result, lost, stands=not (factors or told)))
+        yield Remark(_loss(result, lost, stands=not (factors or told)), LostPrestressWarning)
 
 
 def _far(result: StageResult, motion: Motion) -> str:
@@ -114,7 +110,7 @@ def _carried(result: StageResult) -> Iterator[Remark]:
     """Remarks on slack parts that carry, and on masts that only slack parts could hold."""
     found = pushes(result)
     for push in found:
-        membranes = all(isinstance(result.structure.parts[name], Membrane) for name in push.compression)
+        membranes = all(result.structure.parts[name].dimension == 2 for name in push.compression)
         largest = "principal stress of membranes" if membranes else "force of cables and masts"
         forces = " and ".join(
             f"{name!r} is compressed by {force:.3g} in cell {cell}"
@@ -161,13 +157,13 @@ def _loss(result: StageResult, lost: Sequence[str], stands: bool) -> str:
         f"no cell of {_listed(lost)} has more than {100 * LEFT:g} % of it left, and node {nodes[motion.argmax()]} has "
         f"moved by {motion.max():.3g} from the reference shape."
     )
-    cables = all(isinstance(structure.parts[name], Cable) for name in lost)
+    cables = set(lost) <= set(structure.parts_of(Cable))
     if stands and cables and not whole:
         return (
             f"prestress is lost: {left} The rest holds the structure without these cables, which are slack under this "
             "load, as leeward guys may be."
         )
-    masts = any(isinstance(part, Mast) for part in structure.parts.values())
+    masts = bool(structure.parts_of(Mast))
     return (
         f"{'all ' * whole}prestress is lost: {left} If that is not meant, check that "
         f"{'every mast has its stays, ' * masts}every edge has its supports, and shape and prestress belong together."
@@ -178,8 +174,7 @@ def _has_lost_its_prestress(result: StageResult, name: str) -> bool:
     """Return True if a part that was given tension has almost none left."""
     given = _tensions(result.structure, name).max()
     part = result.parts[name]
-    left = part.force if isinstance(part, BarResult) else part.principal[:, 0]
-    return bool(given > 0 and (slack_cells(result, name) | (left <= LEFT * given)).all())
+    return bool(given > 0 and (part.slack | (part.principal[:, 0] <= LEFT * given)).all())
 
 
 def _tensions(structure: Structure, name: str) -> NDArray[np.floating[Any]]:
@@ -195,9 +190,9 @@ def _hanging(structure: Structure, push: Push) -> str:
 def _standing(structure: Structure, nodes: Sequence[int] | NDArray[np.int64]) -> str:
     """Name the masts at nodes: the first cell of each part, and the node."""
     said = []
-    for name, part in structure.parts.items():
+    for name, part in structure.parts_of(Mast).items():
         ends = np.isin(part.cells, nodes)
-        if isinstance(part, Mast) and ends.any():
+        if ends.any():
             cell, end = np.argwhere(ends)[0]
             said.append(f"mast {name!r} (cell {cell}, at node {part.cells[cell, end]})")
     return " and ".join(said[:SHOWN])
@@ -205,7 +200,7 @@ def _standing(structure: Structure, nodes: Sequence[int] | NDArray[np.int64]) ->
 
 def _slack_at(result: StageResult, loose: Loose) -> str:
     parts = result.structure.parts
-    return _listed([name for name in parts if (parts[name].cells[slack_cells(result, name)] == loose.node).any()])
+    return _listed([name for name, part in result.parts.items() if (parts[name].cells[part.slack] == loose.node).any()])
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from ..checks import validation
 from ..model.energy_terms import described
-from ..model.parts import Cable, Membrane
+from ..model.parts import Cable, Mast, Membrane
 from ..model.restraint import loose_ends
 from ..solvers.outcome import Outcome
-from .states import MembraneResult, StageResult
+from .states import StageResult
 from .strain_limits import elastic_strain
 
 
@@ -77,21 +77,28 @@ def report(
 
 
 def _part(result: StageResult, name: str, first: int, force_unit: str, length_unit: str) -> list[str]:
-    part, given = result.parts[name], result.structure.parts[name]
-    before = elastic_strain(given, given.prestress_tensors())
-    if not isinstance(part, MembraneResult):
-        cable = isinstance(given, Cable)
-        slack = f", {part.slack.sum()} of {len(part.slack)} cells slack" if cable else ""
-        where = _where(result, name, part.force if cable else np.abs(part.force))
-        ends = loose_ends(result.structure, name, result.actions.held)
-        hanging = (
-            [f"ends in the air: {len(ends)}, first cell {ends[0][0]} at node {ends[0][1] + first}"] if ends else []
-        )
-        total = part.strain + (0.0 if before is None else before[:, 0, 0])
-        size = total if cable else np.abs(total)
-        kind = "strain from the reference shape" if before is None else "strain with that of the prestress"
-        strained = f"largest {kind} {total[size.argmax()]:.5f} {_where(result, name, size)}"
-        return [f"{_range(part.force)} {force_unit}, largest {where}{slack}", strained, *hanging]
+    part = result.structure.parts[name]
+    if part.dimension == 2:
+        return _membrane(result, name, part, force_unit, length_unit)
+    return _bars(result, name, part, first, force_unit)
+
+
+def _bars(result: StageResult, name: str, given: Cable | Mast, first: int, force_unit: str) -> list[str]:
+    part, before = result.parts[name], elastic_strain(given, given.prestress_tensors())
+    force = part.principal[:, 0]
+    slack = "" if given.is_strut else f", {part.slack.sum()} of {len(part.slack)} cells slack"
+    where = _where(result, name, np.abs(force) if given.is_strut else force)
+    ends = loose_ends(result.structure, name, result.actions.held)
+    hanging = [f"ends in the air: {len(ends)}, first cell {ends[0][0]} at node {ends[0][1] + first}"] if ends else []
+    total = part.strain + (0.0 if before is None else before[:, 0, 0])
+    size = np.abs(total) if given.is_strut else total
+    kind = "strain from the reference shape" if before is None else "strain with that of the prestress"
+    strained = f"largest {kind} {total[size.argmax()]:.5f} {_where(result, name, size)}"
+    return [f"{_range(force)} {force_unit}, largest {where}{slack}", strained, *hanging]
+
+
+def _membrane(result: StageResult, name: str, given: Membrane, force_unit: str, length_unit: str) -> list[str]:
+    part, before = result.membrane(name), elastic_strain(given, given.prestress_tensors())
     states = ", ".join(f"{(part.state == state).sum()} {state}" for state in ("taut", "wrinkled", "slack"))
     strain = np.linalg.eigvalsh(part.strain)[:, 1]
     whole = []
@@ -100,8 +107,7 @@ def _part(result: StageResult, name: str, first: int, force_unit: str, length_un
         where = _where(result, name, largest)
         whole = [f"largest principal strain with that of the prestress {largest.max():.5f} {where}"]
     stress, unit = part.principal[:, 0], f"{force_unit}/{length_unit}"
-    directed = isinstance(given, Membrane) and given.warp is not None
-    directions = zip(("warp", "weft"), part.warp_weft_stress.T, strict=True) if directed else ()
+    directions = zip(("warp", "weft"), part.warp_weft_stress.T, strict=True) if given.warp is not None else ()
     return [
         f"{_range(stress)} {unit}, principal stress I, largest {_where(result, name, stress)}",
         f"{_range(part.principal[:, 1])} {unit}, principal stress II",

@@ -13,8 +13,9 @@ from ..assembly.part_forms import stiffness
 from ..geometry.measures import lengths
 from ..model.parts import Mast
 from ..model.structure import Structure
+from .part_results import MembraneResult
 from .pieces import Pieces
-from .states import BarResult, MembraneResult, StageResult
+from .states import StageResult
 
 Array = NDArray[np.float64]
 
@@ -55,14 +56,14 @@ def pushes(result: StageResult) -> list[Push]:
     for name, (_, others) in forces.items():
         np.maximum.at(at_node, result.structure.parts[name].cells, lengths(others))
     found = []
-    for kind in (BarResult, MembraneResult):
-        here = {name: forces[name] for name in names if isinstance(result.parts[name], kind)}
+    for dimension in (1, 2):
+        here = {name: forces[name] for name in names if result.structure.parts[name].dimension == dimension}
         net = np.zeros(held.shape)
         for name, (kept, _) in here.items():
             np.add.at(net, result.structure.parts[name].cells, kept)
         net[held] = 0.0
         size = lengths(net)
-        carried = _carried_loads(result, net, pieces) if kind is MembraneResult else _strong(here, size, pieces)
+        carried = _carried_loads(result, net, pieces) if dimension == 2 else _strong(here, size, pieces)
         nodes = np.flatnonzero(np.where(_mast_ends(result.structure), size > LIMIT * at_node, carried))
         if push := _push(result, list(here), nodes[np.argsort(-size[nodes], kind="stable")]):
             found.append(push)
@@ -103,43 +104,34 @@ def _push(result: StageResult, names: list[str], nodes: NDArray[np.int64]) -> Pu
 def _mast_ends(structure: Structure) -> NDArray[np.bool_]:
     """Nodes at which a mast ends, shape (n,)."""
     ends = np.zeros(len(structure.points), dtype=bool)
-    for part in structure.parts.values():
-        if isinstance(part, Mast):
-            ends[part.cells] = True
+    for mast in structure.parts_of(Mast).values():
+        ends[mast.cells] = True
     return ends
-
-
-def slack_cells(result: StageResult, name: str) -> NDArray[np.bool_]:
-    """Cells of a part without tension, shape (cells,)."""
-    part = result.parts[name]
-    return part.slack if isinstance(part, BarResult) else part.state == "slack"
 
 
 def compression(result: StageResult, name: str) -> Array:
     """Largest compression of each slack or wrinkled cell, shape (cells,) [N or N/m]; 0 in others and in masts."""
     part = result.parts[name]
-    if isinstance(part, BarResult):
-        return np.where(part.slack, np.maximum(-part.force, 0.0), 0.0)
-    return np.where(part.state == "taut", 0.0, np.maximum(-part.principal[:, 1], 0.0))
+    return np.where(part.taut, 0.0, np.maximum(-part.principal[:, -1], 0.0))
 
 
 def _sizes(result: StageResult, name: str) -> Array:
     """Force of each cable or mast [N], or largest principal stress of each cell of a membrane [N/m], shape (cells,)."""
-    part = result.parts[name]
-    return np.abs(part.force) if isinstance(part, BarResult) else part.principal[:, 0]
+    largest = result.parts[name].principal[:, 0]
+    return np.abs(largest) if result.structure.parts[name].dimension == 1 else largest
 
 
 def rounding(result: StageResult, name: str) -> float:
     """Compression that is rounding [N or N/m]."""
     part = result.structure.parts[name]
-    kept = 1.0 if isinstance(part, Mast) or part.carries_compression else part.compression_stiffness
+    kept = 1.0 if part.carries_compression else part.compression_stiffness
     return SEEN * kept * stiffness(part)
 
 
 def _corner_forces(result: StageResult, name: str) -> tuple[Array, Array]:
     """Corner forces of the cells of a part, of compression and of the other stresses, (cells, corners, 3) [N]."""
     part, x = result.parts[name], result.position[result.structure.parts[name].cells]
-    if isinstance(part, BarResult):
+    if part.dimension == 1:
         way = x[:, 1] - x[:, 0]
         direction = way / np.maximum(np.linalg.norm(way, axis=1), 1e-300)[:, None]
         unit = np.stack([direction, -direction], axis=1)

@@ -1,20 +1,17 @@
 """Sentences on slack parts and on free cable ends."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..model.parts import Cable
 from ..model.restraint import loose_ends
 from .principal import principal_values
-from .states import BarResult, StageResult
+from .states import StageResult
 
 
 def hanging_ends(state: StageResult) -> str:
     """Sentence on cables with a free, unconnected end; empty if there are none."""
-    for name, part in state.structure.parts.items():
-        ends = loose_ends(state.structure, name, state.actions.held) if isinstance(part, Cable) else []
-        if ends:
-            cell, node = ends[0]
+    for name in state.structure.parts_of(Cable):
+        for cell, node in loose_ends(state.structure, name, state.actions.held)[:1]:
             return (
                 f" Cell {cell} of {name!r} ends in the air at node {node}, where it can only hang by a weight: hold "
                 "that node, or join it to a part."
@@ -24,7 +21,7 @@ def hanging_ends(state: StageResult) -> str:
 
 def slack_parts(state: StageResult) -> str:
     """Sentence on parts with no cell, or few cells, in tension; empty if there are none."""
-    slack = {name: _slack(state, name) for name in state.parts}
+    slack = {name: part.slack for name, part in state.parts.items()}
     most = [name for name, cells in slack.items() if np.count_nonzero(cells) > 0.5 * len(cells)]
     if not most:
         return ""
@@ -37,8 +34,3 @@ def slack_parts(state: StageResult) -> str:
             "and whether the prestress is enough for the loads."
         )
     return f" In the last state tried {', '.join(words)}{advice}"
-
-
-def _slack(state: StageResult, name: str) -> NDArray[np.bool_]:
-    part = state.parts[name]
-    return part.slack if isinstance(part, BarResult) else part.state == "slack"

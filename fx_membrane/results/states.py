@@ -3,19 +3,24 @@
 Arrays follow the user's own order of nodes and cells, and every process has all of them.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from types import MappingProxyType
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.actions import Actions
 from ..assembly.problem import Problem
+from ..checks import validation
 from ..model.parts import Cable, Mast, Membrane
+from ..model.stages import Stage
 from ..model.structure import Structure
 from ..solvers.base import Iteration
 from ..solvers.outcome import Outcome
 from .owner import problem_of, without_owner
+from .part_results import BarResult, MembraneResult
 
 Array = NDArray[np.float64]
 
@@ -35,7 +40,13 @@ class Remark(str):
         category: Class of the warning that tells it.
     """
 
-    category: type[UserWarning] = UnstableStateWarning
+    category: type[UserWarning]
+
+    def __new__(cls, sentence: str, category: type[UserWarning] = UnstableStateWarning) -> Self:
+        """Make a sentence of a category."""
+        remark = super().__new__(cls, sentence)
+        remark.category = category
+        return remark
 
 
 class Increment(NamedTuple):
@@ -54,46 +65,6 @@ class Increment(NamedTuple):
     outcome: Outcome = Outcome.CONVERGED
     extra_iterations: int = 0
     fallen: str = ""
-
-
-@dataclass(frozen=True, eq=False)
-class MembraneResult:
-    """State of a membrane; stresses are forces per length, divide by the thickness for [Pa].
-
-    Attributes:
-        strain: Green-Lagrange strain in the warp/weft frame, shape (cells, 2, 2) [-].
-        second_piola_kirchhoff: Stress per reference length in the warp/weft frame, shape (cells, 2, 2) [N/m], Gil (32).
-        cauchy: Stress per current length in global axes, shape (cells, 3, 3) [N/m].
-        principal: Principal values of `cauchy`, the larger first, shape (cells, 2) [N/m].
-        warp_weft_stress: Normal components of `cauchy` along the current warp and weft, shape (cells, 2) [N/m].
-        state: "taut", "wrinkled" or "slack", shape (cells,). With `compression_stiffness=1` the membrane neither
-            wrinkles nor slackens: all cells are "taut", even if `principal` shows compression.
-        cauchy_projected: Cauchy stress of Gil (19) with J = det(I + grad u), the paper's Table 2, in global axes, shape
-            (cells, 3, 3) [N/m]. It is larger than `cauchy` where cells have turned.
-    """
-
-    strain: Array
-    second_piola_kirchhoff: Array
-    cauchy: Array
-    principal: Array
-    cauchy_projected: Array
-    warp_weft_stress: Array
-    state: NDArray[np.str_]
-
-
-@dataclass(frozen=True, eq=False)
-class BarResult:
-    """State of cables or masts.
-
-    Attributes:
-        strain: Green-Lagrange strain, shape (cells,) [-].
-        force: Axial force in the current shape, tension positive, shape (cells,) [N].
-        slack: Cells without tension, shape (cells,); False for masts, and for cables with `compression_stiffness=1`.
-    """
-
-    strain: Array
-    force: Array
-    slack: NDArray[np.bool_]
 
 
 class TermResult(NamedTuple):
@@ -233,6 +204,29 @@ class StageResult:
         self.structure.part(name, Mast)
         return self._bar(name)
 
+    def to_dataframe(self, part: str | None = None, *, force_unit: str = "N", length_unit: str = "m") -> Any:
+        """Table of the nodes, or of the cells of a part, for pandas.
+
+        Args:
+            part: Name of the part; None for the nodes.
+            force_unit: Name of the force unit of the structure and its loads, in the heads of columns.
+            length_unit: Name of the length unit.
+
+        Returns:
+            A pandas.DataFrame, with a row for each node or cell.
+
+        Raises:
+            ValueError: There is no part of that name.
+            ModuleNotFoundError: pandas is not installed.
+        """
+        from pandas import DataFrame  # noqa: PLC0415  (optional)
+
+        from .tables import cell_columns, node_columns  # noqa: PLC0415  (it needs this class)
+
+        units = validation.text("force_unit", force_unit), validation.text("length_unit", length_unit)
+        columns = node_columns(self, *units) if part is None else cell_columns(self, part, *units)
+        return DataFrame(columns)
+
     @property
     def history(self) -> list[tuple[float, Iteration]]:
         """Load factor and iterate, for all iterations of the stage."""
@@ -245,7 +239,15 @@ class StageResult:
 
 
 class StageResults(dict[str, StageResult]):
-    """Results of stages by name: a dictionary whose KeyError lists the names."""
+    """Results of stages by name: a dictionary whose KeyError lists the names.
+
+    Attributes:
+        stages: The stages that were to run, in order.
+    """
+
+    def __init__(self, results: Mapping[str, StageResult] = MappingProxyType({}), stages: Sequence[Stage] = ()):
+        super().__init__(results)
+        self.stages = tuple(stages)
 
     def __missing__(self, name: object) -> StageResult:
         raise KeyError(f"no stage is named {name!r}; the results are of {list(self)}")

@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..model import laws
-from ..model.parts import Mast, Part
+from ..model.parts import Part
 from ..model.structure import Structure
+from .part_results import BarResult, MembraneResult
 from .principal import principal_values
-from .states import BarResult, MembraneResult, Remark, StageResult
+from .states import Remark, StageResult
 
 ABSURD = 1.0  # strain that no fabric or cable bears
 
@@ -26,10 +27,6 @@ class LargeStrainWarning(UserWarning):
     """
 
 
-class _Strained(Remark):
-    category = LargeStrainWarning
-
-
 def warn_of_large_prestress(structure: Structure, stacklevel: int) -> None:
     """Warn once, of the part with the largest strain of its prestress, in tension, compression or excess."""
     strains = {name: _largest(_prestrain(part)) for name, part in structure.parts.items()}
@@ -41,7 +38,7 @@ def warn_of_large_prestress(structure: Structure, stacklevel: int) -> None:
         return
     if abs(strain) > ABSURD:
         advice = "Units are probably mixed: check that prestress, stiffness and lengths are in the same system."
-    elif strain < 0 and not isinstance(structure.parts[name], Mast):
+    elif strain < 0 and not structure.parts[name].is_strut:
         advice = (
             "Check prestress, stiffness and units; an excess of length or cloth that is right needs a reference shape "
             "nearer to its own size, or what takes it up is too stiff."
@@ -73,23 +70,22 @@ def strain_remarks(result: StageResult) -> Iterator[Remark]:
         advice = "Units are probably mixed: check that loads, prestress, stiffness and lengths are in the same system."
     else:
         advice = "Check stiffness, loads and units; if they are right, take forces and stresses there for rough values."
-    yield _Strained(
-        f"cell {cell} of part {name!r} is strained by {strain}; {_meant(result.structure.parts[name], limit)}. {advice}"
+    yield Remark(
+        f"cell {cell} of part {name!r} is strained by {strain}; {_meant(result.structure.parts[name], limit)}. "
+        + advice,
+        LargeStrainWarning,
     )
 
 
 def _sizes(part: Part, result: MembraneResult | BarResult) -> NDArray[np.float64]:
     """Largest strain that each cell resists, in tension or compression, shape (cells,) [-]."""
     prestress = part.prestress_tensors()
-    strain = result.strain if isinstance(result, MembraneResult) else result.strain[:, None, None]
+    strain = given = result.strain.reshape(prestress.shape)
     if (principal_values(prestress) < 0).any():
         strain = strain + _elastic(part, _compression(prestress))
     largest = principal_values(strain)[:, -1]
-    if isinstance(result, BarResult):
-        return np.where(result.slack, 0.0, np.maximum(largest, -result.strain))
-    least = principal_values(result.strain)[:, 0]
-    sizes = np.maximum(largest, np.where(result.state == "taut", -least, 0.0))
-    return np.where(result.state == "slack", 0.0, sizes)
+    sizes = np.maximum(largest, np.where(result.taut, -principal_values(given)[:, 0], 0.0))
+    return np.where(result.slack, 0.0, sizes)
 
 
 def elastic_strain(part: Part, stress: NDArray[np.float64]) -> NDArray[np.float64] | None:

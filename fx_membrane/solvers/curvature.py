@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from ..assembly.loaded_problem import LoadedProblem
-from ..model.parts import Mast
 from ..model.structure import Structure
 from . import eigenvalues, factorization
 
@@ -147,5 +146,5 @@ def negative_between(problem: LoadedProblem, start: PETSc.Vec, end: PETSc.Vec) -
 def _kept(structure: Structure) -> float:
     """Largest compression stiffness of a part, as a fraction of its stiffness; 0 if none can wrinkle or slacken."""
     parts = structure.parts.values()
-    kept = [part.compression_stiffness for part in parts if not (isinstance(part, Mast) or part.carries_compression)]
+    kept = [part.compression_stiffness for part in parts if not part.carries_compression]
     return max(kept, default=0.0)

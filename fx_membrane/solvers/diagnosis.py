@@ -114,9 +114,8 @@ def slack_mechanism(problem: LoadedProblem, x: PETSc.Vec) -> Mechanism | None:
     """Free motion of masts that only the compression stiffness of slack parts resists, or None."""
     structure = problem.structure
     masts = np.zeros(len(structure.points), dtype=bool)
-    for part in structure.parts.values():
-        if isinstance(part, Mast):
-            masts[part.cells] = True
+    for mast in structure.parts_of(Mast).values():
+        masts[mast.cells] = True
     if not masts.any() or not np.isfinite(x.norm()):
         return None
     # Slack fabric may be softer than a mast that falls: masts move alone, too.
@@ -135,7 +134,7 @@ def _slack_mechanism(structure: Structure, found: Mechanism) -> Mechanism:
     falling, beside = [], []
     for name, part in structure.parts.items():
         cells = np.flatnonzero(moving[part.cells].any(axis=1))
-        if isinstance(part, Mast):
+        if part.is_strut:
             falling += [f"mast {name!r} (cell {cell})" for cell in cells]
         elif len(cells):
             beside.append(repr(name))
@@ -249,15 +248,14 @@ def swung_masts(problem: LoadedProblem, x: PETSc.Vec, limit: float, kind: str) -
     """
     structure, moved = problem.structure, problem.discretization.to_numpy(x)
     found = []
-    for name, part in structure.parts.items():
-        if isinstance(part, Mast):
-            before, after = (
-                np.diff(shape[part.cells], axis=1)[:, 0] for shape in (structure.points, structure.points + moved)
-            )
-            turned = np.arctan2(np.linalg.norm(np.cross(before, after), axis=1), (before * after).sum(axis=1))
-            cell = int(turned.argmax())
-            node = part.cells[cell, np.linalg.norm(moved[part.cells[cell]], axis=1).argmax()]
-            found.append((float(turned[cell]), name, cell, int(node)))
+    for name, part in structure.parts_of(Mast).items():
+        before, after = (
+            np.diff(shape[part.cells], axis=1)[:, 0] for shape in (structure.points, structure.points + moved)
+        )
+        turned = np.arctan2(np.linalg.norm(np.cross(before, after), axis=1), (before * after).sum(axis=1))
+        cell = int(turned.argmax())
+        node = part.cells[cell, np.linalg.norm(moved[part.cells[cell]], axis=1).argmax()]
+        found.append((float(turned[cell]), name, cell, int(node)))
     angle, name, cell, node = max(found, default=(0.0, "", 0, 0))
     if not angle > limit:
         return ""

@@ -1,5 +1,7 @@
 """Fixtures of several unit tests."""
 
+import os
+
 import pytest
 from mpi4py import MPI
 
@@ -11,6 +13,12 @@ from models import sheet
 def analysis():
     """Analysis of the square sheet."""
     return Analysis(sheet())
+
+
+@pytest.fixture(scope="session")
+def own_cache(tmp_path_factory):
+    """Environment with a cache that begins cold; scripts that count compiled forms share it and compile new ones."""
+    return os.environ | {"XDG_CACHE_HOME": str(tmp_path_factory.mktemp("cache"))}
 
 
 @pytest.fixture

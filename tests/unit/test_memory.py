@@ -52,7 +52,7 @@ BOUND = 1.0  # MB; forms left 2.1 behind and conjugate gradients 31, when PETSc 
 @pytest.mark.serial
 @pytest.mark.parametrize("processes", [1, 2])
 def test_repeated_work_leaves_no_memory_behind(processes):
-    output = launch.start([launch.SCRIPTS / "memory_use.py"], processes)
+    output = launch.start([launch.SCRIPTS / "memory_use.py", BOUND], processes)
     grown = {name: float(value) for name, value in re.findall(r"^(.+): (-?[\d.]+) MB$", output, re.MULTILINE)}
     assert len(grown) == 9
     assert {name: value for name, value in grown.items() if value > BOUND} == {}

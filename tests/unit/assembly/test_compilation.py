@@ -1,6 +1,5 @@
 """Forms are compiled once: not again by another structure of the same parts, a stage or another process."""
 
-import os
 import subprocess
 import sys
 
@@ -38,12 +37,10 @@ print(*(count for n in (2, 3, 4) for count in analyse(n)))
 
 
 @pytest.mark.serial
-def test_nothing_is_compiled_twice(tmp_path):
-    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path)}
-
+def test_nothing_is_compiled_twice(own_cache):
     def counts():
         command = [sys.executable, "-c", COMPILED]
-        run = subprocess.run(command, env=environment, capture_output=True, text=True, check=True, timeout=120)
+        run = subprocess.run(command, env=own_cache, capture_output=True, text=True, check=True, timeout=120)
         return [int(count) for count in run.stdout.split()]
 
     cold = counts()

@@ -1,6 +1,5 @@
 """Laws of a user's own through the package: any number of processes, compiled once, in a process of their own."""
 
-import os
 import subprocess
 import sys
 from dataclasses import dataclass, replace
@@ -241,7 +240,7 @@ for n in (1, 2, 3):
 
 
 @pytest.mark.serial
-def test_compiled_once_in_a_script(tmp_path):
+def test_compiled_once_in_a_script(own_cache, tmp_path):
     """With cold and warm cache: the same forms for any numbers, and none more in a second process."""
     script = tmp_path / "script.py"
     script.write_text(SCRIPT)
@@ -249,7 +248,7 @@ def test_compiled_once_in_a_script(tmp_path):
     def counts():
         run = subprocess.run(
             [sys.executable, str(script)],
-            env={**os.environ, "XDG_CACHE_HOME": str(tmp_path), "PYTHONPATH": str(Path(__file__).parents[3])},
+            env=own_cache | {"PYTHONPATH": str(Path(__file__).parents[3])},
             capture_output=True, text=True, check=True, timeout=300,
         )  # fmt: skip
         return run.stdout.split()

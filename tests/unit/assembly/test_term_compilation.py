@@ -1,9 +1,7 @@
 """Forms of energy terms are compiled once for a kind of part: not by another stage, number or process."""
 
-import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -66,12 +64,10 @@ print(*(count for n in (2, 3) for count in analyse(n)))
 
 
 @pytest.mark.serial
-def test_forms_of_terms_are_compiled_once(tmp_path: Path) -> None:
-    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path)}
-
+def test_forms_of_terms_are_compiled_once(own_cache: dict[str, str]) -> None:
     def counts() -> list[int]:
         command = [sys.executable, "-c", COMPILED]
-        run = subprocess.run(command, env=environment, capture_output=True, text=True, check=True, timeout=300)
+        run = subprocess.run(command, env=own_cache, capture_output=True, text=True, check=True, timeout=300)
         return [int(count) for count in run.stdout.split()]
 
     cold = counts()

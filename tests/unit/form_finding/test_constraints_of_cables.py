@@ -55,6 +55,17 @@ def canopy(n=8, force=0.0, depth=0.1, height=2.0):
     return Structure(points, parts, [Support(corners)])
 
 
+def with_a_hole():
+    """Disc with a ring cable around a hole."""
+    angle = np.arange(16) * np.pi / 8
+    circle = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    points = np.concatenate([circle, 3 * circle])
+    a, b = np.arange(16), np.roll(np.arange(16), -1)
+    triangles = np.concatenate([np.stack([a, b, b + 16], axis=1), np.stack([a, b + 16, a + 16], axis=1)])
+    parts = {"film": Membrane(triangles, FABRIC, 2e3), "ring": Cable(np.stack([a, b], axis=1), 1e7)}
+    return Structure(points, parts, [Support(range(16, 32))])
+
+
 def edges(structure, points):
     """Lengths and sags of the four edges."""
     held = structure.supported.all(axis=1)
@@ -179,13 +190,7 @@ def test_idle_limit_of_the_angle_leaves_the_prestress(method):
 
 
 def test_closed_line_has_its_length():
-    angle = np.arange(16) * np.pi / 8
-    circle = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
-    points = np.concatenate([circle, 3 * circle])
-    a, b = np.arange(16), np.roll(np.arange(16), -1)
-    triangles = np.concatenate([np.stack([a, b, b + 16], axis=1), np.stack([a, b + 16, a + 16], axis=1)])
-    parts = {"film": Membrane(triangles, FABRIC, 2e3), "ring": Cable(np.stack([a, b], axis=1), 1e7)}
-    structure = Structure(points, parts, [Support(range(16, 32))])
+    structure = with_a_hole()
     form = projected_stress(structure, cables="force", constraints=[CableLength("ring", 6.0)])
     assert measures(form.points, structure.parts["ring"].cells).sum() == pytest.approx(6.0, rel=1e-8)
     assert np.linalg.norm(form.points[:16], axis=1) == pytest.approx(np.full(16, 6 / 32 / np.sin(np.pi / 16)))
@@ -259,11 +264,29 @@ def test_refusals(method, number):
 
 @pytest.mark.parametrize("constraint", [CableSag("ring", 1.0), EdgeAngle("ring", 20.0)])
 def test_closed_line_has_no_chord(constraint):
-    structure = rope(n=3)
-    parts = {**structure.parts, "ring": Cable([[0, 1], [1, 2], [2, 0]], 1e6)}
-    free = replace(structure, parts=parts, supports=[Support([3])])
     with pytest.raises(ValueError, match=r"'ring' from node .* is closed, so it has no chord"):
-        projected_stress(free, constraints=[constraint])
+        projected_stress(with_a_hole(), constraints=[constraint])
+
+
+def guyed(n=8):
+    """Canopy whose corners are held by guys, and in z."""
+    structure = canopy(n, depth=0.0)
+    corners = np.flatnonzero(structure.supported.all(axis=1))
+    feet = structure.points[corners] * [1.4, 1.4, 0] - [0, 0, 2]
+    foot = len(structure.points) + np.arange(4)
+    guys = Cable(np.stack([corners, foot], axis=1), 2e7, 30e3)
+    return Structure(
+        np.vstack([structure.points, feet]), {**structure.parts, "guy": guys}, [Support(foot), Support(corners, "z")]
+    )
+
+
+def test_edge_all_around_is_divided_at_corners_with_guys():
+    structure = guyed()
+    form = natural_force_density(structure, iterations=5, constraints=[CableSag("edge", 1.0)])
+    corners = np.isin(np.arange(len(form.points)), structure.parts["guy"].cells)
+    lines = lines_of(structure.parts["edge"].cells, np.arange(32), corners)
+    assert [line.sag(form.points, None) for line in lines] == pytest.approx([1.0] * 4, rel=2e-8)
+    assert moved(form) < 1e-12
 
 
 @pytest.mark.parametrize(

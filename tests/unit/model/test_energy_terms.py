@@ -1,14 +1,11 @@
-"""The contract of energy terms: what is taken, what is refused in one sentence, and what their digests tell apart."""
+"""The contract of energy terms: what is taken, and what is refused in one sentence."""
 
-import subprocess
-import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from ufl import dx, inner
+from ufl import dx
 
 from fx_membrane import (
     Analysis,
@@ -24,30 +21,14 @@ from fx_membrane import (
     equilibrium_path,
     updated_reference,
 )
-from fx_membrane.model.fingerprints import fingerprint, fingerprints
 from fx_membrane.model.stages import check_stages
 from models import EDGE, POINTS, TRIANGLES, sheet
-from own_terms import ElasticBed, Ground, Water, WaterWork
+from own_terms import ElasticBed, Ground, Water, WaterWork, bed, term
 
 COUNT = len(TRIANGLES)
 STRUCTURE = Structure(
     POINTS, {"fabric": Membrane(TRIANGLES, Fabric(1e5, 0.3), 1e3), "edge": Cable([[0, 1]], 1e6)}, [Support(EDGE)]
 )
-
-
-def term(method=None, fields=("k",), frozen=True, **members):
-    """Instance of a class with a part and other fields, all of the value 2."""
-    annotations = {"part": str} | dict.fromkeys(fields, Any)
-    members = {name: value for name, value in {"energy": method, **members}.items() if value is not None}
-    kind = dataclass(frozen=frozen)(type("Mine", (), {"__annotations__": annotations, **members}))
-    return kind("fabric", *[2.0] * len(fields))
-
-
-def bed(self, state, parameters):
-    return parameters.k * state.u[2] ** 2 / 2
-
-
-# Taken
 
 
 @pytest.mark.parametrize(
@@ -115,9 +96,6 @@ def test_value_of_cells_outside_those_of_the_term():
     assert set(np.flatnonzero(state.terms[0].forces[:, 2])) <= set(nodes.ravel())
 
 
-# Refused: alone, in a stage
-
-
 class NotFrozen:
     part, k, energy = "fabric", 2.0, bed
 
@@ -167,9 +145,6 @@ def test_refused_alone(make, words, where):
     with pytest.raises(ValueError, match=f"^{'Stage .a.: loads' if where == 'stage' else 'terms'}.*{words}") as refusal:
         _ = Stage("a", [given]) if where == "stage" else replace(STRUCTURE, terms=[given])
     assert str(refusal.value).endswith(".")
-
-
-# Refused: with a structure
 
 
 def raising(self, state, parameters):
@@ -246,61 +221,6 @@ def test_form_finding_takes_no_terms():
         updated_reference(replace(sheet(), terms=[ElasticBed("fabric", 1.0)]))
     with pytest.raises(ValueError, match=r"^loads has ElasticBed"):
         updated_reference(sheet(), [ElasticBed("fabric", 1.0)])
-
-
-# Digests
-
-
-def digests(own):
-    return fingerprints(Stage("a", [own]))["loads"], fingerprints(replace(STRUCTURE, terms=[own]))["terms"]
-
-
-def test_parameters_and_formula_are_in_the_digest():
-    assert digests(term(bed)) == digests(term(lambda self, state, parameters: parameters.k * state.u[2] ** 2 / 2))
-    others = [
-        replace(term(bed), k=2.5),
-        term(lambda self, state, parameters: parameters.k * state.u[1] ** 2 / 2),
-        term(lambda self, state, parameters: parameters.k * state.u[2] ** 2),
-        term(lambda self, state, parameters: self.k * state.u[2] ** 2 / 2),
-        term(virtual_work=lambda self, state, v, parameters: parameters.k * state.u[2] * v[2]),
-    ]
-    found = {digests(own) for own in [term(bed), *others]}
-    assert len(found) == len(others) + 1
-
-
-def test_digest_tells_parameters_apart():
-    def use(name):
-        return lambda self, state, parameters: getattr(parameters, name) * inner(state.u, state.u)
-
-    first, second = (term(use(name), fields=("a", "b")) for name in "ab")
-    assert fingerprint(first) != fingerprint(second)
-
-
-SCRIPT = """
-import sys
-sys.path.insert(0, {tests!r})
-from fx_membrane.model.fingerprints import fingerprint
-from own_terms import ElasticBed, Water
-{before}
-print(fingerprint([ElasticBed("fabric", [1.0, 2.0], [0, 1]), Water("fabric", 2.0, 3.0)]))
-"""
-
-
-@pytest.mark.serial
-def test_digest_is_the_same_in_another_process():
-    """Symbols are numbered by a global count of UFL: other symbols made before do not matter."""
-    tests = str(Path(__file__).parents[2])
-    before = "import ufl; ufl.variable(ufl.as_ufl(1.0)); fingerprint([Water('fabric', 1.0, 1.0)])"
-    found = [
-        subprocess.run(
-            [sys.executable, "-c", SCRIPT.format(tests=tests, before=words)], capture_output=True, text=True, check=True
-        ).stdout
-        for words in ("", before)
-    ]
-    assert found[0] == found[1]
-
-
-# README
 
 
 def test_recipe_of_the_readme():

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from petsc4py import PETSc
 
+import hard_structures as hard
 from fx_membrane import Analysis, ConvergenceError, Newton, Outcome, Pressure, Stage, report
 from fx_membrane.assembly.problem import Problem
 from fx_membrane.solvers import newton, newton_loop
@@ -17,7 +18,7 @@ from fx_membrane.solvers.inertia_correction import ShiftControl
 from models import SNOW, end, sheet
 
 PLAIN = Newton(line_search=False)
-HARD = runpy.run_path(str(Path(__file__).parents[2] / "benchmarks" / "hard_cases.py"))
+TABLE = runpy.run_path(str(Path(__file__).parents[2] / "benchmarks" / "hard_cases.py"))
 
 
 def solved(structure, stages):
@@ -40,7 +41,7 @@ def plain_fails(structure, stages):
 @pytest.mark.parametrize("sag", [0.0, 0.5])
 @pytest.mark.parametrize("load", [1.0, 1e3])
 def test_slack_cable_hangs(sag, load):
-    structure, stages = HARD["hanging"](sag, load)
+    structure, stages = hard.hanging(sag, load)
     plain_fails(structure, stages)
     (result,) = solved(structure, stages)
     length = np.linalg.norm(np.diff(structure.points, axis=0), axis=1).sum()
@@ -55,19 +56,19 @@ def test_slack_cable_hangs(sag, load):
 
 @pytest.mark.parametrize("times", [1, 100])
 def test_flat_sheet_without_prestress_carries_snow(times):
-    structure, stages = HARD["sheet"](0.0, times * 1e3)
+    structure, stages = hard.sheet(0.0, times * 1e3)
     plain_fails(structure, stages)
     (snow,) = solved(structure, stages)
     assert snow.reactions[:, 2].sum() == pytest.approx(times * 36e3, rel=1e-9)
     # Small strains, shallow: the deflection grows with the cube root of the load.
     if times == 1:
-        (double,) = solved(*HARD["sheet"](0.0, 1e-3))
-        (eightfold,) = solved(*HARD["sheet"](0.0, 8e-3))
+        (double,) = solved(*hard.sheet(0.0, 1e-3))
+        (eightfold,) = solved(*hard.sheet(0.0, 8e-3))
         assert eightfold.displacement[:, 2].min() == pytest.approx(2 * double.displacement[:, 2].min(), rel=1e-3)
 
 
 def test_flat_cushion_without_prestress_is_blown_up():
-    structure, stages = HARD["cushion"](0.0, 1e3)
+    structure, stages = hard.cushion(0.0, 1e3)
     plain_fails(structure, stages)
     (air,) = solved(structure, stages)
     assert air.displacement[:, 2].max() > 0.3
@@ -76,7 +77,7 @@ def test_flat_cushion_without_prestress_is_blown_up():
 
 
 def test_ordinary_sail_finds_its_form_and_carries_snow_and_wind():
-    structure, stages = HARD["hypar"](2e3, 20e3, 1.5, HARD["service"](300.0))
+    structure, stages = hard.hypar(2e3, 20e3, 1.5, hard.service(300.0))
     prestress, snow, wind = solved(structure, stages)
     assert (prestress.cable("edge cables").force > 10e3).all()
     # Half a turn about z changes nothing.
@@ -93,7 +94,7 @@ def test_ordinary_sail_finds_its_form_and_carries_snow_and_wind():
 
 @pytest.mark.parametrize("move", [0.05, 0.2])
 def test_slack_roof_hangs_by_its_own_weight(move):
-    structure, stages = HARD["slack_roof"](move, 10.0)
+    structure, stages = hard.slack_roof(move, 10.0)
     (weight,) = solved(structure, stages)
     assert not (weight.membrane("fabric").state == "taut").all()
     assert (weight.cable("cables").force > 0).all()
@@ -105,7 +106,7 @@ def test_slack_roof_hangs_by_its_own_weight(move):
 
 def test_sail_that_crumples_is_given_more_iterations_once_it_was_drawn_smooth(monkeypatch):
     monkeypatch.setattr(newton._Globalized, "patience", Patience(share=0.0, least=30))
-    structure, stages = HARD["hypar"](2e3, 1e4, 2.0, [Stage("prestress")], 24)
+    structure, stages = hard.hypar(2e3, 1e4, 2.0, [Stage("prestress")], 24)
     prestress = Analysis(structure).run(stages)["prestress"]
     (increment,) = prestress.increments
     assert increment.outcome is Outcome.STABILIZED
@@ -124,7 +125,7 @@ def iterates(monkeypatch):
 
 
 def test_increment_tells_that_the_structure_was_drawn_smooth(iterates):
-    structure, stages = HARD["pulled"](-0.1, 0.6, 0.0, HARD["FABRIC"])
+    structure, stages = hard.pulled(-0.1, 0.6, 0.0, hard.FABRIC)
     (twisted,) = solved(structure, stages)
     (increment,) = twisted.increments
     assert increment.outcome is Outcome.STABILIZED
@@ -132,7 +133,7 @@ def test_increment_tells_that_the_structure_was_drawn_smooth(iterates):
     assert increment.extra_iterations + len(increment.iterations) == len(iterates)
     assert f"stabilized first ({increment.extra_iterations} iterates more)" in report(twisted)
     iterates.clear()
-    (sheared,) = solved(*HARD["pulled"](0.01, 0.0, 0.15, HARD["FABRIC"]))
+    (sheared,) = solved(*hard.pulled(0.01, 0.0, 0.15, hard.FABRIC))
     (increment,) = sheared.increments
     assert (increment.outcome, increment.extra_iterations) == (Outcome.CONVERGED, 0)
     assert len(increment.iterations) == len(iterates)
@@ -141,7 +142,7 @@ def test_increment_tells_that_the_structure_was_drawn_smooth(iterates):
 
 def test_failure_counts_the_iterates_that_drew_the_structure_smooth(iterates, monkeypatch):
     monkeypatch.setattr(newton._Globalized, "patience", Patience(share=0.0, least=1))
-    structure, stages = HARD["hypar"](2e3, 20e3, 1.5, [Stage("prestress")])
+    structure, stages = hard.hypar(2e3, 20e3, 1.5, [Stage("prestress")])
     with pytest.raises(ConvergenceError) as error:
         Analysis(structure, Newton(rtol=1e-14, max_iterations=16)).run(stages)
     failed = error.value.failed
@@ -151,16 +152,16 @@ def test_failure_counts_the_iterates_that_drew_the_structure_smooth(iterates, mo
 
 
 def test_plain_newton_draws_nothing_smooth():
-    structure, stages = HARD["sheet"](0.0, 1e3)
+    structure, stages = hard.sheet(0.0, 1e3)
     with pytest.raises(ConvergenceError) as error:
         Analysis(structure, PLAIN).run(stages)
     assert error.value.failed.outcome is Outcome.SINGULAR_START
 
 
 ENERGY_CASES = {
-    "sail": lambda: HARD["hypar"](2e3, 20e3, 1.5, HARD["service"](300.0)),
-    "slack cable": lambda: HARD["hanging"](2.0, 1e3),
-    "unstressed sheet": lambda: HARD["sheet"](0.0, 1e3),
+    "sail": lambda: hard.hypar(2e3, 20e3, 1.5, hard.service(300.0)),
+    "slack cable": lambda: hard.hanging(2.0, 1e3),
+    "unstressed sheet": lambda: hard.sheet(0.0, 1e3),
     "sheet": lambda: (sheet(), [Stage("snow", [SNOW])]),
 }
 
@@ -181,7 +182,7 @@ def test_energy_falls_in_every_step(name):
 
 
 def test_tension_in_the_tangent_goes_with_the_residual():
-    (snow,) = solved(*HARD["sheet"](0.0, 1e3))
+    (snow,) = solved(*hard.sheet(0.0, 1e3))
     entries = [entry for _, entry in snow.history]
     assert entries[0].shift == 0
     assert entries[1].shift >= ShiftControl().first
@@ -208,8 +209,8 @@ def test_tension_in_the_structure_is_gone_after_the_solve(monkeypatch):
 @pytest.mark.parametrize("name", ["cable net, prestress 0, load 100", "cone, prestress 0, lift 0.5"])
 def test_line_of_the_table_of_hard_cases(name):
     PETSc.Log.begin()
-    make = dict(HARD["cases"]())[name]
-    yes, balance, increments, *_ = HARD["measure"](make, Newton()).split()
+    make = dict(TABLE["cases"]())[name]
+    yes, balance, increments, *_ = TABLE["measure"](make, Newton()).split()
     assert yes == "yes"
     assert float(balance) < 1e-8
     assert int(increments) == len(make()[1])
@@ -218,4 +219,4 @@ def test_line_of_the_table_of_hard_cases(name):
 def test_name_that_no_hard_case_has(monkeypatch):
     monkeypatch.setattr(sys, "argv", ["hard_cases.py", "nonsense"])
     with pytest.raises(SystemExit, match=r"^No case.*'nonsense'.*name; .*; cable net; hanging cable"):
-        HARD["main"]()
+        TABLE["main"]()

@@ -1,8 +1,5 @@
 """Bound on the iterations of Newton's method for one try of a load increment, those of all strategies together."""
 
-import runpy
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -26,8 +23,7 @@ from fx_membrane.assembly.actions import unloaded
 from fx_membrane.assembly.problem import Problem
 from fx_membrane.solvers.newton_loop import NewtonLoop
 from fx_membrane.solvers.outcome import Outcome
-
-HARD = runpy.run_path(str(Path(__file__).parents[2] / "benchmarks" / "hard_cases.py"))
+from hard_structures import FABRIC, pulled
 
 
 def iterations(structure, stages, solver):
@@ -46,7 +42,7 @@ SLOW = [pytest.param(most, marks=pytest.mark.serial) for most in (60, 300)]
 @pytest.mark.parametrize("most", [1, 7, *SLOW])
 def test_total_of_all_strategies_is_bounded(most, line_search):
     """A sheet twisted out of its plane: a first attempt, the homotopy and the attempt after it take 600 iterations."""
-    structure, stages = HARD["pulled"](-0.1, 0.6, 0.0, HARD["FABRIC"])
+    structure, stages = pulled(-0.1, 0.6, 0.0, FABRIC)
     taken, told, solution = iterations(structure, stages, Newton(1e-10, most, line_search))
     assert not solution.converged
     assert taken <= most
@@ -57,7 +53,7 @@ def test_total_of_all_strategies_is_bounded(most, line_search):
 
 @pytest.mark.serial
 def test_first_attempt_leaves_iterations_to_the_homotopy():
-    structure, stages = HARD["pulled"](-0.1, 0.6, 0.0, HARD["FABRIC"])
+    structure, stages = pulled(-0.1, 0.6, 0.0, FABRIC)
     taken, _, solution = iterations(structure, stages, Newton())
     assert solution.converged
     assert 200 < taken <= Newton().max_iterations
@@ -88,7 +84,7 @@ def test_each_halved_increment_has_the_whole_number(monkeypatch):
         step(*args)
 
     monkeypatch.setattr(NewtonLoop, "step", counted)
-    structure, stages = HARD["pulled"](-0.1, 0.6, 0.0, HARD["FABRIC"])
+    structure, stages = pulled(-0.1, 0.6, 0.0, FABRIC)
     with pytest.raises(ConvergenceError):
         Analysis(structure, Newton(max_iterations=2)).run(stages)
     assert counts[0] == 0  # of a solver that is made

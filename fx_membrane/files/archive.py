@@ -1,0 +1,180 @@
+"""Archive of results: one file that is opened without the script, a zip of arrays and a JSON document.
+
+It holds numbers and texts only. Opening it runs no code of the file.
+"""
+
+import importlib.metadata
+import json
+import zipfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from ..assembly.actions import Actions
+from ..checks import paths, validation
+from ..form_finding.form import Form, FormStep
+from ..model import materials
+from ..model.energy_terms import Acting
+from ..model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
+from ..model.parts import Cable, Mast, Membrane
+from ..model.stages import PrescribedDisplacement, Stage
+from ..model.structure import Structure
+from ..model.supports import Support
+from ..results.balance import UnbalancedStateWarning
+from ..results.part_results import BarResult, MembraneResult
+from ..results.states import (
+    Equilibrium,
+    Increment,
+    LostPrestressWarning,
+    StageResult,
+    StageResults,
+    TermResult,
+    UnstableStateWarning,
+)
+from ..results.strain_limits import LargeStrainWarning
+from ..runtime.processes import by_the_first, together
+from ..solvers.base import Iteration
+from ..solvers.outcome import Outcome
+from .plain_data import Decoder, Encoder
+from .whole_file import writing
+
+FORMAT = 1
+KIND = "results of fx_membrane"
+DOCUMENT = "document.json"
+MODEL = (Structure, Membrane, Cable, Mast, Support, *materials.SHIPPED)
+STAGES = (Stage, PrescribedDisplacement, PointLoad, DistributedLoad, PlanLoad, Pressure)
+STATES = (StageResult, Actions, Acting, Equilibrium, MembraneResult, BarResult, TermResult)
+HISTORY = (Increment, Iteration, Outcome)
+FORMS = (Form, FormStep)
+REMARKS = (UnstableStateWarning, LostPrestressWarning, UnbalancedStateWarning, LargeStrainWarning)
+CLASSES: dict[str, type] = {cls.__name__: cls for cls in (*MODEL, *STAGES, *STATES, *HISTORY, *REMARKS, *FORMS)}
+
+
+@by_the_first
+def save_results(results: StageResults | Form, path: str | Path) -> None:
+    """Save the results of an analysis, or a form, in one file.
+
+    It has the structure, the stages, all arrays to the last bit, the versions of the programs and a format number. It
+    is written aside first: an existing file is replaced only by a complete one. Under MPI call it on all processes; the
+    first one writes.
+
+    Args:
+        results: What `Analysis.run` returned, or `ConvergenceError.results`, or a form.
+        path: The file, of any name; its folder is made.
+
+    Raises:
+        ValueError: The results are of another kind; a law or a term of your own is no dataclass of plain data; the file
+            cannot be written.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> results = Analysis(rope).run([Stage("pull", [PointLoad(1, (0, 0, -10.0))])])
+        >>> save_results(results, "output/rope.fxm")
+        >>> load_results("output/rope.fxm")["pull"].cable("rope").force.round(1).tolist()
+        [1012.2, 1012.2]
+    """
+    validation.instance("save_results results", results, StageResults | Form)
+    file = paths.path("path", path)
+    paths.check_writable("path", file)
+    encode = Encoder(CLASSES)
+    content = (
+        encode(results)
+        if isinstance(results, Form)
+        else {"results": encode(dict(results)), "stages": encode(results.stages)}
+    )
+    document = {
+        "kind": KIND,
+        "format": FORMAT,
+        "versions": _versions(),
+        "objects": encode.objects,
+        "content": content,
+    }
+    _write(file, json.dumps(document), encode.arrays)
+
+
+def load_results(path: str | Path, classes: Sequence[type] = ()) -> Any:
+    """Open a file of `save_results`.
+
+    The states are like those of the run. Whatever goes on from them (`stability`, `natural_frequencies`) makes meshes
+    and forms anew. Under MPI each process reads the file.
+
+    Args:
+        path: The file.
+        classes: Classes of your own laws and terms in it, which a file cannot hold.
+
+    Returns:
+        The `StageResults` or the `Form` that was saved.
+
+    Raises:
+        ValueError: There is no such file; it is no archive of results, is damaged, or of a later format; it needs a
+            class that is not given.
+    """
+    with together(MPI.COMM_WORLD):
+        file = paths.path("path", path)
+        own = _own(classes)
+        try:
+            with zipfile.ZipFile(file) as archive:
+                document = json.loads(archive.read(DOCUMENT))
+                _check(document)
+                arrays = {name[:-4]: _array(archive, name) for name in archive.namelist() if name != DOCUMENT}
+            decode = Decoder(CLASSES | own, arrays, document["objects"])
+            content = document["content"]
+            if "object" in content:
+                return decode(content)
+            return StageResults(decode(content["results"]), decode(content["stages"]))
+        except FileNotFoundError:
+            raise ValueError(f"path is {str(file)!r}, which does not exist; correct the name.") from None
+        except OSError as error:
+            raise ValueError(f"path is {str(file)!r}, which cannot be read ({error.strerror}).") from None
+        except ValueError as error:
+            raise ValueError(f"{file} is no archive of results that can be opened: {error}.") from None
+        except (zipfile.BadZipFile, KeyError, TypeError, IndexError, AttributeError, EOFError, NotImplementedError):
+            raise ValueError(
+                f"{file} is no archive of results, or is damaged; give a file that `save_results` has written."
+            ) from None
+
+
+def _write(file: Path, document: str, arrays: dict[str, NDArray[Any]]) -> None:
+    with writing(file, "wb") as stream, zipfile.ZipFile(stream, "w") as archive:
+        archive.writestr(DOCUMENT, document, zipfile.ZIP_DEFLATED)
+        for name, array in arrays.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as entry:
+                np.save(entry, array, allow_pickle=False)
+
+
+def _array(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
+    with archive.open(name) as entry:
+        return np.load(entry, allow_pickle=False)
+
+
+def _check(document: Any) -> None:
+    if document["kind"] != KIND:
+        raise KeyError(KIND)
+    if document["format"] > FORMAT:
+        raise ValueError(f"its format is {document['format']}, and this version reads {FORMAT}: install a newer one")
+
+
+def _own(classes: Sequence[type]) -> dict[str, type]:
+    if not isinstance(classes, list | tuple):
+        raise ValueError(f"classes is {validation.short_repr(classes)}; give a list of classes of your own, [Foam].")
+    for cls in classes:
+        if not isinstance(cls, type) or cls.__name__ in CLASSES:
+            raise ValueError(
+                f"classes has {validation.short_repr(cls)}; give the classes of your own laws and terms, [Foam]."
+            )
+    return {cls.__name__: cls for cls in classes}
+
+
+def _versions() -> dict[str, str]:
+    versions = {"numpy": np.__version__}
+    for name in ("fx-membrane", "fenics-dolfinx", "petsc4py"):
+        try:
+            versions[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            continue
+    return versions

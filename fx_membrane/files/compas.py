@@ -1,0 +1,116 @@
+"""COMPAS JSON: networks, graphs and meshes of compas, compas_fd and jax_fdm, of versions 0, 1 and 2."""
+
+import json
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..checks import paths
+from .drawing import Drawing
+
+EDGES, FACES, SUPPORTS = "edges", "faces", "supports"
+
+
+class Net(NamedTuple):
+    """Network or mesh of COMPAS, for `force_density` or as parts of a structure.
+
+    Attributes:
+        points: Positions of the nodes, in the order of the file, shape (n, 3).
+        edges: Rows of the nodes of the edges, shape (edges, 2).
+        faces: Rows of the nodes of the faces by number of corners, each of shape (faces, corners).
+        supports: Rows of the nodes whose attribute `is_support` or `is_anchor` is true, shape (s,).
+        force_densities: Attribute `q` of the edges, shape (edges,); zero without it.
+        loads: Attributes `px`, `py`, `pz` of the nodes, shape (n, 3); zero without them.
+    """
+
+    points: NDArray[np.float64]
+    edges: NDArray[np.int64]
+    faces: dict[int, NDArray[np.int64]]
+    supports: NDArray[np.int64]
+    force_densities: NDArray[np.float64]
+    loads: NDArray[np.float64]
+
+
+def read_compas(source: str | Path) -> Net:
+    """Read a network, graph or mesh that COMPAS wrote as JSON.
+
+    Raises:
+        ValueError: There is no such file, it is no JSON, or has no nodes.
+    """
+    file = paths.path("source", source, spare=0)
+    try:
+        data = _data(json.loads(file.read_text(encoding="utf-8")))
+        nodes = data.get("node") or data.get("vertex")
+        defaults = _first(data, "dna", "dva", "default_node_attributes", "default_vertex_attributes")
+        row = {str(key): number for number, key in enumerate(nodes)}
+        entries = [defaults | values for values in nodes.values()]
+        pairs, weights = _edges(data, row)
+        faces: dict[int, list[list[int]]] = {}
+        for corners in data.get("face", {}).values():
+            faces.setdefault(len(corners), []).append([row[str(key)] for key in corners])
+        return Net(
+            _numbers(entries, "xyz"),
+            np.array(pairs, dtype=np.int64).reshape(-1, 2),
+            {count: np.array(rows, dtype=np.int64) for count, rows in faces.items()},
+            np.flatnonzero([bool(entry.get("is_support") or entry.get("is_anchor")) for entry in entries]),
+            np.array(weights, dtype=np.float64),
+            _numbers(entries, ("px", "py", "pz")),
+        )
+    except OSError as error:
+        raise ValueError(f"source is {str(file)!r}: {error.strerror}; correct the name.") from None
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise ValueError(f"{file} is no network or mesh of COMPAS in JSON ({type(error).__name__}: {error}).") from None
+
+
+def read(file: Path) -> Drawing:
+    """Read a net as a drawing, with the groups "edges", "faces" and "supports"."""
+    net = read_compas(file)
+    drawing = Drawing(str(file), "group", net.points)
+    if len(net.edges):
+        drawing.add(EDGES, net.edges)
+    for count, faces in net.faces.items():
+        if count not in (3, 4):
+            raise ValueError(f"{file} has a face with {count} corners; give triangles or quadrilaterals.")
+        drawing.add(FACES, faces)
+    if len(net.supports):
+        drawing.add(SUPPORTS, net.supports[:, None])
+    return drawing
+
+
+def _data(document: Any) -> Any:
+    """Find the nodes below the wrappers of the versions."""
+    while "node" not in document and "vertex" not in document:
+        document = document["data"] if "data" in document else document["value"]
+    return document
+
+
+def _first(data: Any, *names: str) -> dict[str, Any]:
+    return next((data[name] for name in names if data.get(name)), {})
+
+
+def _edges(data: Any, row: dict[str, int]) -> tuple[list[tuple[int, int]], list[float]]:
+    """Edges and their force densities: nested by node, or under names "u-v" or "(u, v)" beside a mesh."""
+    defaults = _first(data, "dea", "default_edge_attributes")
+    found: dict[tuple[int, int], float] = {}
+    for start, ends in data.get("edge", {}).items():
+        for end, values in (ends or {}).items():
+            found[row[str(start)], row[str(end)]] = float((defaults | (values or {})).get("q") or 0.0)
+    if not found and data.get("face"):
+        named = {
+            frozenset(key.strip("()").replace(",", "-").replace(" ", "").split("-")): values
+            for key, values in (data.get("edgedata") or {}).items()
+        }
+        for corners in data["face"].values():
+            keys = [str(key) for key in corners]
+            for start, end in zip(keys, keys[1:] + keys[:1], strict=True):
+                if (row[end], row[start]) not in found:
+                    values = named.get(frozenset((start, end))) or {}
+                    found[row[start], row[end]] = float((defaults | values).get("q") or 0.0)
+    return list(found), list(found.values())
+
+
+def _numbers(entries: list[dict[str, Any]], names: Any) -> NDArray[np.float64]:
+    values = np.array([[float(entry.get(name) or 0.0) for name in names] for entry in entries], dtype=np.float64)
+    return values.reshape(-1, 3)

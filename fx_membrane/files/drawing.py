@@ -1,0 +1,150 @@
+"""Cells by name as drawings have them: corners that may coincide, triangles, quadrilaterals and lines in one group."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from ..checks import validation
+from ..runtime.messages import say
+
+Array = NDArray[np.float64]
+Cells = NDArray[np.int64]
+EXACT = 1e-9  # of the size of the drawing: corners nearer than that are one node in any file
+KINDS = {1: "points", 2: "lines", 3: "triangles", 4: "quadrilaterals"}
+
+
+@dataclass
+class Drawing:
+    """Content of a drawing.
+
+    Attributes:
+        source: Name of the file, for messages.
+        group: Name of a group in messages, as "layer".
+        points: Positions of all corners, shape (n, 3).
+        cells: By name of the group and number of corners (1 for points), rows of corners, shape (cells, corners).
+        unit: Name of the unit of length that the file tells; empty if it tells none.
+    """
+
+    source: str
+    group: str
+    points: Array
+    cells: dict[str, dict[int, Cells]] = field(default_factory=dict)
+    unit: str = ""
+
+    def add(self, name: str, cells: Cells) -> None:
+        """Add cells of one kind to a group."""
+        groups = self.cells.setdefault(name, {})
+        corners = cells.shape[1]
+        groups[corners] = np.vstack([groups[corners], cells]) if corners in groups else cells
+
+
+def joined(drawing: Drawing, weld: float | None) -> Drawing:
+    """Drawing with one node for corners at the same place; with a tolerance, for corners within it of each other.
+
+    Says on stderr how many were joined by the tolerance, and the largest distance.
+
+    Raises:
+        ValueError: A cell loses its size: two of its corners are joined.
+    """
+    points = drawing.points
+    if not len(points):
+        return drawing
+    exact = EXACT * max(np.ptp(points, axis=0).max(), np.finfo(float).tiny)
+    label, count = _clusters(points, exact)
+    if weld is not None:
+        label, merged = _clusters(points, max(weld, exact))
+        if merged < count:
+            first = np.full(merged, len(points))
+            np.minimum.at(first, label, np.arange(len(points)))
+            moved = np.linalg.norm(points - points[first[label]], axis=1)
+            say(
+                f"{drawing.source}: {count} nodes joined to {merged} within {weld:g}; "
+                f"the farthest moved by {moved.max():.3g}."
+            )
+    rows = np.unique(label, return_index=True)[1]  # of each cluster, the first corner
+    order = np.argsort(rows)
+    number = np.empty(len(rows), dtype=np.int64)
+    number[order] = np.arange(len(rows))
+    cells = {
+        name: {corners: number[label[rows_]] for corners, rows_ in groups.items()}
+        for name, groups in drawing.cells.items()
+    }
+    found = Drawing(drawing.source, drawing.group, points[rows[order]], cells, drawing.unit)
+    for name, groups in cells.items():
+        for corners, rows_ in groups.items():
+            _refuse_collapsed(found, name, drawing.points[drawing.cells[name][corners]], rows_)
+    return found
+
+
+def triangles_of(drawing: Drawing, name: str, split: bool) -> Cells:
+    """Cells of a group: its lines, shape (n, 2), or its triangles, shape (n, 3), quadrilaterals split on request.
+
+    A quadrilateral is split along its shorter diagonal.
+
+    Raises:
+        ValueError: There is no group of that name; it has no lines or faces, or both; it has quadrilaterals that are
+            not to be split.
+    """
+    groups = {corners: cells for corners, cells in _group(drawing, name).items() if corners > 1 and len(cells)}
+    if not groups:
+        raise ValueError(f"{drawing.source}: {drawing.group} {name!r} has no lines or faces to make a part of.")
+    if 2 in groups and len(groups) > 1:
+        raise ValueError(
+            f"{drawing.source}: {drawing.group} {name!r} has lines and faces; a part is of one kind, put them on two."
+        )
+    if 4 not in groups:
+        return next(iter(groups.values()))
+    if not split:
+        raise ValueError(
+            f"{drawing.source}: {drawing.group} {name!r} has {len(groups[4])} quadrilaterals; split them by "
+            "split_quadrilaterals=True."
+        )
+    corners = groups[4]
+    one, other = drawing.points[corners[:, [0, 2]]], drawing.points[corners[:, [1, 3]]]
+    along = np.linalg.norm(one[:, 1] - one[:, 0], axis=1) <= np.linalg.norm(other[:, 1] - other[:, 0], axis=1)
+    turned = np.where(along[:, None], corners, np.roll(corners, -1, axis=1))
+    halves = np.stack([turned[:, [0, 1, 2]], turned[:, [0, 2, 3]]], axis=1).reshape(-1, 3)
+    return np.vstack([groups[3], halves]) if 3 in groups else halves
+
+
+def nodes_of(drawing: Drawing, name: str) -> Cells:
+    """Nodes of a group: those of its points, or else of its lines and faces, shape (n,).
+
+    Raises:
+        ValueError: There is no group of that name.
+    """
+    groups = _group(drawing, name)
+    chosen = [groups[1]] if 1 in groups else list(groups.values())
+    return np.unique(np.concatenate([cells.ravel() for cells in chosen]))
+
+
+def _group(drawing: Drawing, name: str) -> dict[int, Cells]:
+    if name not in drawing.cells:
+        raise ValueError(f"{drawing.source} has no {drawing.group} {name!r}; it has {sorted(drawing.cells)}.")
+    return drawing.cells[name]
+
+
+def _clusters(points: Array, distance: float) -> tuple[NDArray[np.int64], int]:
+    """Cluster of each point, those within a distance of each other in one, and the number of clusters."""
+    from scipy.sparse import coo_matrix  # noqa: PLC0415
+    from scipy.sparse.csgraph import connected_components  # noqa: PLC0415
+
+    pairs = cKDTree(points).query_pairs(distance, output_type="ndarray")
+    shape = (len(points), len(points))
+    graph = coo_matrix((np.ones(len(pairs), dtype=bool), (pairs[:, 0], pairs[:, 1])), shape=shape)
+    count, label = connected_components(graph, directed=False)
+    return label.astype(np.int64), int(count)
+
+
+def _refuse_collapsed(drawing: Drawing, name: str, corners: Array, cells: Cells) -> None:
+    ordered = np.sort(cells, axis=1)
+    bad = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
+    if len(bad):
+        where = validation.format_point(corners[bad[0]].mean(axis=0))
+        raise ValueError(
+            f"{drawing.source}: {drawing.group} {name!r} has {len(bad)} of {len(cells)} "
+            f"{KINDS[cells.shape[1]]} with two corners in one node, the first at {where}; "
+            "weld within less, or remove it from the drawing."
+        )

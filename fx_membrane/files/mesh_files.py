@@ -1,0 +1,101 @@
+"""Structures from files of drawing and modelling programs, by the names of their layers and groups."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from mpi4py import MPI
+
+from ..checks import paths, validation
+from ..model.structure import Structure
+from ..runtime.messages import say
+from . import compas, dxf, obj, surface
+from .drawing import Drawing, joined, nodes_of, triangles_of
+from .gmsh import structure_from_gmsh
+from .groups import Groups, Makers, check_arguments, structure
+
+READERS: dict[str, Callable[[Path], Drawing]] = {
+    ".dxf": dxf.read,
+    ".obj": obj.read,
+    ".stl": surface.read,
+    ".ply": surface.read,
+    ".json": compas.read,
+}
+METRES = {"mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "km": 1e3, "in": 0.0254, "ft": 0.3048, "yd": 0.9144}
+
+
+def structure_from_file(
+    source: str | Path,
+    parts: Makers,
+    supports: Mapping[str, str] | None = None,
+    separate: Sequence[tuple[str, str]] = (),
+    *,
+    weld: float | None = None,
+    split_quadrilaterals: bool = False,
+    unit: str | None = None,
+) -> Structure:
+    """Structure of a mesh file of another program: DXF, OBJ, STL, PLY, COMPAS JSON or gmsh's msh, by its ending.
+
+    | ending | group | faces, lines | points |
+    |---|---|---|---|
+    | .dxf | layer | 3DFACE, MESH, polyface meshes; LINE, polylines; blocks too | POINT |
+    | .obj | group or object | faces; lines | |
+    | .stl, .ply | name of the file without its ending | faces | |
+    | .json | "edges", "faces", "supports" | those of a network, graph or mesh | `is_support` |
+    | .msh | physical group, see `structure_from_gmsh` | | |
+
+    Corners at the same place are one node. No file runs code.
+
+    Args:
+        source: The file.
+        parts: For each group, a function that makes a part of its cells, or of its cells and the points:
+            `{"roof": lambda cells: Membrane(cells, fabric, 2e3)}`, `{"roof": lambda cells, points: Membrane(cells,
+            fabric, 2e3, warp=points[cells].mean(axis=1))}`. Cells are rows of the points, shape (n, 3) or (n, 2).
+        supports: For each group, the constrained components of its nodes: those of its points if it has any, or else of
+            its lines and faces.
+        separate: Pairs of names of parts that lie on each other without being joined, see `Structure`.
+        weld: Distance within which nodes are joined, in the unit of the structure; what it joins is said on stderr.
+        split_quadrilaterals: Split quadrilaterals into triangles along the shorter diagonal; they are refused
+            otherwise.
+        unit: Unit of length of the structure: "m", "mm", "ft", ... A file that names its own is converted; without a
+            unit here its numbers are taken as they are, and its unit is said on stderr.
+
+    Raises:
+        ValueError: An argument is of another kind; the ending is not known; the file cannot be read, or is not of that
+            format; a group does not exist, or has lines and faces; its cells do not fit its part; a support is on no
+            part.
+        ImportError: The package that reads the format is not installed.
+    """
+    file = paths.path("source", source, spare=0)
+    check_arguments(parts, supports)
+    weld = None if weld is None else validation.positive("weld", weld)
+    split = validation.truth("split_quadrilaterals", split_quadrilaterals)
+    if unit is not None:
+        validation.choice("unit", unit, list(METRES), f"one of {list(METRES)}")
+    ending = file.suffix.lower()
+    if ending == ".msh":
+        return structure_from_gmsh(file, parts, supports, separate)
+    if ending not in READERS:
+        raise ValueError(f"source is {str(file)!r}; give a file that ends in {', '.join([*READERS, '.msh'])}.")
+    if not file.is_file():
+        raise ValueError(f"There is no file {str(file)!r}; correct the name.")
+    try:
+        drawing = READERS[ending](file)
+    except OSError as error:
+        raise ValueError(f"{file} cannot be read ({error.strerror}).") from None
+    _convert(drawing, unit)
+    drawing = joined(drawing, weld)
+    groups = Groups(
+        points=drawing.points,
+        cells={name: triangles_of(drawing, name, split) for name in parts},
+        nodes={name: nodes_of(drawing, name) for name in supports or {}},
+        kind=drawing.group,
+        label=lambda row: f"node {row}",
+    )
+    return structure(groups, parts, supports or {}, separate)
+
+
+def _convert(drawing: Drawing, unit: str | None) -> None:
+    if drawing.unit and unit is None and MPI.COMM_WORLD.rank == 0:
+        say(f"{drawing.source} is in {drawing.unit}, and is taken as it is; unit='m' converts it.")
+    if drawing.unit and unit:
+        drawing.points = drawing.points * (METRES[drawing.unit] / METRES[unit])

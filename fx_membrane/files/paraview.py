@@ -1,0 +1,175 @@
+"""Results for ParaView: a step of the series for each state, with a block for each part."""
+
+import re
+import warnings
+from pathlib import Path
+from typing import Any
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+from mpi4py import MPI
+
+from ..checks import paths, validation
+from ..results.part_results import MembraneResult
+from ..results.states import StageResult, StageResults
+from ..results.tables import cell_columns
+from ..runtime.processes import by_the_first, together
+from .whole_file import writing
+
+SERIES = "series.pvd"
+STATES = ("taut", "wrinkled", "slack")
+TRIANGLE, LINE = 5, 3  # types of cells in VTK
+STEP = re.compile(r'<DataSet timestep="([^"]+)" file="([^"]+)"/>')
+
+
+class SeriesWarning(UserWarning):
+    """Failure to write a step of a series: the run continues, and has the state in its results."""
+
+
+class ParaViewSeries:
+    """Series of states in a folder, which ParaView opens as `series.pvd`: at any time, also after a kill.
+
+    Give it to `Analysis.run(stages, observe=series)` for every load increment. Each step is a complete file before the
+    series names it. Its time is the number of the stage in the run, from 0, plus the load factor. Nodes have
+    `displacement` ("Warp By Vector" shows the current shape), loads and reactions; cells have stresses, forces, strains
+    and `state`: 0 taut, 1 wrinkled, 2 slack. Names tell units. The field data of a step have the name of the stage.
+
+    Under MPI make it, and call it, on all processes; the first one writes.
+
+    Args:
+        folder: The folder; it is made. An earlier series in it is replaced.
+        append: Keep the steps of an earlier series, as in a run that a checkpoint file continues.
+        force_unit: Name of the force unit of the structure and its loads; nothing is converted.
+        length_unit: Name of the length unit.
+
+    Raises:
+        ValueError: The folder cannot be written; a unit is not a text.
+        ModuleNotFoundError: pyvista is not installed.
+
+    Warns:
+        SeriesWarning: A step could not be written, as on a full disk.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> pull = Stage("pull", [PointLoad(1, (0, 0, -10.0))], increments=2)
+        >>> results = Analysis(rope).run([pull], observe=ParaViewSeries("output/rope"))
+        >>> print(open("output/rope/series.pvd").read().splitlines()[3])
+        <DataSet timestep="0.5" file="0001.vtm"/>
+    """
+
+    def __init__(
+        self, folder: str | Path, append: bool = False, *, force_unit: str = "N", length_unit: str = "m"
+    ) -> None:
+        import pyvista  # noqa: F401, PLC0415  (optional, and missed before anything is computed)
+
+        with together(MPI.COMM_WORLD):
+            self._units = (
+                validation.text("ParaViewSeries force_unit", force_unit),
+                validation.text("ParaViewSeries length_unit", length_unit),
+            )
+            self._folder = paths.path("folder", folder)
+            append = validation.truth("ParaViewSeries append", append)
+            self._stages: list[str] = []
+            self._steps: dict[float, str] = {}
+            self._failed = False
+            if MPI.COMM_WORLD.rank == 0:
+                paths.check_writable("folder", self._folder / SERIES)
+                if append and (self._folder / SERIES).exists():
+                    found = STEP.findall((self._folder / SERIES).read_text(encoding="utf-8"))
+                    self._steps = {float(time): file for time, file in found}
+
+    @by_the_first
+    def __call__(self, state: StageResult) -> None:
+        """Write a step.
+
+        Warns:
+            SeriesWarning: It could not be written.
+        """
+        validation.instance("The state of a ParaViewSeries", state, StageResult)
+        if state.name not in self._stages:
+            self._stages.append(state.name)
+        factor = state.increments[-1].load_factor if state.increments else 0.0
+        time = self._stages.index(state.name) + factor
+        file = self._steps.get(time) or f"{len(self._steps) + 1:04d}.vtm"
+        try:
+            _write(state, self._folder / file, self._units)
+            self._steps[time] = file
+            _write_series(self._folder / SERIES, self._steps)
+        except (OSError, ValueError, RuntimeError) as error:
+            if not self._failed:
+                warnings.warn(
+                    f"Stage {state.name!r}: the step {self._folder / file} could not be written ({error}). The run "
+                    "goes on, and the series keeps the steps that it has; make room.",
+                    SeriesWarning,
+                    stacklevel=4,
+                )
+            self._failed = True
+
+
+def write_paraview(results: StageResults, folder: str | Path, *, force_unit: str = "N", length_unit: str = "m") -> None:
+    """Write the final states of all stages as a series for ParaView, see `ParaViewSeries`.
+
+    Args:
+        results: Those of `Analysis.run`.
+        folder: The folder; it is made.
+        force_unit: Name of the force unit of the structure and its loads; nothing is converted.
+        length_unit: Name of the length unit.
+
+    Raises:
+        ValueError: The results are of another kind; the folder cannot be written; a unit is not a text.
+        ModuleNotFoundError: pyvista is not installed.
+
+    Warns:
+        SeriesWarning: A step could not be written, as on a full disk.
+    """
+    validation.instance("write_paraview results", results, StageResults)
+    series = ParaViewSeries(folder, force_unit=force_unit, length_unit=length_unit)
+    for state in results.values():
+        series(state)
+
+
+def _write(state: StageResult, file: Path, units: tuple[str, str]) -> None:
+    import pyvista  # noqa: PLC0415
+
+    blocks = pyvista.MultiBlock()
+    for name in state.parts:
+        blocks.append(_block(state, name, units), name)
+    file.parent.mkdir(parents=True, exist_ok=True)
+    blocks.save(file)
+    if not file.exists():  # VTK reports a full disk on stderr only
+        raise OSError("VTK could not write it")
+
+
+def _block(state: StageResult, name: str, units: tuple[str, str]) -> Any:
+    """Mesh of a part in its reference shape, with the fields of its nodes and cells."""
+    import pyvista  # noqa: PLC0415
+
+    force, length = units
+    part, found = state.structure.parts[name], state.parts[name]
+    nodes, cells = np.unique(part.cells, return_inverse=True)
+    cells = cells.reshape(part.cells.shape)
+    kind = np.full(len(cells), TRIANGLE if part.dimension == 2 else LINE, dtype=np.uint8)
+    rows = np.column_stack([np.full(len(cells), cells.shape[1]), cells]).ravel()
+    grid = pyvista.UnstructuredGrid(rows, kind, state.structure.points[nodes])
+    grid.point_data["node"] = nodes
+    grid.point_data["displacement"] = state.displacement[nodes]
+    grid.point_data[f"load [{force}]"] = state.loads[nodes]
+    grid.point_data[f"reaction [{force}]"] = state.reactions[nodes]
+    columns = cell_columns(state, name, force, length)
+    word = columns.pop("state")
+    grid.cell_data["state"] = np.array([STATES.index(entry) for entry in word.tolist()], dtype=np.uint8)
+    for head in columns.keys() - {f"{axis} [{length}]" for axis in "xyz"}:
+        grid.cell_data[head] = columns[head]
+    if isinstance(found, MembraneResult):
+        grid.cell_data[f"Cauchy stress [{force}/{length}]"] = found.cauchy.reshape(-1, 9)
+    grid.field_data["stage"] = [state.name]
+    return grid
+
+
+def _write_series(file: Path, steps: dict[float, str]) -> None:
+    with writing(file, encoding="utf-8") as stream:
+        stream.write('<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1">\n<Collection>\n')
+        for time, name in sorted(steps.items()):
+            stream.write(f'<DataSet timestep="{time!r}" file={quoteattr(name)}/>\n')
+        stream.write("</Collection>\n</VTKFile>\n")

@@ -1,0 +1,87 @@
+"""Results as tables on disk: CSV with units in the head, and a summary in JSON."""
+
+import csv
+import importlib.metadata
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+from ..checks import paths, validation
+from ..model.parts import Cable, Mast, Membrane
+from ..results.states import StageResult, StageResults
+from ..results.summary import summary
+from ..results.tables import Columns, cell_columns, node_columns
+from ..runtime.processes import by_the_first
+from .whole_file import writing
+
+FORMULA = ("=", "+", "-", "@", "\t", "\r")  # first letters of a cell that spreadsheets compute
+CELLS = {"membranes.csv": Membrane, "cables.csv": Cable, "masts.csv": Mast}
+
+
+@by_the_first
+def write_tables(results: StageResults, folder: str | Path, *, force_unit: str = "N", length_unit: str = "m") -> None:
+    """Write the results of an analysis as tables: CSV for spreadsheets, JSON for scripts.
+
+    `nodes.csv` has a row for each stage and node, `membranes.csv`, `cables.csv` and `masts.csv` one for each stage,
+    part and cell. Their first row names each column with its unit. `summary.json` has sums of forces, extremes with
+    cell and place, iterations and remarks of each stage. Numbers have all their digits. A name that a spreadsheet would
+    take for a formula begins with an apostrophe. Files of earlier calls are replaced, each by a complete one. Under MPI
+    call it on all processes; the first one writes.
+
+    No number is converted: the names of the units are only printed.
+
+    Args:
+        results: What `Analysis.run` returned.
+        folder: The folder; it is made.
+        force_unit: Name of the force unit of the structure and its loads.
+        length_unit: Name of the length unit.
+
+    Raises:
+        ValueError: The results are of another kind; a unit is not a text; a file cannot be written.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> write_tables(Analysis(rope).run([Stage("rest")]), "output/rope")
+        >>> print(open("output/rope/cables.csv").readlines()[1].strip())
+        rest,rope,0,1.5,0.0,0.0,3.0,taut,0.0,1000.0
+    """
+    validation.instance("write_tables results", results, StageResults)
+    validation.instances("write_tables results", list(results.values()), StageResult)
+    force_unit, length_unit = validation.text("force_unit", force_unit), validation.text("length_unit", length_unit)
+    place = paths.path("folder", folder)
+    paths.check_writable("folder", place / "summary.json")
+    units = force_unit, length_unit
+    _write_csv(place / "nodes.csv", (({"stage": name}, node_columns(state, *units)) for name, state in results.items()))
+    for file, kind in CELLS.items():
+        tables = [
+            ({"stage": stage, "part": name}, cell_columns(state, name, *units))
+            for stage, state in results.items()
+            for name, part in state.structure.parts.items()
+            if isinstance(part, kind)
+        ]
+        if tables:
+            _write_csv(place / file, iter(tables))
+    document = {
+        "fx_membrane": importlib.metadata.version("fx-membrane"),
+        "units": {"force": force_unit, "length": length_unit},
+        "stages": {name: summary(state) for name, state in results.items()},
+    }
+    with writing(place / "summary.json", encoding="utf-8") as stream:
+        json.dump(document, stream, ensure_ascii=False, indent=1)
+
+
+def _write_csv(file: Path, tables: Iterator[tuple[dict[str, str], Columns]]) -> None:
+    with writing(file, encoding="utf-8-sig", newline="") as stream:  # with a mark by which Excel knows UTF-8
+        writer = csv.writer(stream)
+        for number, (names, columns) in enumerate(tables):
+            if number == 0:
+                writer.writerow([*names, *columns])
+            same = [_quoted(name) for name in names.values()]
+            writer.writerows(
+                [*same, *row] for row in zip(*(column.tolist() for column in columns.values()), strict=True)
+            )
+
+
+def _quoted(name: str) -> str:
+    return f"'{name}" if name.startswith(FORMULA) else name

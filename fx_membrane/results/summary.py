@@ -1,0 +1,70 @@
+"""Summary of a state as plain data: sums of forces, extremes of each part with their cell and place, remarks."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .part_results import BarResult
+from .states import StageResult
+
+SAME = 1e-9  # relative difference of values that counts as rounding: of equal ones, the first cell is named
+
+
+def summary(result: StageResult) -> dict[str, Any]:
+    """Summary of a state, in dictionaries, lists, texts and numbers that JSON has."""
+    size = np.linalg.norm(result.displacement, axis=1)
+    node = first_largest(size)
+    balance = result.equilibrium
+    return {
+        "remarks": [str(remark) for remark in result.remarks],
+        "increments": [
+            {
+                "load factor": increment.load_factor,
+                "outcome": increment.outcome.name,
+                "iterations": len(increment.iterations) - 1 + increment.extra_iterations,
+            }
+            for increment in result.increments
+        ],
+        "energy": result.energy,
+        "sum of loads": balance.loads.tolist(),
+        "sum of reactions": balance.reactions.tolist(),
+        "largest unbalanced force": balance.residual,
+        "largest displacement": {
+            "value": float(size[node]),
+            "node": node,
+            "place": result.structure.points[node].tolist(),
+        },
+        "parts": {name: _part(result, name) for name in result.parts},
+    }
+
+
+def first_largest(values: NDArray[np.float64]) -> int:
+    """Row of the largest value; the first of those that differ by rounding only."""
+    return int(np.argmax(values >= values.max() - SAME * np.abs(values).max()))
+
+
+def _part(result: StageResult, name: str) -> dict[str, Any]:
+    found = result.parts[name]
+    told: dict[str, Any] = {"kind": type(result.structure.parts[name]).__name__, "cells": len(found.strain)}
+    if isinstance(found, BarResult):
+        return told | {"slack cells": int(found.slack.sum()), "force": _extremes(result, name, found.force)}
+    told |= {f"{state} cells": int((found.state == state).sum()) for state in ("taut", "wrinkled", "slack")}
+    told["principal stress I"] = _extremes(result, name, found.principal[:, 0])
+    told["principal stress II"] = _extremes(result, name, found.principal[:, 1])
+    if getattr(result.structure.parts[name], "warp", None) is not None:
+        told["stress along warp"] = _extremes(result, name, found.warp_weft_stress[:, 0])
+        told["stress along weft"] = _extremes(result, name, found.warp_weft_stress[:, 1])
+    return told
+
+
+def _extremes(result: StageResult, name: str, values: NDArray[np.float64]) -> dict[str, Any]:
+    return {
+        "least": _at(result, name, values, first_largest(-values)),
+        "largest": _at(result, name, values, first_largest(values)),
+    }
+
+
+def _at(result: StageResult, name: str, values: NDArray[np.float64], cell: int) -> dict[str, Any]:
+    place = result.structure.points[result.structure.parts[name].cells[cell]].mean(axis=0)
+    return {"value": float(values[cell]), "cell": cell, "place": place.tolist()}

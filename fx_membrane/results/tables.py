@@ -1,0 +1,65 @@
+"""Tables of a state: columns of its nodes and of the cells of its parts, with units in their heads."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..checks import validation
+from ..geometry.measures import measures
+from .part_results import BarResult, MembraneResult
+from .states import StageResult
+
+Columns = dict[str, NDArray[Any]]
+
+
+def node_columns(result: StageResult, force_unit: str = "N", length_unit: str = "m") -> Columns:
+    """Columns of the nodes: number, reference position, displacement, loads, reactions; each of shape (n,)."""
+    columns: Columns = {"node": np.arange(len(result.displacement))}
+    columns |= _vector(("x", "y", "z"), length_unit, result.structure.points)
+    columns |= _vector(("displacement x", "displacement y", "displacement z"), length_unit, result.displacement)
+    columns |= _vector(("load x", "load y", "load z"), force_unit, result.loads)
+    return columns | _vector(("reaction x", "reaction y", "reaction z"), force_unit, result.reactions)
+
+
+def cell_columns(result: StageResult, part: str, force_unit: str = "N", length_unit: str = "m") -> Columns:
+    """Columns of the cells of a part: number, reference centroid and size, state, strains, stresses or force.
+
+    Strains and the stress along warp and weft are in the warp/weft frame, see `MembraneResult`. Each has shape
+    (cells,).
+
+    Raises:
+        ValueError: There is no part of that name.
+    """
+    if not isinstance(part, str) or part not in result.parts:
+        raise ValueError(f"part is {validation.short_repr(part)}; those of the structure are {list(result.parts)}.")
+    cells, found, points = result.structure.parts[part].cells, result.parts[part], result.structure.points
+    columns: Columns = {"cell": np.arange(len(cells))}
+    columns |= _vector(("x", "y", "z"), length_unit, points[cells].mean(axis=1))
+    if isinstance(found, BarResult):
+        columns[f"length [{length_unit}]"] = measures(points, cells)
+        return columns | dict(_bar(found, force_unit))
+    columns[f"area [{length_unit}2]"] = measures(points, cells)
+    return columns | dict(_membrane(found, f"{force_unit}/{length_unit}"))
+
+
+def _bar(found: BarResult, force: str) -> Iterator[tuple[str, NDArray[Any]]]:
+    yield "state", np.where(found.slack, "slack", "taut")
+    yield "strain [-]", found.strain
+    yield f"force [{force}]", found.force
+
+
+def _membrane(found: MembraneResult, stress: str) -> Iterator[tuple[str, NDArray[Any]]]:
+    yield "state", found.state
+    yield "strain warp [-]", found.strain[:, 0, 0]
+    yield "strain weft [-]", found.strain[:, 1, 1]
+    yield "strain shear [-]", found.strain[:, 0, 1]
+    yield f"principal stress I [{stress}]", found.principal[:, 0]
+    yield f"principal stress II [{stress}]", found.principal[:, 1]
+    yield f"stress along warp [{stress}]", found.warp_weft_stress[:, 0]
+    yield f"stress along weft [{stress}]", found.warp_weft_stress[:, 1]
+
+
+def _vector(names: tuple[str, str, str], unit: str, values: NDArray[np.float64]) -> Columns:
+    return {f"{name} [{unit}]": values[:, component] for component, name in enumerate(names)}

@@ -1,0 +1,147 @@
+"""Energy terms in energy, residual and tangent: consistent derivatives, forces summed by hand."""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fx_membrane import (
+    Analysis,
+    DistributedLoad,
+    Pressure,
+    Stage,
+)
+from fx_membrane.assembly.problem import Problem
+from models import MIXED, TRIANGLES, close, inclined_sheet, same_state, sheet
+from own_terms import ElasticBed, Everything, Follower, Water, WaterWork, random, under
+from taylor import remainders
+
+COUNT = len(TRIANGLES)
+RNG = np.random.default_rng(8)
+FORCE = RNG.normal(size=(COUNT, 3))
+ALL = Everything("fabric", 300.0, (0.2, -0.1, 1.0), FORCE, 20 + RNG.random(COUNT))
+SOME = Everything("fabric", RNG.random(5), (0, 0, 1.0), (1.0, 2, 3), 3.0, cells=[9, 2, 20, 21, 30])
+WATER = Water("fabric", 2e3, 0.3)
+SNOW = DistributedLoad((0, 0, -200.0), "fabric")
+PULL = Follower("edge", (30.0, 0.0, 20.0))
+
+
+PROBLEMS = {
+    "all symbols": lambda: under(inclined_sheet(), ALL),
+    "some cells": lambda: under(replace(inclined_sheet(), terms=[SOME]), SNOW, Pressure(30.0, "fabric")),
+    "water": lambda: under(inclined_sheet(), WATER),
+    "virtual work": lambda: under(inclined_sheet(), WaterWork("fabric", 2e3, 0.3)),
+    "bars": lambda: under(replace(MIXED, terms=[ElasticBed("edge", 50.0), ElasticBed("mast", 7.0)]), PULL),
+}
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_tangent_is_the_derivative_of_the_residual(name):
+    """No switch is passed within the steps."""
+    problem = PROBLEMS[name]()
+    assert problem.terms.all
+    norms = remainders(problem, random(problem, 1), random(problem, 2), 1e-4 / 2.0 ** np.arange(4))
+    np.testing.assert_allclose(np.log2(norms[:-1] / norms[1:]), 2, rtol=0, atol=0.02)
+
+
+@pytest.mark.parametrize("name", ["all symbols", "some cells", "water"])
+def test_residual_is_the_derivative_of_the_energy(name):
+    """Remainders of the third order: with pressure, the energy along the step."""
+    problem = PROBLEMS[name]()
+    x, d = random(problem, 1), random(problem, 2)
+    along, R, Kd = problem.energy_along(x, d), problem.residual(x), problem.discretization.create_vector()
+    problem.tangent(x).mult(d, Kd)
+    steps = 2e-2 / 2.0 ** np.arange(4)
+    left = [along(h) - along(0.0) - h * R.dot(d) - h**2 / 2 * d.dot(Kd) for h in steps]
+    assert np.log2(np.divide(left[:-1], left[1:])) == pytest.approx(3, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    "loads", [[WaterWork("fabric", 2e3, 2.0)], [WaterWork("fabric", 2e3, 2.0), Pressure(50.0, "fabric")]]
+)
+def test_energy_along_includes_the_work_of_terms_without_potential(loads):
+    """Under water the force is cubic in the displacement: three Gauss points integrate it exactly."""
+    problem = under(inclined_sheet(), *loads)
+    x, d = random(problem, 1), random(problem, 2)
+    found, d_nodes = problem.energy_along(x, d), problem.discretization.to_numpy(d)
+    nodes, weights = np.polynomial.legendre.leggauss(3)
+    for length in (0.3, 1.0, -0.7):
+        power = []
+        for s in (1 + nodes) / 2 * length:
+            y = x.copy()
+            y.axpy(s, d)
+            power.append(np.sum(problem.pressure_loads(y) * d_nodes))
+            power[-1] += sum(np.sum(forces * d_nodes) for _, forces in problem.term_forces(y))
+        end = x.copy()
+        end.axpy(length, d)
+        assert problem.energy(end) - found(length) == pytest.approx(length / 2 * weights @ power, rel=1e-10)
+
+
+def test_forces_are_those_of_the_energy_summed_by_hand():
+    structure, k = inclined_sheet(), 100 + 10 * np.arange(3.0)
+    bed = ElasticBed("fabric", k[:, None], cells=[4, 0, 7])
+    problem = under(structure, bed)
+    u = 0.1 * np.random.default_rng(3).normal(size=structure.points.shape)
+    ((acting, forces),) = problem.term_forces(problem.discretization.to_petsc(u))
+    assert acting == (bed, 1.0)
+    expected, energy = np.zeros_like(u), 0.0
+    mass = (np.ones((3, 3)) + np.eye(3)) / 12  # of a triangle of area one
+    for stiffness, cell in zip(k, [4, 0, 7], strict=True):
+        nodes = structure.parts["fabric"].cells[cell]
+        a, b = np.diff(structure.points[nodes], axis=0)
+        area = np.linalg.norm(np.cross(a, b)) / 2
+        expected[nodes, 2] -= stiffness * area * mass @ u[nodes, 2]
+        energy += stiffness * area * u[nodes, 2] @ mass @ u[nodes, 2] / 2
+    assert close(forces, expected)
+    x = problem.discretization.to_petsc(u)
+    without = Problem(structure).under()
+    whole = without.energy(x)
+    assert problem.energy(x) - whole == pytest.approx(energy, rel=1e-10, abs=1e-14 * abs(whole))
+    assert close(problem.discretization.to_numpy(without.residual(x)) - forces,
+                 problem.discretization.to_numpy(problem.residual(x)))  # fmt: skip
+
+
+def test_dead_load_as_a_term():
+    """An energy linear in u is a distributed load."""
+
+    @dataclass(frozen=True)
+    class Dead:
+        part: str
+        q: Any
+
+        def energy(self, state, parameters):
+            return -sum(parameters.q[i] * state.u[i] for i in range(3))
+
+    own, given = (
+        Analysis(inclined_sheet()).run([Stage("load", [load])])["load"]
+        for load in (Dead("fabric", (3.0, 4, -200)), DistributedLoad((3.0, 4, -200), "fabric"))
+    )
+    assert same_state(own, given)
+    assert own.energy == pytest.approx(given.energy, rel=1e-9)
+
+
+@pytest.mark.parametrize("where", ["energy", "virtual work"])
+def test_pressure_as_a_term(where):
+    @dataclass(frozen=True)
+    class Inner:
+        part: str
+        p: float
+
+        if where == "energy":
+
+            def energy(self, state, parameters):  # along z, the edge is held
+                return -parameters.p * state.x[2] * state.n[2]
+
+        else:
+
+            def virtual_work(self, state, v, parameters):
+                return parameters.p * sum(state.n[i] * v[i] for i in range(3))
+
+    own, given = (
+        Analysis(sheet()).run([Stage("air", [load])])["air"]
+        for load in (Inner("fabric", 300.0), Pressure(300.0, "fabric"))
+    )
+    assert close(own.displacement, given.displacement)
+    free = ~given.actions.held
+    assert close(own.loads[free], given.loads[free])

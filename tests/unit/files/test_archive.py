@@ -1,0 +1,213 @@
+"""Archives of results: what comes back, what is refused, and what stays when writing fails."""
+
+import dataclasses
+import errno
+import json
+import subprocess
+import sys
+import zipfile
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+from ufl import inner
+
+from fx_membrane import (
+    Analysis,
+    Cable,
+    Fabric,
+    Mast,
+    Membrane,
+    OrthotropicFabric,
+    PointLoad,
+    PrescribedDisplacement,
+    Pressure,
+    Stage,
+    Structure,
+    Support,
+    boundary_edges,
+    load_results,
+    rectangle,
+    report,
+    save_results,
+    stability,
+    updated_reference,
+)
+from fx_membrane.files import archive
+
+
+@pytest.fixture(scope="module")
+def results():
+    points, triangles = rectangle(2.0, 2.0, 4, 4)
+    points = np.vstack([points, (1.0, 1.0, -2.0)])
+    rim = boundary_edges(triangles)
+    middle = int(np.abs(points[:-1] - (1, 1, 0)).sum(axis=1).argmin())
+    parts = {
+        "roof": Membrane(triangles, OrthotropicFabric(6e5, 4e5, 0.3, 2e4), (2e3, 1e3), warp=(1, 0.2, 0), mass=1.0),
+        "edge": Cable(rim, 1e6, np.linspace(1e2, 2e2, len(rim))),
+        'mäst, "=1"': Mast([(middle, len(points) - 1)], 1e7),
+    }
+    structure = Structure(
+        points, parts, [Support(np.unique(rim)), Support(len(points) - 1, "xy")], separate=[("roof", "edge")]
+    )
+    return Analysis(structure).run(
+        [
+            Stage("lift", displacements=[PrescribedDisplacement(len(points) - 1, (0, 0, 0.01))]),
+            Stage(
+                "wind",
+                [Pressure(50.0, "roof", cells=[0, 3]), PointLoad(middle, (0, 0, -5))],
+                after="lift",
+                increments=2,
+            ),
+        ]
+    )
+
+
+def same(one, other):
+    """Compare plain data to the last bit."""
+    if isinstance(one, np.ndarray):
+        return isinstance(other, np.ndarray) and one.dtype == other.dtype and np.array_equal(one, other)
+    if dataclasses.is_dataclass(one):
+        names = [entry.name for entry in dataclasses.fields(one) if entry.name != "owner"]
+        return type(one) is type(other) and all(same(getattr(one, name), getattr(other, name)) for name in names)
+    if isinstance(one, dict):
+        return list(one) == list(other) and all(same(one[key], other[key]) for key in one)
+    if isinstance(one, list | tuple):
+        return type(one) is type(other) and len(one) == len(other) and all(map(same, one, other))
+    return type(one) is type(other) and one == other
+
+
+def test_everything_comes_back_to_the_last_bit(results, tmp_path):
+    save_results(results, tmp_path / "a" / "roof.fxm")
+    found = load_results(tmp_path / "a" / "roof.fxm")
+    assert list(found) == ["lift", "wind"]
+    assert same(dict(results), dict(found))
+    assert same(results.stages, found.stages)
+    assert found["lift"].structure is found["wind"].structure
+    assert [remark.category for remark in found["wind"].remarks] == [
+        remark.category for remark in results["wind"].remarks
+    ]
+    assert not list(tmp_path.rglob("*.part"))
+
+
+def test_states_of_an_archive_go_on(results, tmp_path):
+    save_results(results, tmp_path / "roof")
+    state = load_results(tmp_path / "roof")["wind"]
+    assert report(state) == report(results["wind"])
+    assert np.allclose(stability(state, count=1).stiffnesses, stability(results["wind"], count=1).stiffnesses)
+
+
+def test_archive_is_opened_in_another_process(results, tmp_path):
+    save_results(results, tmp_path / "roof")
+    script = (
+        f"from fx_membrane import load_results, report; print(report(load_results({str(tmp_path / 'roof')!r})['wind']))"
+    )
+    shown = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
+    assert shown.strip() == report(results["wind"]).strip()
+
+
+def test_remarks_keep_their_kind(tmp_path):
+    points, triangles = rectangle(2.0, 2.0, 2, 2)
+    rim = np.unique(boundary_edges(triangles))
+    structure = Structure(points, {"roof": Membrane(triangles, Fabric(1e3, 0.3), 1.0)}, [Support(rim)])
+    found = Analysis(structure).run([Stage("gale", [PointLoad(4, (0, 0, -900.0))])])
+    assert found["gale"].remarks
+    save_results(found, tmp_path / "x")
+    again = load_results(tmp_path / "x")["gale"].remarks
+    assert [(str(one), one.category) for one in again] == [(str(one), one.category) for one in found["gale"].remarks]
+
+
+def test_form(tmp_path):
+    points, triangles = rectangle(2.0, 2.0, 4, 4)
+    points[:, 2] = points[:, 0] * points[:, 1]
+    rim = np.unique(boundary_edges(triangles))
+    form = updated_reference(Structure(points, {"film": Membrane(triangles, Fabric(4e5, 0.3), 2e3)}, [Support(rim)]))
+    save_results(form, tmp_path / "form")
+    assert same(form, load_results(tmp_path / "form"))
+
+
+@dataclasses.dataclass(frozen=True)
+class Foam:
+    stiffness: float
+
+    def energy(self, E, sigma0, parameters):
+        return inner(sigma0, E) + parameters.stiffness * inner(E, E) / 2
+
+
+def test_own_law_needs_its_class(tmp_path):
+    points, triangles = rectangle(2.0, 2.0, 2, 2)
+    rim = np.unique(boundary_edges(triangles))
+    structure = Structure(points, {"roof": Membrane(triangles, Foam(1e3), 10.0)}, [Support(rim)])
+    found = Analysis(structure).run([Stage("rest")])
+    save_results(found, tmp_path / "x")
+    with pytest.raises(ValueError, match=r"Foam.*classes=\[Foam\]"):
+        load_results(tmp_path / "x")
+    assert load_results(tmp_path / "x", classes=[Foam])["rest"].structure.parts["roof"].material == Foam(1e3)
+    with pytest.raises(ValueError, match="Fabric"):
+        load_results(tmp_path / "x", classes=[Fabric])
+
+
+def test_full_disk_keeps_the_earlier_archive(results, tmp_path, monkeypatch):
+    save_results(results, tmp_path / "roof")
+    before = (tmp_path / "roof").read_bytes()
+
+    def full(*_, **__):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(np, "save", full)
+    with pytest.raises(ValueError, match="No space left"):
+        save_results(results, tmp_path / "roof")
+    assert (tmp_path / "roof").read_bytes() == before
+    assert [path.name for path in tmp_path.iterdir()] == ["roof"]
+
+
+def changed(path, change):
+    """Rewrite the document of an archive."""
+    with zipfile.ZipFile(path) as old:
+        entries = {name: old.read(name) for name in old.namelist()}
+    document = json.loads(entries[archive.DOCUMENT])
+    change(document)
+    entries[archive.DOCUMENT] = json.dumps(document).encode()
+    with zipfile.ZipFile(path, "w") as new:
+        for name, content in entries.items():
+            new.writestr(name, content)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (lambda path: path.unlink(), "does not exist"),
+        (lambda path: path.write_bytes(b""), "no archive"),
+        (lambda path: path.write_bytes(b"\x80\x04pickle" * 9), "no archive"),
+        (lambda path: path.write_bytes(path.read_bytes()[:-200]), "no archive"),
+        (lambda path: path.write_bytes(path.read_bytes()[:3000] + b"x" * 50 + path.read_bytes()[3050:]), "no archive"),
+        (lambda path: changed(path, lambda document: document.update(kind="other")), "no archive"),
+        (lambda path: changed(path, lambda document: document.update(format=99)), "format is 99.*newer"),
+        (lambda path: changed(path, lambda document: document["objects"][0].update({"class": "Popen"})), "Popen"),
+        (lambda path: changed(path, lambda document: document.pop("objects")), "no archive"),
+        (lambda path: changed(path, lambda document: document["objects"].reverse()), "no archive"),
+    ],
+)
+def test_spoilt_archive_is_refused(results, tmp_path, spoil, words):
+    save_results(results, tmp_path / "roof")
+    spoil(tmp_path / "roof")
+    with pytest.raises(ValueError, match=words):
+        load_results(tmp_path / "roof")
+
+
+def test_bad_arguments(results, tmp_path):
+    with pytest.raises(ValueError, match="StageResults or Form"):
+        save_results(results["wind"], tmp_path / "x")
+    with pytest.raises(ValueError, match="folder"):
+        save_results(results, tmp_path)
+    with pytest.raises(ValueError, match="zero bytes"):
+        load_results("")
+
+
+@pytest.mark.mpi
+def test_on_several_processes(results, tmp_path_factory):
+    folder = MPI.COMM_WORLD.bcast(str(tmp_path_factory.mktemp("archive")))
+    save_results(results, f"{folder}/roof")
+    assert same(dict(results), dict(load_results(f"{folder}/roof")))
+    with pytest.raises(ValueError, match="folder"):
+        save_results(results, folder)

@@ -1,0 +1,305 @@
+"""Structures from DXF, OBJ, STL, PLY, COMPAS and msh files, and meshes that are written and read back."""
+
+import json
+
+import numpy as np
+import pytest
+
+from fx_membrane import (
+    Analysis,
+    Cable,
+    Fabric,
+    Mast,
+    Membrane,
+    OrthotropicFabric,
+    Pressure,
+    Stage,
+    Structure,
+    Support,
+    boundary_edges,
+    force_density,
+    read_compas,
+    rectangle,
+    structure_from_file,
+    write_mesh,
+)
+
+POINTS, TRIANGLES = rectangle(2.0, 2.0, 3, 3)
+RIM = boundary_edges(TRIANGLES)
+PARTS = {
+    "Dach süd": lambda cells: Membrane(cells, Fabric(4e5, 0.3), 2e3),
+    "edge": lambda cells: Cable(cells, 1e6, 1e2),
+}
+
+
+def roof():
+    points = POINTS + np.array([0.1, 1 / 3, 1e-7])
+    points[:, 2] += points[:, 0] * points[:, 1] / 7
+    parts = {"Dach süd": PARTS["Dach süd"](TRIANGLES), "edge": PARTS["edge"](RIM)}
+    return Structure(points, parts, [Support(np.unique(RIM))])
+
+
+def in_space(structure):
+    """Cells of each part as sorted corners in space, independent of the numbers of nodes."""
+    return {
+        name: np.array(
+            sorted(np.sort(structure.points[part.cells].round(12), axis=1).reshape(len(part.cells), -1).tolist())
+        )
+        for name, part in structure.parts.items()
+    }
+
+
+def assert_same_cells(one, other, tolerance=0.0):
+    assert one.parts.keys() == other.parts.keys()
+    for name, cells in in_space(one).items():
+        assert np.allclose(cells, in_space(other)[name], rtol=0, atol=tolerance)
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize("ending", ["msh", "obj", "dxf"])
+def test_mesh_comes_back(ending, tmp_path):
+    if ending == "dxf":
+        pytest.importorskip("ezdxf")
+    state = Analysis(roof()).run([Stage("air", [Pressure(50.0, "Dach süd")])])["air"]
+    supports = {"msh": {"support 0 xyz": "xyz"}, "dxf": {"supports": "xyz"}, "obj": {"edge": "xyz"}}[ending]
+    file = tmp_path / "new" / f"roof.{ending}"
+    write_mesh(state, file)
+    found = structure_from_file(file, PARTS, supports)
+    deformed = Structure(state.position, state.structure.parts, state.structure.supports)
+    assert_same_cells(found, deformed)
+    assert len(found.points) == len(state.position)
+    assert found.supported.sum() == deformed.supported.sum()
+    if ending != "dxf":  # which numbers nodes in the order of its entities
+        assert np.array_equal(found.points, state.position)
+
+
+@pytest.mark.serial
+def test_part_may_depend_on_place(tmp_path):
+    write_mesh(roof(), tmp_path / "roof.msh")
+
+    def radial(cells, points):
+        centre = points[cells].mean(axis=1)
+        return Membrane(cells, OrthotropicFabric(6e5, 4e5, 0.3, 2e4), (2e3, 1e3), warp=centre)
+
+    found = structure_from_file(tmp_path / "roof.msh", {"Dach süd": radial})
+    membrane = found.parts["Dach süd"]
+    assert np.array_equal(membrane.warp, found.points[membrane.cells].mean(axis=1))
+    with_default = structure_from_file(
+        tmp_path / "roof.msh", {"Dach süd": lambda cells, stress=7.0: Membrane(cells, Fabric(4e5, 0.3), stress)}
+    )
+    assert with_default.parts["Dach süd"].prestress == 7.0
+
+
+@pytest.mark.serial
+def test_dxf_of_a_drawing_office(tmp_path, capfd):
+    ezdxf = pytest.importorskip("ezdxf")
+    document = ezdxf.new()
+    document.header["$INSUNITS"] = 4  # mm
+    space, block = document.modelspace(), document.blocks.new("bay")
+    block.add_3dface([(0, 0, 0), (1000, 0, 0), (1000, 1000, 0), (0, 1000, 0)], dxfattribs={"layer": "roof"})
+    space.add_blockref("bay", (0, 0, 0))
+    space.add_blockref("bay", (1000.0001, 0, 0))
+    space.add_lwpolyline([(0, 0), (1000, 0), (2000, 0)], dxfattribs={"layer": "edge"})
+    space.add_line((0, 1000, 0), (0, 1000, 2000), dxfattribs={"layer": "mast"})
+    mesh = space.add_mesh(dxfattribs={"layer": "wall"})
+    with mesh.edit_data() as data:
+        data.vertices = [(0, 0, 0), (0, 1000, 0), (0, 0, 1000)]
+        data.faces = [(0, 1, 2)]
+    space.add_point((0, 0, 0), dxfattribs={"layer": "feet"})
+    document.saveas(tmp_path / "a.DXF")
+    parts = {
+        "roof": lambda cells: Membrane(cells, Fabric(4e5, 0.3)),
+        "wall": lambda cells: Membrane(cells, Fabric(4e5, 0.3)),
+        "edge": lambda cells: Cable(cells, 1e6),
+        "mast": lambda cells: Mast(cells, 1e7),
+    }
+    found = structure_from_file(
+        tmp_path / "a.DXF", parts, {"feet": "xyz"}, weld=1e-3, split_quadrilaterals=True, unit="m"
+    )
+    assert len(found.points) == 3 * 2 + 1 + 1
+    assert "joined" in capfd.readouterr().err
+    assert [len(part.cells) for part in found.parts.values()] == [4, 1, 2, 1]
+    assert np.ptp(found.points, axis=0) == pytest.approx([2.0, 1.0, 2.0], abs=1e-6)
+    assert found.points[found.supported.any(axis=1)].tolist() == [[0.0, 0.0, 0.0]]
+    with pytest.raises(ValueError, match=r"roof.*quadrilaterals"):
+        structure_from_file(tmp_path / "a.DXF", {"roof": parts["roof"]})
+    with pytest.raises(ValueError, match=r"'Roof'.*edge.*wall"):
+        structure_from_file(tmp_path / "a.DXF", {"Roof": parts["roof"]})
+    structure_from_file(tmp_path / "a.DXF", {"wall": parts["wall"]})
+    assert "mm" in capfd.readouterr().err
+
+
+@pytest.mark.serial
+def test_curves_and_mixed_layers_are_refused(tmp_path):
+    ezdxf = pytest.importorskip("ezdxf")
+    document = ezdxf.new()
+    document.modelspace().add_3dface([(0, 0, 0), (1, 0, 0), (1, 1, 0)], dxfattribs={"layer": "mixed"})
+    document.modelspace().add_line((0, 0, 0), (1, 0, 0), dxfattribs={"layer": "mixed"})
+    document.saveas(tmp_path / "a.dxf")
+    with pytest.raises(ValueError, match=r"'mixed'.*lines and faces"):
+        structure_from_file(tmp_path / "a.dxf", {"mixed": PARTS["edge"]})
+    document.modelspace().add_arc((0, 0, 0), 1, 0, 90, dxfattribs={"layer": "arc"})
+    document.saveas(tmp_path / "a.dxf")
+    with pytest.raises(ValueError, match=r"'arc'.*ARC"):
+        structure_from_file(tmp_path / "a.dxf", {"arc": PARTS["edge"]})
+
+
+@pytest.mark.serial
+def test_obj_by_hand(tmp_path):
+    (tmp_path / "a.obj").write_text(
+        "# by hand\no thing\nv 0 0 0\nv 2 0 0 1.0\nv 2 1 0\nv 0 1 0 # corner\nvn 0 0 1\n"
+        "g Dach süd\nf 1//1 2//1 3//1 4//1\n"
+        "g edge\nl 1 2 \\\n 3\nl -1 1\n",
+        encoding="utf-8",
+    )
+    found = structure_from_file(tmp_path / "a.obj", PARTS, {"edge": "z"}, split_quadrilaterals=True)
+    assert found.parts["edge"].cells.tolist() == [[0, 1], [1, 2], [3, 0]]
+    assert found.parts["Dach süd"].cells.tolist() == [[0, 1, 2], [0, 2, 3]]
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize("ending", ["stl", "ply"])
+def test_surface(ending, tmp_path):
+    pyvista = pytest.importorskip("pyvista")
+    faces = np.column_stack([np.full(len(TRIANGLES), 3), TRIANGLES])
+    pyvista.PolyData(POINTS, faces.ravel()).save(tmp_path / f"roof.{ending}")
+    found = structure_from_file(tmp_path / f"roof.{ending}", {"roof": PARTS["Dach süd"]})
+    assert_same_cells(found, Structure(POINTS, {"roof": PARTS["Dach süd"](TRIANGLES)}), tolerance=1e-6)
+    assert len(found.points) == len(POINTS)
+
+
+NODES = {str(10 + row): dict(zip("xyz", point, strict=True)) for row, point in enumerate(POINTS.tolist())}
+NETWORK = {
+    "dna": {"is_support": False, "pz": -2.0},
+    "dea": {"q": 3.0},
+    "node": {
+        key: values | ({"is_support": True} if row in np.unique(RIM) else {})
+        for row, (key, values) in enumerate(NODES.items())
+    },
+    "edge": {"10": {"11": {"q": 5.0}}, "14": {"15": {}, "18": None}},
+}
+MESH = {
+    "vertex": NODES,
+    "face": {str(row): [str(10 + node) for node in cell] for row, cell in enumerate(TRIANGLES.tolist())},
+}
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    "wrap",
+    [
+        lambda data: data,
+        lambda data: {"dtype": "compas.datastructures/Graph", "data": data},
+        lambda data: {"dtype": "compas.datastructures/Network", "value": {"compas": "1.0", "data": data}},
+    ],
+)
+def test_compas(wrap, tmp_path):
+    (tmp_path / "net.json").write_text(json.dumps(wrap(NETWORK)))
+    net = read_compas(tmp_path / "net.json")
+    assert np.array_equal(net.points, POINTS)
+    assert net.edges.tolist() == [[0, 1], [4, 5], [4, 8]]
+    assert net.force_densities.tolist() == [5.0, 3.0, 3.0]
+    assert net.supports.tolist() == np.unique(RIM).tolist()
+    assert net.loads.tolist() == [[0.0, 0.0, -2.0]] * len(POINTS)
+    found = structure_from_file(tmp_path / "net.json", {"edges": PARTS["edge"]})
+    assert len(found.points) == 5
+    (tmp_path / "mesh.json").write_text(json.dumps(wrap(MESH)))
+    found = structure_from_file(tmp_path / "mesh.json", {"faces": PARTS["Dach süd"], "edges": PARTS["edge"]})
+    assert found.parts["faces"].cells.tolist() == TRIANGLES.tolist()
+    assert len(found.parts["edges"].cells) == len(POINTS) + len(TRIANGLES) - 1  # Euler
+
+
+@pytest.mark.serial
+def test_compas_net_finds_its_form(tmp_path):
+    data = NETWORK | {"edge": {str(10 + a): {str(10 + b): {}} for a, b in [(4, 5)]}}
+    data["edge"] = {"14": {"15": {}, "18": {}, "13": {}, "11": {}}, "15": {"12": {}, "16": {}}}
+    (tmp_path / "net.json").write_text(json.dumps(data))
+    net = read_compas(tmp_path / "net.json")
+    form = force_density(net.points, net.edges, net.force_densities, [Support(net.supports)])
+    assert form.points.shape == POINTS.shape
+
+
+@pytest.mark.serial
+def test_quadrilaterals_are_split_along_the_shorter_diagonal(tmp_path):
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 3 1 0\nv 4 2 0\nv 0 1 0\nf 1 2 3 4\n")
+    found = structure_from_file(tmp_path / "a.obj", {"default": PARTS["Dach süd"]}, split_quadrilaterals=True)
+    edges = {
+        tuple(sorted(pair))
+        for cell in found.parts["default"].cells.tolist()
+        for pair in zip(cell, cell[1:] + cell[:1], strict=True)
+    }
+    assert (1, 3) in edges
+    assert (0, 2) not in edges
+
+
+@pytest.mark.serial
+def test_weld_that_collapses_a_cell_is_refused(tmp_path):
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 0.01 0\nf 1 2 3\n")
+    with pytest.raises(ValueError, match=r"'default'.*1 of 1 triangles.*weld"):
+        structure_from_file(tmp_path / "a.obj", {"default": PARTS["Dach süd"]}, weld=0.1)
+
+
+RUBBISH = np.random.default_rng(1).integers(0, 256, 3000, dtype=np.uint8).tobytes()
+HEAD = (
+    b"ply\nformat binary_little_endian 1.0\nelement vertex 99\nproperty float x\nproperty float y\nproperty float z\n"
+    b"element face 5\nproperty list uchar int vertex_indices\nend_header\n"
+)
+
+
+@pytest.mark.serial
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("a.dxf", RUBBISH),
+        ("a.dxf", b"0\nSECTION\n"),
+        ("a.obj", RUBBISH),
+        ("a.obj", b"v 1 2\n"),
+        ("a.obj", b"v 0 0 0\nf 1 2 3\n"),
+        ("a.obj", b"f 0 1 2\n"),
+        ("a.obj", b""),
+        ("a.stl", RUBBISH),
+        ("a.stl", b"solid x\nfacet normal\n"),
+        ("a.ply", RUBBISH),
+        ("a.ply", HEAD + RUBBISH),
+        ("a.json", RUBBISH),
+        ("a.json", b"[" * 100000),
+        ("a.json", b'{"data": 5}'),
+        ("a.json", b'{"node": {"0": {"x": "a"}}}'),
+        ("a.json", b'{"node": {"0": {}}, "edge": {"0": {"7": {}}}}'),
+        ("a.msh", RUBBISH),
+        ("a.step", b""),
+    ],
+)
+def test_rubbish_is_refused_in_a_sentence(name, content, tmp_path):
+    if name.endswith("dxf"):
+        pytest.importorskip("ezdxf")
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(ValueError, match=name):
+        structure_from_file(tmp_path / name, {"default": PARTS["Dach süd"]})
+
+
+@pytest.mark.serial
+def test_bad_arguments(tmp_path):
+    with pytest.raises(ValueError, match="no file"):
+        structure_from_file(tmp_path / "none.obj", PARTS)
+    write_mesh(roof(), tmp_path / "roof.obj")
+    for given, words in [({"weld": -1.0}, "weld"), ({"unit": "mile"}, "unit"), ({"split_quadrilaterals": 2}, "split")]:
+        with pytest.raises(ValueError, match=words):
+            structure_from_file(tmp_path / "roof.obj", PARTS, **given)
+    with pytest.raises(ValueError, match=r"\.msh"):
+        write_mesh(roof(), tmp_path / "roof.step")
+    with pytest.raises(ValueError, match="Structure"):
+        write_mesh(POINTS, tmp_path / "roof.obj")
+    slashed = Structure(POINTS, {'a"b': PARTS["Dach süd"](TRIANGLES)})
+    with pytest.raises(ValueError, match="name"):
+        write_mesh(slashed, tmp_path / "roof.msh")
+
+
+@pytest.mark.mpi
+def test_on_several_processes(tmp_path_factory):
+    from mpi4py import MPI  # noqa: PLC0415
+
+    folder = MPI.COMM_WORLD.bcast(tmp_path_factory.mktemp("meshes"))
+    write_mesh(roof(), folder / "roof.obj")
+    found = structure_from_file(folder / "roof.obj", PARTS)
+    assert np.array_equal(found.points, roof().points)

@@ -1,0 +1,125 @@
+"""Tables on disk and for pandas: every number comes back, names are no formulas."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fx_membrane import (
+    Analysis,
+    Cable,
+    Fabric,
+    Mast,
+    Membrane,
+    PointLoad,
+    Pressure,
+    Stage,
+    Structure,
+    Support,
+    boundary_edges,
+    rectangle,
+    write_tables,
+)
+
+
+@pytest.fixture(scope="module")
+def results():
+    points, triangles = rectangle(2.0, 2.0, 4, 4)
+    points = np.vstack([points, (1.0, 1.0, -2.0)])
+    rim = boundary_edges(triangles)
+    middle = int(np.abs(points[:-1] - (1, 1, 0)).sum(axis=1).argmin())
+    parts = {
+        "=roof": Membrane(triangles, Fabric(4e5, 0.3), (2e3, 1e3), warp=(1, 0, 0)),
+        'edge, "A"': Cable(rim, 1e6, 1e2),
+        "mast": Mast([(middle, len(points) - 1)], 1e7),
+    }
+    structure = Structure(points, parts, [Support(np.unique(rim)), Support(len(points) - 1)], separate=[])
+    up = Stage("Überdruck\n+1", [Pressure(50.0, "=roof")])
+    return Analysis(structure).run([up, Stage("load", [PointLoad(middle, (0, 0, -5))])])
+
+
+def rows(path):
+    with path.open(encoding="utf-8-sig", newline="") as stream:
+        return list(csv.DictReader(stream))
+
+
+def numbers(table, head):
+    return [float(row[head]) for row in table]
+
+
+@pytest.mark.serial
+def test_tables_have_every_number(results, tmp_path):
+    write_tables(results, tmp_path / "new" / "folder", force_unit="kN")
+    folder = tmp_path / "new" / "folder"
+    assert sorted(path.name for path in folder.iterdir()) == [
+        "cables.csv",
+        "masts.csv",
+        "membranes.csv",
+        "nodes.csv",
+        "summary.json",
+    ]
+    nodes, cells, cables = rows(folder / "nodes.csv"), rows(folder / "membranes.csv"), rows(folder / "cables.csv")
+    load, n = results["load"], len(results["load"].displacement)
+    assert [row["stage"] for row in nodes[::n]] == ["Überdruck\n+1", "load"]
+    for axis, letter in enumerate("xyz"):
+        assert np.array_equal(
+            [float(row[f"displacement {letter} [m]"]) for row in nodes[n:]], load.displacement[:, axis]
+        )
+        assert np.array_equal([float(row[f"reaction {letter} [kN]"]) for row in nodes[n:]], load.reactions[:, axis])
+    assert {row["part"] for row in cells} == {"'=roof"}
+    assert {row["part"] for row in cables} == {'edge, "A"'}
+    membrane = load.membrane("=roof")
+    half = len(membrane.state)
+    assert [row["state"] for row in cells[half:]] == membrane.state.tolist()
+    assert np.array_equal(
+        [float(row["stress along warp [kN/m]"]) for row in cells[half:]], membrane.warp_weft_stress[:, 0]
+    )
+    assert sum(float(row["area [m2]"]) for row in cells[half:]) == pytest.approx(4.0, rel=1e-14)
+
+
+@pytest.mark.serial
+def test_summary(results, tmp_path):
+    write_tables(results, tmp_path)
+    found = json.loads((tmp_path / "summary.json").read_text())
+    load, told = results["load"], found["stages"]["load"]
+    assert found["units"] == {"force": "N", "length": "m"}
+    assert told["sum of loads"] == load.equilibrium.loads.tolist()
+    largest = told["parts"]['edge, "A"']["force"]["largest"]
+    force = load.cable('edge, "A"').force
+    assert largest["value"] == pytest.approx(force.max(), rel=1e-9)
+    assert force[largest["cell"]] == largest["value"]
+    assert told["parts"]["=roof"]["taut cells"] == int((load.membrane("=roof").state == "taut").sum())
+    assert told["largest displacement"]["value"] == pytest.approx(load.largest_displacement)
+
+
+@pytest.mark.serial
+def test_dataframes(results):
+    pytest.importorskip("pandas")
+    load = results["load"]
+    nodes, cells = load.to_dataframe(length_unit="ft"), load.to_dataframe("=roof")
+    assert np.array_equal(nodes["displacement z [ft]"], load.displacement[:, 2])
+    assert np.array_equal(cells["principal stress I [N/m]"], load.membrane("=roof").principal[:, 0])
+    with pytest.raises(ValueError, match=r"'other'.*=roof"):
+        load.to_dataframe("other")
+
+
+@pytest.mark.serial
+def test_refusals(results, tmp_path):
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(ValueError, match="file"):
+        write_tables(results, tmp_path / "file")
+    with pytest.raises(ValueError, match="force_unit"):
+        write_tables(results, tmp_path / "out", force_unit=5)
+    with pytest.raises(ValueError, match="StageResults"):
+        write_tables(results["load"], tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.mpi
+def test_first_process_writes(results, tmp_path_factory):
+    folder = MPI.COMM_WORLD.bcast(tmp_path_factory.mktemp("tables"))
+    write_tables(results, folder / "out")
+    MPI.COMM_WORLD.barrier()
+    assert len(rows(folder / "out" / "nodes.csv")) == 2 * len(results["load"].displacement)
