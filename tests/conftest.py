@@ -30,6 +30,7 @@ ONE_PROCESS = {
     "unit/files/test_archive.py",
     "unit/form_finding/test_form_finding.py",
     "unit/form_finding/test_forms_of_masts.py",
+    "unit/form_finding/test_mast_heads.py",
     "unit/form_finding/test_masts_and_stays.py",
     "unit/geometry/test_geometry.py",
     "unit/model/test_derived_classes.py",

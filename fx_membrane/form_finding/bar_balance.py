@@ -83,12 +83,12 @@ def balanced_points(structure: Structure, loads: Array, pulse: Callable[[str], N
             if np.abs(residual(x) - rest).max() > FOLLOWED:
                 break
         points = placed(x)
-        if np.abs(residual(x)).max() <= BALANCED and _is_standing(structure, points):
+        if np.abs(residual(x)).max() <= BALANCED and is_standing(structure, points):
             return points
     return None
 
 
-def _is_standing(structure: Structure, points: Array) -> bool:
+def is_standing(structure: Structure, points: Array) -> bool:
     """Return True if no bar has shrunk to a point, and no mast has turned by more than 60 degrees."""
     for part in structure.parts.values():
         first, before = _lines(structure.points, part.cells)

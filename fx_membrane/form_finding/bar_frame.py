@@ -114,9 +114,9 @@ class BarFrame:
         rest = missing[node]
         kinds = "masts in compression and stays in tension" if one_sided else "forces along the bars"
         return (
-            f"No {kinds} balance node {node} at {self._place(node)}: of the force {_vector(reactions[node])} that they "
-            f"are to put on it, at least {_vector(rest)} is missing; add a stay there towards the direction "
-            f"{_vector(rest / np.linalg.norm(rest))}, or a mast from the other side, or move the feet."
+            f"No {kinds} balance node {node} at {self._place(node)}: of the force {format_force(reactions[node])} "
+            f"that they are to put on it, at least {format_force(rest)} is missing; add a stay there in the direction "
+            f"{format_force(rest / np.linalg.norm(rest))}, or a mast from the other side, or move the feet."
         )
 
     def _place(self, node: int) -> str:
@@ -149,5 +149,7 @@ def checked_parts(bars: Any) -> dict[str, Mast | Cable]:
     return {validation.name("part", name): part for name, part in bars.items()}
 
 
-def _vector(vector: Array) -> str:
-    return f"({', '.join(f'{component:.4g}' for component in vector)})"
+def format_force(force: Array) -> str:
+    """Show a force in a message, without the rounding in its zeros."""
+    largest = max(np.abs(force).max(), np.finfo(float).tiny)
+    return f"({', '.join(f'{component:.4g}' for component in np.round(force / largest, 9) * largest + 0.0)})"

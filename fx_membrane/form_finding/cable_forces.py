@@ -30,7 +30,7 @@ def check_bars(structure: Structure) -> None:
         force = part.prestress_tensors().ravel()
         if isinstance(part, Mast):
             unfit = np.flatnonzero((force != 0) & free[part.cells].any(axis=1))
-            reason = "has an end that is not held; hold its head in form finding, and add the mast for the analysis."
+            reason = "has an end that is not held; hold its head in form finding, and add the mast by masts_and_stays."
         else:
             unfit = np.flatnonzero(force < 0)
             reason = "is in compression, which no cable carries; give a tension."

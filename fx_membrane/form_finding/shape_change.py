@@ -15,7 +15,7 @@ from .no_form import cause
 GONE = 1e-3
 GONE_MAST = 1e-2  # no sliding of nodes makes a mast short
 HOLD = (
-    "hold the mast head as a support in form finding, and add mast and stays for the analysis, with forces that "
+    "hold the mast head as a support in form finding, and add mast and stays by masts_and_stays, with forces that "
     "balance the reactions of the form; or change the forces that meet there, or the first shape."
 )
 

@@ -36,14 +36,14 @@ from ..model.restraint import check_supports
 from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
 from ..results.evaluation import StateEvaluator
-from ..results.part_results import BarResult, MembraneResult
+from ..results.part_results import MembraneResult
 from ..results.states import StageResult
 from ..runtime.processes import refuse_differences, together
 from ..solvers.base import Iteration, Solution
 from ..solvers.newton import Newton
 from ..solvers.progress import Pulse
-from .bar_balance import balanced_points, has_free_masts
 from .form import Form, FormStep, refuse_terms
+from .mast_balance import Step, balance_masts
 from .shape_change import change_of_shape, check_collapse, collapse
 
 SAME = 1e-12  # relative change of the loads that counts as none
@@ -65,18 +65,17 @@ def updated_reference(
 ) -> Form:
     """Find the shape in which the prestress of membranes, cables and masts is in equilibrium, without elasticity.
 
-    The length of a mast is not prescribed, but found with its force. A mast is found where the forces at its free ends
-    have an equilibrium near the first shape, as between guys that leave its head no other place. Where the steps find
-    none for bars alone, under point loads at most, the balance of their forces is solved for instead. Otherwise hold
-    the mast heads by supports, and add masts and stays for the analysis, with forces that balance the reactions of the
-    form.
+    The length of a mast is not prescribed, but found with its force. A free mast head is found where the forces there
+    have an equilibrium near the first shape. Where the steps find none, the place of the heads is searched for, with
+    the rest of the form held there; for bars alone, under point loads at most, the balance of their forces is solved.
+    For a mast of given place or length hold its head by a support, and add masts and stays by `masts_and_stays`.
 
     Args:
         structure: Initial shape with the intended prestress and the supports of the form.
         loads: Loads that the form balances, such as an inner pressure; distributed loads are per area or length of the
             form.
         tolerance: Accepted change of shape in a step, `FormStep.change` [-].
-        max_iterations: Maximum number of steps.
+        max_iterations: Maximum number of steps, and of moves of free mast heads in search of their places.
         comm: The processes that share the work.
 
     Returns:
@@ -88,8 +87,9 @@ def updated_reference(
         ValueError: The structure has no prestress at all, or a compressive one in a membrane or a cable; it is not
             supported; the loads do not fit it; it has energy terms.
         RuntimeError: A step found no equilibrium, or the shape collapses, as a catenoid between rings too far apart; a
-            cable or a mast shrinks to a point or grows without bound; or distributed loads grow with the form faster
-            than the prestress can carry.
+            cable or a mast shrinks to a point or grows without bound; no place of a free mast head was found, and the
+            force that is missing there is named; or distributed loads grow with the form faster than the prestress can
+            carry.
 
     Warns:
         UnsettledFormWarning: The steps were too few; the form is that of the last one.
@@ -114,8 +114,6 @@ def updated_reference(
         _check_prestress(structure)
     settings = {"loads": stage.loads, "tolerance": tolerance, "max_iterations": max_iterations}
     refuse_differences(comm, lambda: of_settings(settings))
-    problem = Problem(structure, comm, elastic=False)
-    solve, record = Newton(line_search=False).prepare(problem), StateEvaluator(problem)
     points = structure.points
     steps: list[FormStep] = []
     parts: dict[str, Part] = {}
@@ -128,29 +126,39 @@ def updated_reference(
     def monitor(number: int, entry: Iteration) -> None:
         pulse(f"step {len(steps) + 1}, iteration {number}, residual {entry.residual:.1e}")
 
-    while len(steps) < max_iterations and not converged:
+    def stepper(of: Structure) -> Step:
+        problem = Problem(of, comm, elastic=False)
+        solve, record = Newton(line_search=False).prepare(problem), StateEvaluator(problem)
+        return lambda points, number: _step(record, lambda loaded, x: solve(loaded, x, monitor), stage, points, number)
+
+    def is_settled(step: FormStep) -> bool:
+        return step.change <= tolerance and step.stress_error <= stray
+
+    def fits(points: NDArray[np.float64], state: StageResult) -> bool:
+        return is_settled(_stressed(structure, points, state)[2])
+
+    step, limit = stepper(structure), max_iterations
+    while len(steps) < limit and not converged:
         try:
-            state = _step(record, lambda loaded, x: solve(loaded, x, monitor), stage, points, len(steps) + 1)
-        except RuntimeError:
-            balanced = None if searched else _balanced_bars(problem, stage, comm, pulse)
-            if balanced is None:
+            state = step(points, len(steps) + 1)
+        except RuntimeError as failure:
+            found = None
+            if not searched:
+                found = balance_masts(structure, stage, stepper, fits, pulse, comm, limit, str(failure))
+            if found is None:
                 raise
-            searched, points, steps = True, balanced, []
+            searched, points, steps = True, found.points, []
+            step, limit = stepper(found.structure), found.steps
             continue
-        change = change_of_shape(structure, points, state.displacement)
-        points = points + state.displacement
-        error, reactions = 0.0, state.reactions
-        for name in structure.parts:
-            parts[name], forces[name], deviation = _stressed(structure, name, points, state.parts[name])
-            error = max(error, deviation)
-        area = sum(measures(points, part.cells).sum() for part in parts.values() if part.dimension == 2)
-        steps.append(FormStep(float(area), change, error))
-        converged = change <= tolerance and error <= stray
+        parts, forces, entry = _stressed(structure, points, state)
+        points, reactions = points + state.displacement, state.reactions
+        steps.append(entry)
+        converged = is_settled(entry)
     with together(comm):
         if not converged and comm.rank == 0:
             _warn_of_unsettled_form(steps, tolerance)
-    found = replace(structure, points=points, parts=parts)
-    return Form(points, forces, reactions, tuple(steps), converged, found)
+    made = replace(structure, points=points, parts=parts)
+    return Form(points, forces, reactions, tuple(steps), converged, made)
 
 
 def _step(
@@ -172,18 +180,6 @@ def _step(
     state = record(stage.name, *found, ())
     check_collapse(structure, points + state.displacement, number)
     return state
-
-
-def _balanced_bars(problem: Problem, stage: Stage, comm: MPI.Intracomm, pulse: Pulse) -> NDArray[np.float64] | None:
-    """Find a shape of bars alone in which their forces balance point loads, shape (n, 3) [m]; None without one."""
-    structure = problem.structure
-    if not has_free_masts(structure) or not all(isinstance(load, PointLoad) for load in stage.loads):
-        return None
-    actions = problem.actions_of(stage)
-    with together(comm):
-        found = balanced_points(structure, actions.loads, pulse) if comm.rank == 0 else None
-    balanced: NDArray[np.float64] | None = comm.bcast(found)
-    return balanced
 
 
 def _equilibrium(
@@ -244,20 +240,37 @@ def _check_prestress(structure: Structure) -> None:
 
 
 def _stressed(
-    structure: Structure, name: str, points: NDArray[np.float64], state: MembraneResult | BarResult
+    structure: Structure, before: NDArray[np.float64], state: StageResult
+) -> tuple[dict[str, Part], dict[str, NDArray[np.float64]], FormStep]:
+    """Parts with the stress of a state as prestress, in the shape after a step, their forces, and the step."""
+    points = before + state.displacement
+    parts: dict[str, Part] = {}
+    forces: dict[str, NDArray[np.float64]] = {}
+    area = error = 0.0
+    for name, part in structure.parts.items():
+        parts[name], forces[name], deviation = _stressed_part(structure, name, points, state)
+        error = max(error, deviation)
+        area += float(measures(points, part.cells).sum()) if part.dimension == 2 else 0.0
+    return parts, forces, FormStep(area, change_of_shape(structure, before, state.displacement), error)
+
+
+def _stressed_part(
+    structure: Structure, name: str, points: NDArray[np.float64], state: StageResult
 ) -> tuple[Part, NDArray[np.float64], float]:
     """Replace the prestress of a part by the stress of a state, in a new shape; return that, and its relative error."""
-    part = structure.parts[name]
+    part, result = structure.parts[name], state.parts[name]
     wanted = part.prestress_tensors()
-    if state.dimension == 2:
+    if isinstance(result, MembraneResult):
         warp = structure.warp(name)
         normal = normals(points, part.cells)
         first = projected(warp, normal)
         frame = np.stack([first, np.cross(normal, first)], axis=2)
-        found = np.einsum("nia,nij,njb->nab", frame, state.cauchy, frame)
+        found = np.einsum("nia,nij,njb->nab", frame, result.cauchy, frame)
         found = (found + found.swapaxes(1, 2)) / 2
         stressed: Part = replace(structure.part(name, Membrane), prestress=found, warp=warp)
     else:
-        found, wanted = state.force, wanted[:, 0, 0]
+        found, wanted = result.force, wanted[:, 0, 0]
+        if part.is_strut and state.structure.terms:  # thrusts, which the step keeps
+            found = np.array(wanted)
         stressed = replace(part, prestress=found)
     return stressed, found, float(np.abs(found - wanted).max() / max(np.abs(wanted).max(), np.finfo(float).tiny))
