@@ -11,7 +11,7 @@ class State:
         u: Displacement, shape (3,) [m].
         X: Reference position, shape (3,) [m].
         F: Deformation gradient from the tangent plane into space, shape (3, d) [-]: current vectors along warp and weft
-            of a membrane (d = 2), along the axis of a bar (d = 1), for reference vectors of length one.
+            (d = 2) or along the axis of a bar (d = 1), for reference vectors of length one.
 
     Attributes:
         u, X, F: As given.

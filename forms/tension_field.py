@@ -3,7 +3,7 @@
 The relaxed energy is the least over all wrinkle strains b >= 0 of the energy w(E + b), as in `wrinkling`. Taut: b = 0.
 Slack: E + b is the strain without stress. Wrinkled: b is across the tension t, and the stress S(E + b) has no component
 across. Where the stress does no work on changes of b, the first derivative is S(E + b). The second follows from the
-change of b with E: with the strain as a vector, the gradient g and the Hessian D of w, it is D - D K D, where K is the
+change of b with E: with the strain as a vector, the gradient g and the Hessian D of w, it is D - D K D. K is the
 compliance of the wrinkles. Both b and K are constants here, so that one term of the energy yields the second
 derivative:
 

@@ -105,7 +105,7 @@ def cable(E: Expr, sigma0: Expr, EA: Expr) -> Relaxed:
 
 
 def blend(relaxed: Expr, full: Expr, eta: Expr) -> Expr:
-    """Relaxed energy with a fraction eta of the full one, which keeps slack nodes in place, a scalar [J/m2 or J/m]."""
+    """Relaxed energy with a fraction eta of the full one: that keeps slack nodes in place [J/m2 or J/m]."""
     return (1 - eta) * relaxed + eta * full
 
 

@@ -10,6 +10,7 @@ from .analysis.stages import Analysis
 from .analysis.wave_speed import MassUnitWarning
 from .analysis.work import WorkLimit
 from .assembly.actions import Actions
+from .assembly.constraints import Constraints
 from .assembly.loaded_problem import LoadedProblem
 from .assembly.problem import Problem
 from .assembly.wrinkling_direction import tension_direction
@@ -82,6 +83,7 @@ __all__ = [
     "CheckpointWarning",
     "CoincidentNodesWarning",
     "ConjugateGradient",
+    "Constraints",
     "ConvergenceError",
     "DistributedLoad",
     "EdgeAngle",

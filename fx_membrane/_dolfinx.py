@@ -43,7 +43,7 @@ def _element(family: str, cell: str, degree: int, size: int | tuple[int, ...]) -
     if len(shape) != 1:
         kind = ufl.TensorElement if shape else ufl.FiniteElement
         return kind(family, ufl.Cell(cell, geometric_dimension=3), degree, **({"shape": shape} if shape else {}))
-    # 0.5; FFCx would add this variant to the element of the mesh while it compiles, and so change the next form's name.
+    # 0.5; FFCx would add this variant to the element of the mesh, and change the next form's name.
     variant = {"variant": "equispaced"} if family == "Lagrange" else {}
     return ufl.VectorElement(family, ufl.Cell(cell, geometric_dimension=3), degree, dim=shape[0], **variant)
 

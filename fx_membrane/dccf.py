@@ -9,8 +9,8 @@ many elements at once. The core equations know the displacement gradient `g`, an
 and `B`, with g = B u, takes them to the nodes: f = V B^T phi, K = V B^T (M_mat + M_geo) B, V the area or the length.
 
 Axes: u is in global axes at the nodes, g in the axes of the element (two tangents and the normal). So h and H are
-numbers 0 and 1, the same for all elements. g is ordered u1,1 u2,1 u3,1 u1,2 u2,2 u3,2. Strains and stresses are Voigt
-vectors, (E11, E22, 2 E12) and (S11, S22, S12), or (E11) and (S11).
+numbers 0 and 1, the same for all elements. The vector g is ordered u1,1 u2,1 u3,1 u1,2 u2,2 u3,2. Strains and stresses
+are Voigt vectors, (E11, E22, 2 E12) and (S11, S22, S12), or (E11) and (S11).
 """
 
 import math

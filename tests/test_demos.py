@@ -75,7 +75,11 @@ def test_every_demo_is_listed():
 
 @pytest.mark.parametrize("name", PICTURES)
 @pytest.mark.parametrize(
-    "pictures", [pytest.param(True, marks=pytest.mark.serial, id="pictures"), pytest.param(False, id="numbers")]
+    "pictures",
+    [
+        pytest.param(True, marks=[pytest.mark.serial, pytest.mark.drawn], id="pictures"),
+        pytest.param(False, id="numbers"),
+    ],
 )
 def test_demo(name, pictures, tmp_path, monkeypatch, capsys):
     """With pictures on one process, where pyvista is installed; on several, and without pyvista, the numbers alone."""

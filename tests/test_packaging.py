@@ -108,6 +108,22 @@ def test_installed_wheel_runs_the_demo_from_another_folder(wheel, tmp_path):
     assert "dolfinx" in run(str(tmp_path / "env/bin/fx-membrane"), "info", cwd=elsewhere, env=environment)
 
 
+def test_types_are_seen_through_an_editable_install(sources, tmp_path):
+    """As .ci/setup installs it; an install by import hook hides all types from mypy."""
+    options = re.search(r"pip install (.*) --editable", (ROOT / ".ci/setup").read_text())[1].split()
+    venv.create(tmp_path / "env", system_site_packages=True)
+    python = str(tmp_path / "env/bin/python")
+    offline = ["--no-deps", "--no-index", "--no-build-isolation"]
+    run(sys.executable, "-m", "pip", "--python", python, "install", *options, *offline, "--editable", str(sources))
+    script = tmp_path / "script.py"
+    script.write_text("from fx_membrane import Fabric\nreveal_type(Fabric(1e5, 0.3).Et)\nFabric('soft', 0.3)\n")
+    command = [sys.executable, "-m", "mypy", "--python-executable", python, "--cache-dir", os.devnull, str(script)]
+    environment = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "MYPYPATH")}
+    found = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path, env=environment).stdout
+    assert 'Revealed type is "float"' in found
+    assert 'Argument 1 to "Fabric" has incompatible type "str"' in found
+
+
 def test_citation_is_of_this_version():
     citation = dict(re.findall(r"^([\w-]+): (.*)$", (ROOT / ".github" / "CITATION.cff").read_text(), re.MULTILINE))
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]

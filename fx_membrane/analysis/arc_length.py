@@ -1,7 +1,7 @@
 """Continuation by arc length: equilibrium paths past limit points, as in snap-through, snap-back and inflation.
 
 The load factor is an additional unknown. An additional equation sets the distance of the next point along the
-path: it lies in a plane across the tangent of the path at the last point, at a given length from it,
+path: it lies in a plane across the tangent of the path, at a given length from the last point,
 
     t_u . (u - u_n) + psi^2 t_f (factor - factor_n) = length.
 
@@ -25,9 +25,10 @@ from .. import _dolfinx
 from ..assembly.actions import unloaded, with_constraints_of
 from ..assembly.problem import Problem
 from ..checks import validation
+from ..checks.values import counted
 from ..model.fingerprints import fingerprint, of_settings, of_stages
 from ..model.restraint import check_supports
-from ..model.stages import Stage, check_stages
+from ..model.stages import Stage
 from ..model.structure import Structure
 from ..results.owner import problem_of
 from ..results.states import StageResult, UnstableStateWarning
@@ -37,7 +38,8 @@ from ..solvers.base import no_monitor
 from ..solvers.bordered_newton import BorderedNewton, Plane, Point, Step
 from ..solvers.curvature import negative_curvature_direction
 from ..solvers.diagnosis import linear_failure
-from . import path_check, path_ends
+from ..solvers.undefined_terms import undefined_term
+from . import path_check, path_ends, path_start
 from .path import EquilibriumPath, PathPoint
 from .path_geometry import Metric, PathState
 from .path_remarks import warn_of_slack_parts
@@ -94,8 +96,8 @@ def equilibrium_path(
     Raises:
         ValueError: The stage does not fit the structure or the start, or moves nothing; the structure is not
             supported; an argument is out of its range.
-        PathError: The start is not in equilibrium or has a singular tangent, no next point was found, or the
-            limit of work is used up; the exception has the path up to there.
+        PathError: The start is not in equilibrium, or its tangent is singular; no next point was found; the limit of
+            work is used up; the exception has the path up to there.
 
     Warns:
         UnstableStateWarning: The start is not stable; or slack or wrinkled parts carry points of the path.
@@ -116,7 +118,7 @@ def equilibrium_path(
         rtol = validation.tolerance("equilibrium_path rtol", rtol)
         structure = start if isinstance(start, Structure) else start.structure
         validation.instance("equilibrium_path limit", limit, WorkLimit)
-        _check_stage(structure, start, stage)
+        path_start.check_stage(structure, start, stage)
     state = () if isinstance(start, Structure) else (start.displacement, start.actions)
     given = {"load_factor": load_factor, "displacement": displacement, "max_points": max_points, "rtol": rtol}
     refuse_differences(
@@ -156,19 +158,12 @@ def equilibrium_path(
 
 def _cut_off(path: EquilibriumPath, done: WorkDone) -> str:
     factors = path.load_factors
-    where = f"after {len(factors)} points, at load factor {factors[-1]:.6g}" if len(factors) else "before its start"
+    where = (
+        f"after {counted(len(factors), 'point')}, at load factor {factors[-1]:.6g}"
+        if len(factors)
+        else "before its start"
+    )
     return f"The path of stage {path.name!r} ended {where}: {done}; allow more (WorkLimit), or fewer increments."
-
-
-def _check_stage(structure: Structure, start: Structure | StageResult, stage: Stage) -> None:
-    name = None if isinstance(start, Structure) else start.name
-    if stage.after != name:
-        given = "a structure" if name is None else f"the final state of {name!r}"
-        raise ValueError(
-            f"Stage {stage.name!r} has after={stage.after!r}, but the path starts from {given}; "
-            f"start from what the stage comes after, or give it after={name!r}."
-        )
-    check_stages(structure, [replace(stage, after=None)])
 
 
 class _Tracer:
@@ -221,7 +216,7 @@ class _Tracer:
         """Sentence on the end of an incomplete path."""
         factors = self.path.load_factors
         return (
-            f"ended after {len(factors)} points, the most it was to have (max_points), at load factor "
+            f"ended after {counted(len(factors), 'point')}, the most it was to have (max_points), at load factor "
             f"{factors[-1]:.6g}; on the way it was between {factors.min():.6g} and {factors.max():.6g}. Allow more "
             "points, or fewer increments of the stage."
         )
@@ -244,6 +239,9 @@ class _Tracer:
     def start(self, x: PETSc.Vec) -> PathState:
         """Find equilibrium at the load factor 0."""
         newton = self.newton
+        words = undefined_term(newton.under(1.0), x)
+        if words:
+            raise PathError(f"The path of stage {self.path.name!r} has no start: {words}", self.path)
         point = newton.find(Point(x, 0.0), Plane(newton.zero, 1.0, 0.0))
         if point is None or not newton.linearize(point.x, point.factor):
             reason = "it is not in equilibrium." if point is None else linear_failure(newton.under(0.0), newton.A)
@@ -274,8 +272,8 @@ class _Tracer:
                     return here, length, end is not None
             length /= 2
         raise PathError(
-            f"The path of stage {self.path.name!r} was lost after {len(self.path.points)} points, at load factor "
-            f"{last.point.factor:.6g}: no next point, however near. Give the stage more increments, so that "
+            f"The path of stage {self.path.name!r} was lost after {counted(len(self.path.points), 'point')}, at load "
+            f"factor {last.point.factor:.6g}: no next point, however near. Give the stage more increments, so that "
             "points are closer; where the structure wrinkles or slackens, a larger compression_stiffness; a larger "
             "rtol if that asks for more digits than rounding leaves.",
             self.path,

@@ -84,7 +84,7 @@ class Ceiling:
         return self.factor is not None and self.factor - start <= LIMITS.near * self.factor
 
     def reached(self, start: Fraction) -> bool:
-        """Return True if a start is close to the ceiling after many lost iterations, so that it counts as the end."""
+        """Return True if a start counts as the end: close to the ceiling after many lost iterations."""
         return self.vain >= LIMITS.long and self.near(start)
 
 

@@ -16,7 +16,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from ..assembly.problem import Problem
+from ..assembly.problem import NO_MASS, Problem
 from ..checks import validation
 from ..model.fingerprints import of_settings
 from ..results.owner import problem_of
@@ -128,7 +128,7 @@ def natural_frequencies(state: StageResult, count: int = 6, comm: MPI.Intracomm 
         validation.instance("natural_frequencies state", state, StageResult)
         parts = [part for part in state.structure.parts.values() if part.mass > 0]
         if not parts:
-            raise ValueError("No part has mass; give mass=... to membranes [kg/m2], cables or masts [kg/m].")
+            raise ValueError(NO_MASS)
         if comm.rank == 0:
             warn_of_mass_units(state.structure, stacklevel=3)
         movable = np.zeros_like(state.actions.held)

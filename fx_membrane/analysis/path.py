@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ..assembly.actions import Actions, between
 from ..assembly.problem import Problem
 from ..checks import validation, values
+from ..checks.values import counted
 from ..model.fingerprints import of_settings
 from ..model.structure import Structure
 from ..results.evaluation import StateEvaluator
@@ -81,7 +82,7 @@ class EquilibriumPath:
 
     def __repr__(self) -> str:
         last = f", load factor {self.points[-1].load_factor:.4g}" if self.points else ""
-        return f"EquilibriumPath({self.name!r}, {len(self.points)} points{last}, complete={self.complete})"
+        return f"EquilibriumPath({self.name!r}, {counted(len(self.points), 'point')}{last}, complete={self.complete})"
 
     @property
     def load_factors(self) -> NDArray[np.float64]:
@@ -132,7 +133,7 @@ class EquilibriumPath:
         with together(comm):
             if not values.is_whole(type(point)) or not -count <= point < count:
                 raise ValueError(
-                    f"Point {validation.short_repr(point)} of the path is not there; it has {count} points."
+                    f"Point {validation.short_repr(point)} of the path is not there; it has {counted(count, 'point')}."
                 )
         chosen = self.points[point]
         refuse_differences(comm, lambda: of_settings({"point": chosen[:2], "end": (self.start, self.end)}))

@@ -1,9 +1,9 @@
 """Check of the path between two of its points: a step must not jump to another branch or miss limit points.
 
 Points and directions at both ends give a cubic. On a smooth path its error is of the fourth power of the step. Where a
-cable slackens, two straight lines meet in a kink instead. At points of these curves, one iteration with the tangent of
-the end estimates distance and load factor of the path. A step is rejected if the curve leaves the path, or if the load
-factor turns more often than its ends show. That costs residuals and solutions, but no factorization.
+cable slackens, two straight lines meet in a kink instead. One iteration with the tangent of the end, at points of these
+curves, estimates distance and load factor. A step is rejected if the curve leaves the path, or the load factor turns
+more often than shown. That costs residuals and solutions, but no factorization.
 """
 
 from typing import NamedTuple

@@ -34,6 +34,7 @@ from ..solvers.curvature import wrinkling_threshold
 from ..solvers.newton import Newton
 from ..solvers.outcome import Outcome
 from ..solvers.progress import Report
+from ..solvers.undefined_terms import undefined_start
 from . import checkpoint
 from .checkpoint_file import Progress
 from .convergence_error import ConvergenceError
@@ -144,8 +145,8 @@ class Analysis:
         Raises:
             ValueError: A stage does not fit the structure or the other stages; it leaves a free rigid-body motion (one
                 turn about a line is allowed: loads may hold it); the checkpoint belongs to another structure or to
-                other stages, was changed, is in use by another run or cannot be written; the processes have different
-                input.
+                other stages; it was changed, is in use by another run, or cannot be written; the processes have
+                different input.
             ConvergenceError: A load increment found no equilibrium, or the limit of work is used up; the exception has
                 the results computed before.
 
@@ -153,8 +154,8 @@ class Analysis:
             LargeStrainWarning: Strains of a stage, or those that belong to the prestress, are above 5 %.
             UnstableStateWarning: A state is not stable; the structure has snapped or buckled between two load factors
                 (`Newton` with a line search tells); a node moved by more than half the size of what is connected with
-                it, or a mast tilted by more than 15 degrees in the stage, both beyond what is prescribed; or slack or
-                wrinkled parts carry a mast, or more than 1 % of the forces or loads connected with them.
+                it; a mast tilted by more than 15 degrees, both beyond what is prescribed; or slack or wrinkled parts
+                carry a mast, or more than 1 % of the forces or loads connected with them.
             LostPrestressWarning: No cell of a part has 1 % of its prestress left.
             UnbalancedStateWarning: Unbalanced forces of a stage are above 1e-6 of the loads.
             CheckpointWarning: A state could not be saved, as on a full disk; the run continues without.
@@ -239,7 +240,7 @@ class Analysis:
         """Solve an increment; once the limit of work is used up, allow no retry."""
         work.iterates.clear()
         try:
-            return self._solve(loaded, x, work, thorough)
+            return undefined_start(loaded, x) or self._solve(loaded, x, work, thorough)
         except WorkDone as done:
             return Solution(Outcome.WORK_LIMIT, f"{done}; {MORE}", tuple(work.iterates))
 

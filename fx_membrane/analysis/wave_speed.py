@@ -1,4 +1,4 @@
-"""Warning of masses in a unit that does not fit the other data, by the wave speed in fabric and bars."""
+"""Warning of masses in a wrong unit, by the wave speed in fabric and bars."""
 
 import warnings
 

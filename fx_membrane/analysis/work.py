@@ -6,6 +6,7 @@ from time import monotonic
 from mpi4py import MPI
 
 from ..checks import validation
+from ..checks.values import counted
 from ..solvers.base import Iteration, Monitor
 
 
@@ -72,13 +73,12 @@ class Work:
             self._count += number > 0  # the start of an attempt is no iteration
         self.monitor(number, entry)
         if self.limit.iterations is not None and self._count > self.limit.iterations:
-            self._end(f"the limit of {self.limit.iterations} iterations for {self.what} is used up")
+            self._end(f"the limit of {counted(self.limit.iterations, 'iteration')} for {self.what} is used up")
         if self.limit.seconds is not None:
             elapsed = self.comm.bcast(monotonic() - self._began)
             if elapsed >= self.limit.seconds:
-                self._end(
-                    f"the limit of {self.limit.seconds:g} s for {self.what} is used up, after {self._count} iterations"
-                )
+                taken = counted(self._count, "iteration")
+                self._end(f"the limit of {self.limit.seconds:g} s for {self.what} is used up, after {taken}")
 
     def _end(self, reason: str) -> None:
         self.over = reason

@@ -36,6 +36,10 @@ class Actions:
         """True if a pressure acts on a membrane."""
         return any(pressure.any() for pressure in self.pressures.values())
 
+    def less(self, start: "Actions") -> "Actions":
+        """Subtract the actions at a start: the rate of the actions, for a load factor of one from there to here."""
+        return _combined(start, self, lambda a, b: b - a)
+
 
 def unloaded(structure: Structure) -> Actions:
     """Actions of the supports alone."""
@@ -53,21 +57,20 @@ def between(start: Actions, end: Actions, factor: float) -> Actions:
     return _combined(start, end, lambda a, b: a + factor * (b - a))
 
 
-def change(start: Actions, end: Actions) -> Actions:
-    """Actions at the end minus those at the start, for a load factor of one."""
-    return _combined(start, end, lambda a, b: b - a)
-
-
 def _combined(start: Actions, end: Actions, combine: Callable[[Any, Any], Any]) -> Actions:
-    def pressure(name: str) -> Array:
-        return start.pressures.get(name, np.zeros_like(end.pressures[name]))
+    """Combine two actions; a pressure or a term that one of them lacks is zero there."""
+    pressures = dict(start.pressures) | dict(end.pressures)
+    terms = {id(acting.term): acting.term for acting in (*start.terms, *end.terms)}
+
+    def pressure(actions: Actions, name: str) -> Array:
+        return actions.pressures.get(name, np.zeros_like(pressures[name]))
 
     return Actions(
         loads=combine(start.loads, end.loads),
         held=end.held,
         displacement=combine(start.displacement, end.displacement),
-        pressures={name: combine(pressure(name), end.pressures[name]) for name in end.pressures},
-        terms=tuple(Acting(term, combine(factor_of(start, term), factor)) for term, factor in end.terms),
+        pressures={name: combine(pressure(start, name), pressure(end, name)) for name in pressures},
+        terms=tuple(Acting(term, combine(factor_of(start, term), factor_of(end, term))) for term in terms.values()),
     )
 
 

@@ -13,7 +13,21 @@ from .discretization import Discretization
 
 @dataclass(frozen=True, eq=False)
 class Constraints:
-    """Constrained components that this process owns, and their displacements.
+    """Constrained components that this process owns, and their displacements; `LoadedProblem.constraints` has them.
+
+    Its methods prepare a linear system of free components. They are collective, and change what they are given.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> problem = Problem(rope)
+        >>> loaded = problem.under(problem.actions_of(Stage("pull", [PointLoad(1, (0, 0, -10.0))])))
+        >>> x = problem.create_vector()
+        >>> b, K = loaded.residual(x), loaded.tangent(x)
+        >>> loaded.constraints.constrain_residual(x, b)
+        >>> loaded.constraints.constrain_tangent(x, K, b)
+        >>> problem.to_numpy(b)[:, 2].tolist()  # reactions are gone
+        [0.0, 10.0, 0.0]
 
     Attributes:
         discretization: The numbering of the components.

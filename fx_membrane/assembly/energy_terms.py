@@ -161,9 +161,12 @@ class Terms:
 
     def energy(self) -> float:
         """Energy on this process, of terms that have one [J]."""
-        conservative = (acting for acting in self.all if energy_terms.is_conservative(acting.term))
-        found = map(self.pool.forms, conservative)
-        return sum(float(fem.assemble_scalar(forms.energy)) for forms in found if forms)
+        return sum(map(self.energy_of, self.all))
+
+    def energy_of(self, acting: Acting) -> float:
+        """Energy of a term on this process [J]; 0 for one without a potential."""
+        forms = self.pool.forms(acting) if energy_terms.is_conservative(acting.term) else None
+        return float(fem.assemble_scalar(forms.energy)) if forms else 0.0
 
     def forces(self, terms: Iterable[Acting], b: PETSc.Vec) -> PETSc.Vec:
         """Set a vector to the nodal forces of some terms [N]; collective."""

@@ -10,7 +10,7 @@ from petsc4py import PETSc
 from ..model.fingerprints import of_settings
 from ..runtime.processes import refuse_differences, together
 from . import parameters
-from .actions import Actions, change
+from .actions import Actions
 from .assembler import Assembler
 from .fitting import check_actions, check_matrix, check_vector
 from .loaded_structure import LoadedStructure, of_actions
@@ -32,8 +32,8 @@ class LoadedProblem(LoadedStructure):
 
     Attributes, beside those of `LoadedStructure`:
         stabilizer: Stabilization of unit shift.
-        shift: Stabilization: artificial tension in all parts, as a strain, times the stiffness of each. It is in the
-            energy, the residual and the tangent; nonzero only during a homotopy.
+        shift: Size of the stabilization, a tension in all parts, as a strain. It is in the energy, the residual and the
+            tangent; nonzero only during a homotopy.
     """
 
     stabilizer: Stabilization
@@ -77,7 +77,7 @@ class LoadedProblem(LoadedStructure):
 
         The force of a pressure is quadratic in the displacement. Three points give its power along a straight line, so
         that its work is exact with or without a potential. For terms without a potential, five points give the work of
-        forces up to the fourth power of the displacement, and a good estimate of others.
+        forces up to the fourth power of the displacement. Of others they give a good estimate.
         """
 
         def energy(length: float) -> float:
@@ -133,7 +133,7 @@ class LoadedProblem(LoadedStructure):
         return A
 
     def stiffen(self, x: PETSc.Vec, A: PETSc.Mat, b: PETSc.Vec, shift: float) -> None:
-        """Add a shift, an artificial tension given as a strain, to a constrained tangent."""
+        """Add a shift of the stabilization to a constrained tangent, and constrain that again."""
         self.stabilizer.add_tangent(shift, A)
         self.constraints.constrain_tangent(x, A, b)
 
@@ -150,15 +150,15 @@ class LoadedProblem(LoadedStructure):
             x: Displacement [m].
             part: Name of the part.
             parameter: "prestress"; "pressure", of a membrane; or a number of the material: "axial_stiffness" of cables
-                and masts, "Et" and "nu" of a `Fabric`, "Et_warp", "Et_weft", "nu" and "Gt" of an `OrthotropicFabric`,
+                and masts; "Et" and "nu" of a `Fabric`; "Et_warp", "Et_weft", "nu" and "Gt" of an `OrthotropicFabric`;
                 or another field of a law.
-            direction: Change of the parameter: a prestress in one of the forms that the part takes, a pressure for all
-                cells or for each, shape (cells,), or a number. The result is linear in it.
+            direction: Change of the parameter: a prestress in one of the forms that the part takes; a pressure for all
+                cells or for each, shape (cells,); or a number. The result is linear in it.
             b: Vector for the result; a new one if None.
 
         Raises:
-            ValueError: There is no such part or parameter, or the direction has another shape, or they are not the
-                same on all processes.
+            ValueError: There is no such part or parameter; the direction has another shape; they are not the same on
+                all processes.
         """
         with together(self.comm):
             given = parameters.Change(self.structure, part, parameter, direction)
@@ -178,7 +178,7 @@ class LoadedProblem(LoadedStructure):
         """Differentiate the residual by a load factor, at a fixed displacement [N].
 
         Prescribed displacements of the stage grow with the factor too, but a residual does not depend on them: with
-        `rate = loaded.under(change(start, loaded.actions))` and the zero vector,
+        `rate = loaded.under(loaded.actions.less(start))` and the zero vector,
         `rate.constraints.constrain_tangent(zero, K, dR)` moves their effect into dR, and K du = -dR.
 
         Args:
@@ -195,7 +195,7 @@ class LoadedProblem(LoadedStructure):
                 check_actions("start", start, self.structure)
         refuse_differences(self.comm, lambda: of_settings({"start": start}))
         b = self._vector(b)
-        rate = self if start is None else self.under(change(start, self.actions))
+        rate = self if start is None else self.under(self.actions.less(start))
         rate._following(x, b)
         b.array += rate.own_loads
         b.scale(-1.0)

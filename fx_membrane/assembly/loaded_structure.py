@@ -77,6 +77,12 @@ class LoadedStructure:
             gather = self.discretization.to_numpy
             return [(acting, gather(self.terms.forces([acting], total))) for acting in self.terms.all]
 
+    def term_energies(self, x: PETSc.Vec) -> list[float]:
+        """Energies of the energy terms in the shape x [J]; 0 for those without a potential."""
+        self._update(x)
+        own = np.array([self.terms.energy_of(acting) for acting in self.terms.all])
+        return np.asarray(self.comm.allreduce(own)).tolist()
+
     def standing_norm(self, x: PETSc.Vec) -> float:
         """2-norm of the nodal forces of the structure's energy terms in the shape x [N]."""
         if not self.terms.standing:

@@ -39,6 +39,7 @@ class Change:
         what = f"direction of {parameter!r}"
         if parameter == "prestress":
             self.values = replace(owner, prestress=direction).prestress_tensors()
+            structure.check_shear(part, direction, f"direction of {parameter!r}")
         elif parameter == "pressure":
             structure.check_sides(part)
             self.values = validation.finite(what, direction)

@@ -6,6 +6,7 @@ with loads f of fixed direction and follower pressures f_p, which in general hav
 their displacements change from stage to stage as data: nothing is compiled twice.
 """
 
+import warnings
 from dataclasses import replace
 from itertools import count
 from typing import NoReturn
@@ -31,6 +32,7 @@ from .part_forms import PartForms, mass_form, part_forms
 from .rounding import magnitudes
 from .stabilization import Stabilization
 
+NO_MASS = "No part has mass; give mass=... to membranes [kg/m2], cables or masts [kg/m]."
 _number = count()
 
 
@@ -127,12 +129,18 @@ class Problem:
 
         Args:
             A: Matrix for the result; a new one if None.
+
+        Raises:
+            ValueError: The matrix is another problem's.
+
+        Warns:
+            UserWarning: No part has mass: all entries are zero.
         """
-        if A is None:
-            A = self.create_matrix()
-        else:
+        if A is not None:
             check_matrix("A", A, self.discretization.rows)
-        return self._assembler.matrix(mass_form, A)
+        if not any(part.mass for part in self.structure.parts.values()) and self.comm.rank == 0:
+            warnings.warn(f"The mass matrix is zero. {NO_MASS}", stacklevel=2)
+        return self._assembler.matrix(mass_form, self.create_matrix() if A is None else A)
 
     # Numbering and transfer
 

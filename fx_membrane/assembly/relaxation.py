@@ -1,7 +1,7 @@
 """Relaxed energies of parts that wrinkle or go slack, and the update of those that follow the strain.
 
-A law brings a formula, or the woven one needs a direction, or the wrinkles are found from the energy alone. The kind of
-a law is asked for here, and nowhere else.
+A law brings a formula. The woven one needs a direction. Other wrinkles are found from the energy alone. The kind of a
+law is asked for here, and nowhere else.
 """
 
 from collections.abc import Callable

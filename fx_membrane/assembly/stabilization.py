@@ -1,6 +1,6 @@
-"""Stabilization of a structure: an artificial tension in all parts, given as a strain times the stiffness of each.
+"""Stabilization of a structure: a tension in all parts, given as a strain times the stiffness of each.
 
-With a shift s [-] and the matrix T, the stiffness of the tension of strain one, it adds
+With a shift s [-], that strain, and the stiffness T for a shift of one, it adds
 
     s (X + u) . T (X + u) / 2 to the energy,    s T (X + u) to the residual,    s T to the tangent.
 """
@@ -13,7 +13,7 @@ from .part_forms import tension_form
 
 
 class Stabilization:
-    """Artificial tension of strain one; its matrix is made on first use.
+    """Stabilization of unit shift; its matrix is made on first use.
 
     Args:
         assembler: Sums over the parts.
@@ -25,13 +25,13 @@ class Stabilization:
         self._matrices: dict[MatrixKind, PETSc.Mat] = {}
 
     def matrix(self, kind: MatrixKind = "sbaij") -> PETSc.Mat:
-        """Stiffness T of the artificial tension [N/m], symmetric; the same in every state."""
+        """Stiffness T of the stabilization [N/m], symmetric; the same in every state."""
         if kind not in self._matrices:
             self._matrices[kind] = self._assembler.matrix(tension_form, self._discretization.create_matrix(kind))
         return self._matrices[kind]
 
     def energy(self, x: PETSc.Vec) -> float:
-        """Energy of the tension in the shape of a displacement x [J]."""
+        """Energy of the stabilization in the shape of a displacement x [J]."""
         with self._discretization.work(1) as (position,):
             position.waxpy(1.0, self._points, x)
             return 0.5 * self.work(position)
@@ -52,7 +52,7 @@ class Stabilization:
         A.axpy(shift, self.matrix(kind), same)
 
     def work(self, v: PETSc.Vec) -> float:
-        """Double the work of a displacement against the tension, v . T v [J]."""
+        """Double the work of a displacement against the stabilization, v . T v [J]."""
         with self._discretization.work(1) as (forces,):
             self.matrix().mult(v, forces)
             return float(v.dot(forces))

@@ -35,9 +35,9 @@ def tension_direction(
 ) -> NDArray[np.float64]:
     """Direction of the tension in the wrinkled cells of a woven fabric: `angle` of `forms.wrinkling.orthotropic`.
 
-    Without compression, a wrinkled cell carries a tension along one direction t, that of the largest energy e_tt^2 / (2
-    H_tt), with the compliance H_tt along t. It has no closed form. Solve for it at each strain at which the form is
-    evaluated: of the energy, the residual or the tangent. The derivatives of the form are right then.
+    Without compression, a wrinkled cell carries a tension along one direction t. It is that of the largest energy
+    e_tt^2 / (2 H_tt), with the compliance H_tt along t. It has no closed form. Solve for it at each strain at which the
+    form is evaluated: of the energy, the residual or the tangent. The derivatives of the form are right then.
 
     Args:
         strain: Total elastic strain E + C^-1 : sigma0 of each cell in the warp/weft frame, shape (n, 2, 2) [-]: the

@@ -14,6 +14,7 @@ from .objects import communicator as communicator  # noqa: PLC0414  (others take
 from .objects import instance as instance  # noqa: PLC0414
 from .objects import instances as instances  # noqa: PLC0414
 from .objects import plain as plain  # noqa: PLC0414
+from .values import counted as counted  # noqa: PLC0414
 from .values import format_point as format_point  # noqa: PLC0414
 from .values import is_real, is_whole, scalar
 from .values import short_repr as short_repr  # noqa: PLC0414
@@ -105,7 +106,8 @@ def tolerance(name: str, value: Any) -> float:
 
 def truth(name: str, value: Any) -> bool:
     """Check a truth value."""
-    instance(name, value, bool | np.bool_)
+    if not isinstance(value, bool | np.bool_):
+        raise ValueError(f"{name} is {short_repr(value)}; give True or False.")
     return bool(value)
 
 

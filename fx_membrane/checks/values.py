@@ -22,12 +22,19 @@ def short_repr(value: Any) -> str:
     if isinstance(value, np.ndarray):
         return f"an array of {value.dtype}, shape {value.shape}"
     sized = isinstance(value, Sized) and not hasattr(value, "shape")  # sparse matrices have no length
-    return with_article(type(value).__name__) + (f" of {len(value)} entries" if sized else "")
+    return with_article(type(value).__name__) + (
+        f" of {len(value)} entr{'y' if len(value) == 1 else 'ies'}" if sized else ""
+    )
 
 
 def with_article(noun: str) -> str:
     """Put "a" or "an" before a noun."""
     return f"{'an' if noun[0] in 'AEIOUaeiou' else 'a'} {noun}"
+
+
+def counted(count: int, noun: str) -> str:
+    """Put a number before a noun, which takes an s unless the number is one."""
+    return f"{count} {noun}{'s' * (count != 1)}"
 
 
 def expected(kind: Any) -> str:

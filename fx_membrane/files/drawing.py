@@ -25,6 +25,7 @@ class Drawing:
         points: Positions of all corners, shape (n, 3).
         cells: By name of the group and number of corners (1 for points), rows of corners, shape (cells, corners).
         unit: Name of the unit of length that the file tells; empty if it tells none.
+        loose: True if each cell has corners of its own: those at the same place are one node.
     """
 
     source: str
@@ -32,6 +33,7 @@ class Drawing:
     points: Array
     cells: dict[str, dict[int, Cells]] = field(default_factory=dict)
     unit: str = ""
+    loose: bool = False
 
     def add(self, name: str, cells: Cells) -> None:
         """Add cells of one kind to a group."""
@@ -41,7 +43,7 @@ class Drawing:
 
 
 def joined(drawing: Drawing, weld: float | None) -> Drawing:
-    """Drawing with one node for corners at the same place; with a tolerance, for corners within it of each other.
+    """Drawing with one node for loose corners at the same place; with a tolerance, for all within it of each other.
 
     Says on stderr how many were joined by the tolerance, and the largest distance.
 
@@ -49,7 +51,7 @@ def joined(drawing: Drawing, weld: float | None) -> Drawing:
         ValueError: A cell loses its size: two of its corners are joined.
     """
     points = drawing.points
-    if not len(points):
+    if not len(points) or not (drawing.loose or weld is not None):
         return drawing
     exact = EXACT * max(np.ptp(points, axis=0).max(), np.finfo(float).tiny)
     label, count = _clusters(points, exact)

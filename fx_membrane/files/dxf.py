@@ -40,6 +40,7 @@ def read(file: Path) -> Drawing:
     drawing = Drawing(str(file), "layer", np.array([tuple(point) for point in points], dtype=np.float64).reshape(-1, 3))
     for (layer, count), found in cells.items():
         drawing.add(layer, np.array(found, dtype=np.int64).reshape(-1, count))
+    drawing.loose = True
     drawing.unit = UNITS.get(int(document.header.get("$INSUNITS", 0)), "")
     return drawing
 

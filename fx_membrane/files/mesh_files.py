@@ -8,7 +8,7 @@ from mpi4py import MPI
 from ..checks import paths, validation
 from ..model.structure import Structure
 from ..runtime.messages import say
-from . import compas, dxf, obj, surface
+from . import compas, dxf, msh, obj, surface
 from .drawing import Drawing, joined, nodes_of, triangles_of
 from .gmsh import structure_from_gmsh
 from .groups import Groups, Makers, check_arguments, structure
@@ -19,6 +19,7 @@ READERS: dict[str, Callable[[Path], Drawing]] = {
     ".stl": surface.read,
     ".ply": surface.read,
     ".json": compas.read,
+    ".msh": msh.read,
 }
 METRES = {"mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "km": 1e3, "in": 0.0254, "ft": 0.3048, "yd": 0.9144}
 
@@ -43,7 +44,7 @@ def structure_from_file(
     | .json | "edges", "faces", "supports" | those of a network, graph or mesh | `is_support` |
     | .msh | physical group, see `structure_from_gmsh` | | |
 
-    Corners at the same place are one node. No file runs code.
+    Corners of DXF and STL at the same place are one node; the other formats number their nodes. No file runs code.
 
     Args:
         source: The file.
@@ -71,19 +72,9 @@ def structure_from_file(
     split = validation.truth("split_quadrilaterals", split_quadrilaterals)
     if unit is not None:
         validation.choice("unit", unit, list(METRES), f"one of {list(METRES)}")
-    ending = file.suffix.lower()
-    if ending == ".msh":
+    if file.suffix.lower() == ".msh" and weld is None:
         return structure_from_gmsh(file, parts, supports, separate)
-    if ending not in READERS:
-        raise ValueError(f"source is {str(file)!r}; give a file that ends in {', '.join([*READERS, '.msh'])}.")
-    if not file.is_file():
-        raise ValueError(f"There is no file {str(file)!r}; correct the name.")
-    try:
-        drawing = READERS[ending](file)
-    except OSError as error:
-        raise ValueError(f"{file} cannot be read ({error.strerror}).") from None
-    _convert(drawing, unit)
-    drawing = joined(drawing, weld)
+    drawing = drawing_of(file, weld, unit)
     groups = Groups(
         points=drawing.points,
         cells={name: triangles_of(drawing, name, split) for name in parts},
@@ -92,6 +83,26 @@ def structure_from_file(
         label=lambda row: f"node {row}",
     )
     return structure(groups, parts, supports or {}, separate)
+
+
+def drawing_of(file: Path, weld: float | None, unit: str | None) -> Drawing:
+    """Content of a mesh file, its corners joined and its unit converted, see `structure_from_file`.
+
+    Raises:
+        ValueError: The ending is not known; the file cannot be read, or is not of that format; a cell collapses.
+        ImportError: The package that reads the format is not installed.
+    """
+    ending = file.suffix.lower()
+    if ending not in READERS:
+        raise ValueError(f"source is {str(file)!r}; give a file that ends in {', '.join(READERS)}.")
+    if not file.is_file():
+        raise ValueError(f"There is no file {str(file)!r}; correct the name.")
+    try:
+        drawing = READERS[ending](file)
+    except OSError as error:
+        raise ValueError(f"{file} cannot be read ({error.strerror}).") from None
+    _convert(drawing, unit)
+    return joined(drawing, weld)
 
 
 def _convert(drawing: Drawing, unit: str | None) -> None:

@@ -45,7 +45,7 @@ def write_mesh(shape: Structure | StageResult | Form, path: str | Path) -> None:
         >>> write_mesh(roof, "output/roof.msh")
         >>> fabric = {"roof": lambda cells: Membrane(cells, Fabric(4e5, 0.3))}
         >>> structure_from_gmsh("output/roof.msh", fabric, {"support 0 xyz": "xyz"})
-        Structure(9 points, {'roof': 8 x Membrane}, 1 supports)
+        Structure(9 points, {'roof': 8 x Membrane}, 1 support)
     """
     validation.instance("write_mesh shape", shape, Structure | StageResult | Form)
     structure = shape if isinstance(shape, Structure) else shape.structure

@@ -10,7 +10,6 @@ import numpy as np
 from mpi4py import MPI
 
 from ..checks import paths, validation
-from ..results.part_results import MembraneResult
 from ..results.states import StageResult, StageResults
 from ..results.tables import cell_columns
 from ..runtime.processes import by_the_first, together
@@ -161,7 +160,7 @@ def _block(state: StageResult, name: str, units: tuple[str, str]) -> Any:
     grid.cell_data["state"] = np.array([STATES.index(entry) for entry in word.tolist()], dtype=np.uint8)
     for head in columns.keys() - {f"{axis} [{length}]" for axis in "xyz"}:
         grid.cell_data[head] = columns[head]
-    if isinstance(found, MembraneResult):
+    if found.dimension == 2:
         grid.cell_data[f"Cauchy stress [{force}/{length}]"] = found.cauchy.reshape(-1, 9)
     grid.field_data["stage"] = [state.name]
     return grid

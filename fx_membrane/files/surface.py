@@ -36,7 +36,7 @@ def read(file: Path) -> Drawing:
             raise ValueError(damaged)
         with np.load(target) as arrays:
             points, begin, nodes = arrays["points"], arrays["begin"], arrays["nodes"]
-    drawing = Drawing(str(file), "surface", points)
+    drawing = Drawing(str(file), "surface", points, loose=file.suffix.lower() == ".stl")
     sizes = np.diff(begin)
     for corners in np.unique(sizes):
         if corners not in (3, 4):

@@ -57,8 +57,7 @@ def write_tables(results: StageResults, folder: str | Path, *, force_unit: str =
         tables = [
             ({"stage": stage, "part": name}, cell_columns(state, name, *units))
             for stage, state in results.items()
-            for name, part in state.structure.parts.items()
-            if isinstance(part, kind)
+            for name in state.structure.parts_of(kind)
         ]
         if tables:
             _write_csv(place / file, iter(tables))

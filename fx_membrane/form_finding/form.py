@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..checks.values import counted
 from ..model.energy_terms import described
 from ..model.structure import Structure
 
@@ -63,8 +64,8 @@ class Form:
         return self.made
 
     def __repr__(self) -> str:
-        shape = f"{len(self.points)} points" if self.made is None else repr(self.made)
-        return f"Form({shape}, {len(self.steps)} steps, converged={self.converged})"
+        shape = counted(len(self.points), "point") if self.made is None else repr(self.made)
+        return f"Form({shape}, {counted(len(self.steps), 'step')}, converged={self.converged})"
 
 
 def refuse_terms(structure: Structure) -> None:

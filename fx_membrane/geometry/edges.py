@@ -24,7 +24,7 @@ def edges_where(
             numpy.isclose(x[1], 0)`. An edge is chosen if both its ends are on it.
 
     Raises:
-        ValueError: The triangles name nodes that do not exist, on is no function of that kind, or no edge is on it.
+        ValueError: The triangles name nodes that do not exist; on is no function of that kind; no edge is on it.
 
     Example:
         >>> points, triangles = rectangle(4.0, 2.0, 2, 1)

@@ -41,8 +41,11 @@ def check(what: str, law: Any, dimension: int, own: bool) -> None:
             "with energy(E, sigma0, parameters) and stiffness."
         )
     wanted = getattr(law, "dimension", dimension)
+    if not isinstance(wanted, int) or wanted not in KINDS:
+        raise ValueError(f"{what} is {validation.short_repr(law)}, whose dimension is {validation.short_repr(wanted)}; "
+                         "give 2 for a law of membranes, 1 for one of cables and masts.")  # fmt: skip
     if wanted != dimension:
-        raise ValueError(f"{what} is {validation.short_repr(law)}, a law of {KINDS.get(wanted, wanted)}; give one of "
+        raise ValueError(f"{what} is {validation.short_repr(law)}, a law of {KINDS[wanted]}; give one of "
                          f"{KINDS[dimension]}.")  # fmt: skip
     _check_class(what, type(law))
     if own:

@@ -139,7 +139,7 @@ def checked_loads(what: str, loads: Any) -> tuple[Load, ...]:
 
 
 def check_load(structure: Structure, stage: str, load: Load) -> None:
-    """Refuse a load that names a node, a part or a cell which does not exist, or a part that it cannot act on."""
+    """Refuse a load on an unknown node, part or cell, or on a part that it cannot act on."""
     if energy_terms.is_term(load):
         energy_terms.check_on(structure, stage, load)
         return

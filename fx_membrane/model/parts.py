@@ -30,8 +30,8 @@ class Membrane:
             stiffness and loads are per size of the reference shape. Cloth with an excess strain E0 in all directions is
             1 + 2 E0 times as stiff as its data (4 % more with 2 %).
         warp: A vector (3,), or one per cell (n, 3); its projection on the cell is the warp direction. The weft is a
-            right angle further, counter-clockwise about the normal of `Structure.normals`. Without a warp the global x
-            axis is taken, or y where a cell is nearly normal to x, for results only.
+            right angle further, counter-clockwise about the normal of `Structure.normals`. Without a warp, results take
+            the global x axis, or y where a cell is nearly normal to x.
         compression_stiffness: Fraction of the stiffness that a wrinkled or slack membrane keeps, in (0, 1] [-]. It
             keeps slack nodes in place; above 1e-3 it shows in results. 1 switches wrinkling off: the membrane carries
             compression like tension, and every cell is called taut.
@@ -135,7 +135,12 @@ class Bar:
     def _store_material(self) -> None:
         """Store the law and its stiffness, of which one is given, or both as by `dataclasses.replace`."""
         given = self.axial_stiffness
-        if given is not None or self.material is None:
+        if given is None and self.material is None:
+            raise ValueError(
+                f"{type(self).__name__} has neither an axial_stiffness nor a material; give axial_stiffness=... [N], "
+                "or a law as material=..."
+            )
+        if given is not None:
             validation.store(self, validation.positive, "axial_stiffness")
         if self.material is None:
             validation.keep(self, material=Axial(self.axial_stiffness))

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
+from ..checks.values import counted
 from ..geometry.topology import node_graph
 from . import energy_terms
 from .energy_terms import Term
@@ -47,8 +48,8 @@ def check_supports(structure: Structure, held: NDArray[np.bool_], terms: Sequenc
             freest = MOTIONS[int(np.argmax(np.sum(named**2, axis=0)))]
             join = ", or join it to the rest, with which it shares no node" if count > 1 else ""
             raise ValueError(
-                f"The structure is not supported enough: the piece with node {nodes[0]} ({len(nodes)} nodes: "
-                f"{_named(structure, nodes)}) can {freest} as a rigid body. Add supports or prescribed displacements "
+                f"The structure is not supported enough: the piece with node {nodes[0]} ({counted(len(nodes), 'node')}"
+                f": {_named(structure, nodes)}) can {freest} as a rigid body. Add supports or prescribed displacements "
                 f"there{join}."
             )
 
@@ -88,7 +89,7 @@ def loose_ends(structure: Structure, name: str, held: NDArray[np.bool_]) -> list
 def free_motions(points: NDArray[np.float64], held: NDArray[np.bool_]) -> NDArray[np.float64]:
     """Free rigid motions, orthonormal, shape (motions, 6).
 
-    Each row is three translations and three rotations about the centre of the points, lengths scaled to the largest
+    Each row is three translations and three rotations about the centre of the points. Lengths are scaled to the largest
     distance from it. A motion that moves no point, as the turn of a straight cable about itself, is left out.
 
     Args:

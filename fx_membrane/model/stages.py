@@ -60,8 +60,8 @@ class Stage:
         displacements: Displacements that this stage prescribes.
         increments: Number of equal load increments to begin with, at most a million; a failed one is halved, see
             `Analysis`.
-        after: Name of the stage whose final state is the start of this one, and whose loads and prescribed
-            displacements it keeps; without it the stage starts from the reference shape.
+        after: Name of the stage that ends where this one starts; its loads and prescribed displacements are kept;
+            without it the stage starts from the reference shape.
 
     Raises:
         ValueError: increments is not a positive whole number, or more than a million; an entry is not a load or a
@@ -95,9 +95,9 @@ def check_stages(structure: Structure, stages: Sequence[Stage]) -> None:
     """Refuse stages that do not fit together or do not fit the structure.
 
     Raises:
-        ValueError: Two stages have one name; a stage follows one that does not come before it; a load or a
-            prescribed displacement names a node, part or cell that does not exist, or a node that no part uses; a
-            pressure is on a membrane without two sides, see `Structure.normals`.
+        ValueError: Two stages have one name; a stage follows one that does not come before it; a load or a prescribed
+            displacement is on an unknown node, part or cell; one is on a node that no part uses; a pressure is on a
+            membrane without two sides, see `Structure.normals`.
     """
     validation.instances("stages", stages, Stage)
     validation.unique("Stage", (stage.name for stage in stages))

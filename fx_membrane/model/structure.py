@@ -9,9 +9,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
+from ..checks.values import counted
 from ..geometry.measures import SLENDER, SLIVER, aspects, normals, projected
 from ..geometry.topology import with_one_sense
 from . import energy_terms
@@ -29,15 +30,15 @@ class SliverWarning(UserWarning):
 class Structure:
     """Points, parts and supports: everything that stays the same from stage to stage.
 
-    The nodes of a triangle may be in either order. When the structure is made, all cells of a connected membrane, open
-    or closed, are turned to the sense of the first. In `parts` a turned cell has its last two nodes exchanged; the rows
-    of cells keep their order. Data per cell stay valid, as none depend on the order of its nodes: prestress is in the
-    warp/weft frame of the one sense, warp is a vector in space, pressure is along `normals`.
+    The nodes of a triangle may be in either order. The structure turns all cells of a connected membrane, open or
+    closed, to the sense of the first. In `parts` a turned cell has its last two nodes exchanged; the rows of cells keep
+    their order. Data per cell stay valid, as none depend on the order of its nodes: prestress is in the warp/weft frame
+    of the one sense, warp is a vector in space, pressure is along `normals`.
 
     A membrane without two sides (a Moebius strip, or sheets that branch) is allowed. It is refused where `normals` are
-    asked for, a pressure acts, or one prestress tensor with shear is given for all its cells. Its cells keep their
-    sense, in a branching membrane that of their sheet. So do the signs of shear in each cell: in the results, and in
-    prestress tensors given per cell.
+    asked for or a pressure acts. One prestress tensor with shear for all its cells is refused, too. Its cells keep
+    their sense, in a branching membrane that of their sheet. So do the signs of shear in each cell: in the results, and
+    in prestress tensors given per cell.
 
     Args:
         points: Reference (prestressed) position of the nodes, shape (n, 3) [m]. The row is the number of the node.
@@ -50,16 +51,16 @@ class Structure:
             see `EnergyTerm`.
 
     Raises:
-        ValueError: A cell names a node that does not exist, has no area or no length, or is normal to its warp vector;
-            a triangle is more than 1e7 times as long as it is high; a part is of a class derived from `Membrane`,
-            `Cable` or `Mast`; a support is on a node that does not exist or that no part uses; a value is not finite; a
+        ValueError: A cell names a node that does not exist; it has no area or no length, or is normal to its warp; a
+            triangle is more than 1e7 times as long as it is high; a part is of a class derived from `Membrane`, `Cable`
+            or `Mast`; a support is on a node that does not exist or that no part uses; a value is not finite; a
             membrane without two sides has one prestress tensor with shear; separate names a part that is not there; a
             term does not fit, see `EnergyTerm`.
 
     Warns:
-        CoincidentNodesWarning: Nodes of the parts are closer than 1e-9 of the size of the structure, and supports do
-            not constrain all of them. If they are meant to be apart (two skins, a slit, two cables that cross), name
-            their parts in `separate`.
+        CoincidentNodesWarning: Nodes of the parts are closer than 1e-9 of the size of the structure, not all of them
+            supported. If they are meant to be apart (two skins, a slit, two cables that cross), name their parts in
+            `separate`.
         SliverWarning: A triangle is more than 5e5 times as long as it is high.
 
     Example:
@@ -107,7 +108,7 @@ class Structure:
 
     def __repr__(self) -> str:
         kinds = ", ".join(f"{name!r}: {len(part.cells)} x {type(part).__name__}" for name, part in self.parts.items())
-        return f"Structure({len(self.points)} points, {{{kinds}}}, {len(self.supports)} supports)"
+        return f"Structure({counted(len(self.points), 'point')}, {{{kinds}}}, {counted(len(self.supports), 'support')})"
 
     @cached_property
     def used(self) -> NDArray[np.bool_]:
@@ -176,6 +177,21 @@ class Structure:
         if name in self._no_sides:
             raise ValueError(f"Part {name!r} {self._no_sides[name]}")
 
+    def check_shear(self, name: str, tensor: ArrayLike, what: str) -> None:
+        """Refuse one tensor with shear for all cells of a membrane without two sides: its sign depends on the cell.
+
+        Args:
+            name: Name of the part.
+            tensor: A prestress in one of the forms that the part takes.
+            what: Name of the tensor.
+
+        Raises:
+            ValueError: It has a shear, and the part has only one side, like a Moebius strip, or branches.
+        """
+        values = np.asarray(tensor)
+        if name in self._no_sides and values.shape == (2, 2) and values[0, 1]:
+            raise ValueError(f"Part {name!r}, with shear in its {what} {values.tolist()}, {self._no_sides[name]}")
+
     def part(self, name: str, kind: type[Kind]) -> Kind:
         """Part of a name and a kind, Membrane, Cable or Mast.
 
@@ -240,9 +256,7 @@ class Structure:
         cells, reason = with_one_sense(part.cells)
         if reason:
             self._no_sides[name] = reason
-            prestress = np.asarray(part.prestress)
-            if prestress.shape == (2, 2) and prestress[0, 1]:
-                raise ValueError(f"Part {name!r}, with shear in its prestress {prestress.tolist()}, {reason}")
+            self.check_shear(name, part.prestress, "prestress")
         return part if np.array_equal(cells, part.cells) else replace(part, cells=cells)
 
     def _check_measures(self, name: str, part: Part) -> None:

@@ -32,8 +32,8 @@ def contours(
 
     Args:
         result: A stage.
-        fields: For each title, either nodal values, shape (n,), or cell values (cells,) of some parts by name, such as
-            forces of cables; cell values may be the states "taut", "wrinkled" and "slack".
+        fields: For each title, nodal values, shape (n,), or cell values by part, shape (cells,), as forces of cables;
+            cell values may be the states "taut", "wrinkled" and "slack".
         path: Path of the picture.
         scale: Factor of the displacements.
         view: Direction from the structure to the eye; z points up, from straight above, (0, 0, 1), y.
@@ -41,7 +41,7 @@ def contours(
         antisymmetric: Titles of the fields whose sign changes in the mirror image, such as the displacement across it.
         ranges: Minimum and maximum of the colours for the titles of some fields, {"title": (low, high)}; values beyond
             have the colour of that end, and the numbers at the ends are written with <= and >=. By default the colours
-            go from the minimum to the maximum, and one peak can leave the rest in one colour.
+            go from the minimum to the maximum. One peak can leave the rest in one colour.
 
     Raises:
         ValueError: A field has a wrong number of values, values that are not finite, or names no part; mirror is none

@@ -1,4 +1,4 @@
-"""Remark where a state that a solver took for equilibrium is not in balance to the digits that its user relies on."""
+"""Remark on a state that a solver took for equilibrium, with fewer balanced digits than its user relies on."""
 
 from collections.abc import Iterator
 

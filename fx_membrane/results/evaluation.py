@@ -53,8 +53,10 @@ class StateEvaluator:
         terms = tuple(TermResult(*acting, forces) for acting, forces in problem.term_forces(x))
         loads = actions.loads + problem.pressure_loads(x) + sum(entry.forces for entry in terms)
         reactions = np.where(actions.held, residual, 0.0)
-        unbalanced = np.abs(residual - reactions).max(axis=1)
+        unbalanced = np.abs(np.where(actions.held, 0.0, residual)).max(axis=1)
         position = problem.structure.points + displacement
+        with np.errstate(invalid="ignore"):  # of a start at which an energy term is not a number
+            moments = [np.cross(position, forces).sum(axis=0) for forces in (loads, reactions)]
         return StageResult(
             name=name,
             structure=problem.structure,
@@ -66,8 +68,8 @@ class StateEvaluator:
             equilibrium=Equilibrium(
                 loads=loads.sum(axis=0),
                 reactions=reactions.sum(axis=0),
-                load_moment=np.cross(position, loads).sum(axis=0),
-                reaction_moment=np.cross(position, reactions).sum(axis=0),
+                load_moment=moments[0],
+                reaction_moment=moments[1],
                 residual=float(unbalanced.max()),
                 unbalanced=unbalanced,
             ),

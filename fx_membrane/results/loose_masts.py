@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.extremes import first_largest
 from ..geometry.measures import measures
 from ..model.energy_terms import touched
 from ..model.parts import Bar, Mast
@@ -102,7 +103,7 @@ def _together(result: StageResult, nodes: NDArray[np.int64]) -> list[Loose]:
     values, motions = np.linalg.eigh(blocks.transpose(0, 2, 1, 3).reshape(3 * len(nodes), -1)[np.ix_(free, free)])
     motion = np.zeros((len(nodes), 3))
     motion.flat[free] = motions[:, 0]
-    most = int(np.linalg.norm(motion, axis=1).argmax())
+    most = first_largest(np.linalg.norm(motion, axis=1))
     if values[0] > WEAK * np.abs(blocks[most, most]).max():
         return []
     return [Loose(int(nodes[most]), motion[most] / np.linalg.norm(motion[most]), slack=False)]

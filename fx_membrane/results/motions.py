@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.extremes import first_largest
 from ..geometry.measures import lengths
 from ..model.parts import Mast
 from ..model.structure import Structure
@@ -53,7 +54,7 @@ def _moved(result: StageResult, start: Array) -> str:
     pieces = Pieces(structure, held.all(axis=1))
     far = (LIMITS.fallen * _sizes(structure, pieces) + _largest(given, structure, pieces))[pieces.nodes]
     beyond = np.where(structure.used & ~held.all(axis=1), moved - far, -np.inf)
-    node = int(beyond.argmax())
+    node = first_largest(beyond)
     return f"node {node} moved by {moved[node]:.3g}" if beyond[node] > 0 else ""
 
 
@@ -81,8 +82,8 @@ def _tilted(result: StageResult, start: Array) -> str:
         turned, prescribed = (_angles(before, before + np.diff(u[part.cells], axis=1)[:, 0]) for u in (motion, given))
         beyond = turned - prescribed
         if beyond.max() > TILTED:
-            cell = int(beyond.argmax())
-            node = max(part.cells[cell], key=lambda n: np.linalg.norm(motion[n]))
+            cell = first_largest(beyond)
+            node = part.cells[cell, first_largest(lengths(motion[part.cells[cell]]))]
             said.append(
                 f"mast {name!r} (cell {cell}) has tilted by {turned[cell]:.0f} degrees, its node {node} moved by "
                 f"{np.linalg.norm(motion[node]):.3g}"

@@ -13,6 +13,8 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from ..checks.values import counted
+from ..geometry.extremes import first_largest
 from ..model.parts import Cable, Mast
 from ..model.structure import Structure
 from ..solvers.outcome import Outcome
@@ -153,8 +155,9 @@ def _loss(result: StageResult, lost: Sequence[str], stands: bool) -> str:
     nodes = np.unique(np.concatenate([structure.parts[name].cells.ravel() for name in lost]))
     motion = np.linalg.norm(result.displacement[nodes], axis=1)
     whole = all(name in lost for name, part in structure.parts.items() if _tensions(structure, name).max() > 0)
+    farthest = nodes[first_largest(motion)]
     left = (
-        f"no cell of {_listed(lost)} has more than {100 * LEFT:g} % of it left, and node {nodes[motion.argmax()]} has "
+        f"no cell of {_listed(lost)} has more than {100 * LEFT:g} % of it left, and node {farthest} has "
         f"moved by {motion.max():.3g} from the reference shape."
     )
     cables = set(lost) <= set(structure.parts_of(Cable))
@@ -204,4 +207,6 @@ def _slack_at(result: StageResult, loose: Loose) -> str:
 
 
 def _listed(names: Sequence[str]) -> str:
-    return ", ".join(map(repr, names[:SHOWN])) + f" and {len(names) - SHOWN} more parts" * (len(names) > SHOWN)
+    return ", ".join(map(repr, names[:SHOWN])) + f" and {counted(len(names) - SHOWN, 'more part')}" * (
+        len(names) > SHOWN
+    )

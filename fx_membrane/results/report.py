@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..checks import validation
+from ..checks.values import counted
+from ..geometry.extremes import first_largest
 from ..model.energy_terms import described
 from ..model.parts import Cable, Mast, Membrane
 from ..model.restraint import loose_ends
@@ -21,11 +23,11 @@ def report(
     """Table of a stage, to print.
 
     It begins with the remarks on the state, if any. For each part it gives the minimum and maximum: forces of cables
-    and masts, principal stresses of membranes and, with a given warp, stresses along warp and weft. Then follow the
-    largest strain, from the reference shape and, if the law has a compliance, with the elastic strain of the prestress.
+    and masts, principal stresses of membranes and, with a given warp, stresses along warp and weft. Then follows the
+    largest strain from the reference shape. If the law has a compliance, the elastic strain of the prestress is added.
     The number of slack or wrinkled cells and free cable ends come last. Largest values (in masts of either sign) come
-    with their cell, a row of the part's cells, and its centroid in the reference shape. The largest displacement is the
-    length of a vector.
+    with their cell and its centroid in the reference shape. The cell is a row of the part's cells. The largest
+    displacement is the length of a vector.
 
     Each energy term has a line with the sum of its forces, which is part of the sum of loads.
 
@@ -60,7 +62,9 @@ def report(
     iterations = [len(increment.iterations) - 1 for increment in result.increments]
     more = sum(increment.extra_iterations for increment in result.increments)
     outcomes = {increment.outcome for increment in result.increments}
-    remarks = ", stabilized first" * (Outcome.STABILIZED in outcomes) + f" ({more} iterates more)" * bool(more)
+    remarks = ", stabilized first" * (Outcome.STABILIZED in outcomes) + f" ({counted(more, 'iterate')} more)" * bool(
+        more
+    )
     remarks += ", not stable" * (Outcome.UNSTABLE in outcomes)
     units = f"units as given: {force_unit}, {length_unit}"
     lines = [f"WARNING: {remark}" for remark in result.remarks]
@@ -70,7 +74,7 @@ def report(
         said = _part(result, name, first, force_unit, length_unit)
         lines += [f"  {name if not row else '':{width}}{text}" for row, text in enumerate(said)]
     size = np.linalg.norm(result.displacement, axis=1)
-    lines.append(f"  largest displacement {size.max():.6g} {length_unit}, at node {size.argmax() + first}")
+    lines.append(f"  largest displacement {size.max():.6g} {length_unit}, at node {first_largest(size) + first}")
     for node in listed:
         lines.append(f"  reaction at node {node + first}: {_vector(result, result.reactions[node])} {force_unit}")
     return "\n".join(lines + _balance(result, force_unit, length_unit))
@@ -93,7 +97,7 @@ def _bars(result: StageResult, name: str, given: Cable | Mast, first: int, force
     total = part.strain + (0.0 if before is None else before[:, 0, 0])
     size = np.abs(total) if given.is_strut else total
     kind = "strain from the reference shape" if before is None else "strain with that of the prestress"
-    strained = f"largest {kind} {total[size.argmax()]:.5f} {_where(result, name, size)}"
+    strained = f"largest {kind} {total[first_largest(size)]:.5f} {_where(result, name, size)}"
     return [f"{_range(force)} {force_unit}, largest {where}{slack}", strained, *hanging]
 
 
@@ -122,7 +126,7 @@ def _membrane(result: StageResult, name: str, given: Membrane, force_unit: str, 
 
 def _where(result: StageResult, name: str, values: NDArray[np.floating[Any]]) -> str:
     """Name the cell of a part with the largest value, and its place."""
-    cell = int(values.argmax())
+    cell = first_largest(values)
     centroid = result.structure.points[result.structure.parts[name].cells[cell]].mean(axis=0)
     return f"in cell {cell} at ({', '.join(f'{x + 0.0:.4g}' for x in centroid)})"
 

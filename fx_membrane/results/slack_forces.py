@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.part_forms import stiffness
+from ..geometry.extremes import TIE, first_largest
 from ..geometry.measures import lengths
 from ..model.parts import Mast
 from ..model.structure import Structure
@@ -42,10 +43,10 @@ def pushes(result: StageResult) -> list[Push]:
     """List the parts that carry a structure though slack or wrinkled: at most one entry for bars, one for membranes.
 
     Compression that a part takes up within itself, or between held nodes, carries nothing: the forces of its cells must
-    leave a net force on a node that is free. That counts where it is above `LIMIT` of the largest force at the end of a
-    mast, and at other nodes of cables of the largest in the same piece; what is not connected hides nothing. Other
-    nodes of membranes count where it carries more than half of their load, if that is above `LIMIT` of the loads of the
-    piece: folds of too much fabric that hangs push each other aside, and carry nothing.
+    leave a net force on a node that is free. At the end of a mast that counts where it is above `LIMIT` of the largest
+    force there. At other nodes of cables it is compared with the largest force in the same piece; what is not connected
+    hides nothing. Other nodes of membranes count where it carries more than half of their load. That must be above
+    `LIMIT` of the loads of the piece: folds of too much fabric that hangs push each other aside, and carry nothing.
     """
     names, held = list(result.parts), result.actions.held
     if not any(compression(result, name).any() for name in names):
@@ -65,7 +66,9 @@ def pushes(result: StageResult) -> list[Push]:
         size = lengths(net)
         carried = _carried_loads(result, net, pieces) if dimension == 2 else _strong(here, size, pieces)
         nodes = np.flatnonzero(np.where(_mast_ends(result.structure), size > LIMIT * at_node, carried))
-        if push := _push(result, list(here), nodes[np.argsort(-size[nodes], kind="stable")]):
+        largest = size[nodes].max(initial=0.0)
+        order = np.argsort(-np.round(size[nodes] / (TIE * largest or 1.0)), kind="stable")
+        if push := _push(result, list(here), nodes[order]):
             found.append(push)
     return found
 
@@ -79,7 +82,7 @@ def _strong(forces: dict[str, tuple[Array, Array]], size: Array, pieces: Pieces)
 
 
 def _carried_loads(result: StageResult, net: Array, pieces: Pieces) -> NDArray[np.bool_]:
-    """Nodes of which net forces, shape (n, 3) [N], carry most of the load, if that is much in their piece, (n,)."""
+    """Nodes whose net forces, shape (n, 3) [N], carry most of a load that is much in their piece, (n,)."""
     loads = np.where(result.actions.held, 0.0, result.loads)
     load = lengths(loads)
     against = -(net * loads).sum(axis=1) / np.maximum(load, 1e-300)
@@ -96,7 +99,7 @@ def _push(result: StageResult, names: list[str], nodes: NDArray[np.int64]) -> Pu
         there = np.isin(result.structure.parts[name].cells, nodes).any(axis=1)
         values = np.where(there, compression(result, name), 0.0)
         if values.max() > rounding(result, name):
-            found[name] = (int(values.argmax()), float(values.max()))
+            found[name] = (first_largest(values), float(values.max()))
         largest = max(largest, float(_sizes(result, name)[there].max(initial=0.0)))
     return Push(found, largest, nodes) if found else None
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ..assembly.actions import Actions
 from ..assembly.problem import Problem
 from ..checks import validation
+from ..checks.values import counted
 from ..model.parts import Cable, Mast, Membrane
 from ..model.stages import Stage
 from ..model.structure import Structure
@@ -120,8 +121,8 @@ class StageResult:
         parts: State of each part by name.
         terms: Energy terms that act, those of the structure first; their forces are in `loads`.
         remarks: Sentences on the state to be read before its numbers, those of the warnings: that it is not stable, has
-            snapped or fallen, hangs on slack parts, has lost its prestress, is strained beyond its material law, or is
-            not in balance.
+            snapped or fallen, hangs on slack parts or has lost its prestress; that it is strained beyond its material
+            law, or not in balance.
         owner: The problem on which the state was computed; None in a copy, see `problem`.
 
     Example:
@@ -161,7 +162,7 @@ class StageResult:
 
     def __repr__(self) -> str:
         return (
-            f"StageResult({self.name!r}, {len(self.increments)} increments, "
+            f"StageResult({self.name!r}, {counted(len(self.increments), 'increment')}, "
             f"largest displacement {self.largest_displacement:.4g})"
         )
 

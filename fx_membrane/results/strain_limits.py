@@ -6,6 +6,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from ..checks.values import counted
+from ..geometry.extremes import first_largest
 from ..model import laws
 from ..model.parts import Part
 from ..model.structure import Structure
@@ -31,8 +33,9 @@ def warn_of_large_prestress(structure: Structure, stacklevel: int) -> None:
     """Warn once, of the part with the largest strain of its prestress, in tension, compression or excess."""
     strains = {name: _largest(_prestrain(part)) for name, part in structure.parts.items()}
     limits = {name: min(laws.strain_limit(part.material), ABSURD) for name, part in structure.parts.items()}
-    name = max(strains, key=lambda name: np.abs(strains[name]).max() / limits[name])
-    cell = int(np.abs(strains[name]).argmax())
+    shares = np.array([np.abs(strains[name]).max() / limits[name] for name in strains])
+    name = list(strains)[first_largest(shares)]
+    cell = first_largest(np.abs(strains[name]))
     strain = strains[name][cell]
     if not abs(strain) > limits[name]:
         return
@@ -60,12 +63,14 @@ def strain_remarks(result: StageResult) -> Iterator[Remark]:
     if not limits:
         return
     sizes = {name: _sizes(result.structure.parts[name], result.parts[name]) for name in limits}
-    name = max(sizes, key=lambda name: sizes[name].max() / limits[name])
-    cell, limit = int(sizes[name].argmax()), limits[name]
+    name = list(sizes)[first_largest(np.array([size.max() / limits[name] for name, size in sizes.items()]))]
+    cell, limit = first_largest(sizes[name]), limits[name]
     if not sizes[name][cell] > limit:
         return
     also = sum(int((size > limits[other]).sum()) for other, size in sizes.items()) - 1
-    strain = f"{100 * sizes[name][cell]:.3g} %" + (f" ({also} more cells by over {100 * limit:g} %)" if also else "")
+    strain = f"{100 * sizes[name][cell]:.3g} %" + (
+        f" ({counted(also, 'more cell')} by over {100 * limit:g} %)" if also else ""
+    )
     if sizes[name][cell] > ABSURD:
         advice = "Units are probably mixed: check that loads, prestress, stiffness and lengths are in the same system."
     else:

@@ -5,10 +5,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .part_results import BarResult
+from ..geometry.extremes import first_largest
 from .states import StageResult
-
-SAME = 1e-9  # relative difference of values that counts as rounding: of equal ones, the first cell is named
 
 
 def summary(result: StageResult) -> dict[str, Any]:
@@ -39,15 +37,10 @@ def summary(result: StageResult) -> dict[str, Any]:
     }
 
 
-def first_largest(values: NDArray[np.float64]) -> int:
-    """Row of the largest value; the first of those that differ by rounding only."""
-    return int(np.argmax(values >= values.max() - SAME * np.abs(values).max()))
-
-
 def _part(result: StageResult, name: str) -> dict[str, Any]:
     found = result.parts[name]
     told: dict[str, Any] = {"kind": type(result.structure.parts[name]).__name__, "cells": len(found.strain)}
-    if isinstance(found, BarResult):
+    if found.dimension == 1:
         return told | {"slack cells": int(found.slack.sum()), "force": _extremes(result, name, found.force)}
     told |= {f"{state} cells": int((found.state == state).sum()) for state in ("taut", "wrinkled", "slack")}
     told["principal stress I"] = _extremes(result, name, found.principal[:, 0])

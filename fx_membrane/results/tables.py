@@ -37,7 +37,7 @@ def cell_columns(result: StageResult, part: str, force_unit: str = "N", length_u
     cells, found, points = result.structure.parts[part].cells, result.parts[part], result.structure.points
     columns: Columns = {"cell": np.arange(len(cells))}
     columns |= _vector(("x", "y", "z"), length_unit, points[cells].mean(axis=1))
-    if isinstance(found, BarResult):
+    if found.dimension == 1:
         columns[f"length [{length_unit}]"] = measures(points, cells)
         return columns | dict(_bar(found, force_unit))
     columns[f"area [{length_unit}2]"] = measures(points, cells)

@@ -149,3 +149,11 @@ def max_norm(vector: PETSc.Vec) -> float:
     MPI_MAX does not define the result for NaN, so that processes could disagree.
     """
     return math.nan if math.isnan(vector.sum()) else float(vector.norm(PETSc.NormType.NORM_INFINITY))
+
+
+def iterate(problem: LoadedProblem, x: PETSc.Vec) -> Iteration:
+    """Energy and unbalanced force of a state."""
+    with problem.discretization.work(1) as (b,):
+        problem.residual(x, b)
+        problem.constraints.constrain_residual(x, b)
+        return Iteration(problem.energy(x), max_norm(b), 0.0)

@@ -4,7 +4,8 @@
 
 Elimination solves the two equations. Each iteration takes one factorization of K and two solutions: for R, and for the
 derivative of R by the load factor. That derivative is minus the stage's own loads, pressures as in the present shape.
-Convergence is quadratic where a smooth path crosses the plane, also at limit points of the load, where K is singular.
+Convergence is quadratic where a smooth path crosses the plane. Limit points of the load, where K is singular, are no
+exception.
 
 Source: E. Ramm, Strategies for tracing the nonlinear response near limit points, in: W. Wunderlich, E. Stein,
 K.-J. Bathe (eds.), Nonlinear finite element analysis in structural mechanics, Springer (1981) 63-89.
@@ -17,7 +18,7 @@ from typing import NamedTuple
 
 from petsc4py import PETSc
 
-from ..assembly.actions import Actions, between, change
+from ..assembly.actions import Actions, between
 from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from . import factorization, petsc_options
@@ -95,7 +96,7 @@ class BorderedNewton:
         petsc_options.check(problem.comm)
         petsc_options.tell_not_for_steps(problem.comm, "equilibrium_path", factors=True)
         self.problem, self.start, self.end, self.rtol = problem, start, end, rtol
-        self.rate = problem.under(change(start, end))
+        self.rate = problem.under(end.less(start))
         self.compression = 1.0
         self.monitor: Monitor = no_monitor
         self.pulse = Pulse("equilibrium path", problem.comm.rank == 0)

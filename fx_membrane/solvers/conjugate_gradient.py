@@ -56,9 +56,9 @@ class SteepestDescent:
         preconditioner: Divisor of the unbalanced forces: None, no preconditioner; "jacobi", the diagonal of the tangent
             at the start of each load increment; "tangent", that tangent, factored once. A tangent that is not positive
             definite is shifted by a stabilization matrix; with pressure, its symmetric part is used. The diagonal helps
-            where stiffness differs from node to node, as in graded meshes or with stiff cables in soft fabric. The
-            tangent helps where it changes little. Neither always helps: on an inflated flat disc the diagonal took two
-            to four times as many iterations as none.
+            where stiffness differs from node to node: in graded meshes, or with stiff cables. The tangent helps where
+            it changes little. Neither always helps: on an inflated flat disc the diagonal took two to four times as
+            many iterations as none.
         rtol: Relative tolerance of the unbalanced forces: their 2-norm over that of all nodal forces, reactions and
             loads included. Rounding counts as converged. A start converges only at rounding.
         max_iterations: Maximum number of iterations for one load increment.
@@ -81,8 +81,8 @@ class ConjugateGradient:
     """Nonlinear conjugate gradients, Gil (75)-(77).
 
     Each direction adds a fraction beta of the previous one. It restarts along the unbalanced forces where it would not
-    descend, and after as many steps as there are free components. Constrained components take their prescribed values
-    at once; the iterates begin there.
+    descend. So it does after as many steps as there are free components. Constrained components take their prescribed
+    values at once; the iterates begin there.
 
     Raises:
         ValueError: beta is none of the two; preconditioner is none of the three; rtol is out of range; max_iterations

@@ -10,6 +10,8 @@ from petsc4py import PETSc
 
 from ..assembly.discretization import matrix_kind
 from ..assembly.loaded_problem import LoadedProblem
+from ..checks.values import counted
+from ..geometry.extremes import first_largest
 from ..geometry.measures import measures
 from ..model.parts import Cable, Mast, Membrane
 from ..model.structure import Structure
@@ -44,7 +46,7 @@ def linear_failure(problem: LoadedProblem, A: PETSc.Mat) -> str:
     loose = loose_nodes(problem, A)
     if loose:
         node, direction = loose[0]
-        also = f" (and {len(loose) - 1} more nodes)" if len(loose) > 1 else ""
+        also = f" (and {counted(len(loose) - 1, 'more node')})" if len(loose) > 1 else ""
         axis = ", ".join(f"{component + 0.0:.3g}" for component in direction)
         return (
             f"the tangent stiffness is singular: nothing holds node {node}{also} in the direction ({axis}). "
@@ -96,7 +98,7 @@ def mechanism(problem: LoadedProblem, x: PETSc.Vec) -> Mechanism | None:
 
 
 def mechanism_or_too_few(found: Mechanism, most: int, residual: float) -> str:
-    """Sentences on a solve whose iterations ran out, from a start with a free motion that a load may yet stiffen.
+    """Sentences on a solve whose iterations ran out; a load may yet stiffen the free motion of its start.
 
     Args:
         found: The free motion.
@@ -150,12 +152,12 @@ def _slack_mechanism(structure: Structure, found: Mechanism) -> Mechanism:
 def _mechanism(motion: NDArray[np.float64], but: str = "") -> Mechanism:
     """Mechanism from a motion of any size, with its sentence."""
     sizes = np.linalg.norm(motion, axis=1)
-    most = int(sizes.argmax())
+    most = first_largest(sizes)
     motion /= sizes[most]
     direction = ", ".join(f"{component + 0.0:.3g}" for component in motion[most])
     also = int((sizes > LIMITS.moving * sizes[most]).sum()) - 1
     words = f"the structure is a mechanism{but}: node {most} moves freely in the direction ({direction})" + (
-        f", and {also} more nodes with it." if also else "."
+        f", and {counted(also, 'more node')} with it." if also else "."
     )
     return Mechanism(motion, words)
 
@@ -217,7 +219,7 @@ def stagnation_message(
             f"the iteration diverged: displacements of {displacement:.3g} in a structure of size {size:.3g}. "
             f"Check that loads, stiffness and lengths are in the same system of units; then {advice}."
         )
-    after = f"after {iterations} iterations the largest unbalanced force is still {residual:.3g}; {advice}."
+    after = f"after {counted(iterations, 'iteration')} the largest unbalanced force is still {residual:.3g}; {advice}."
     return f"{swung} A{after[1:]}" if swung else after
 
 
@@ -253,8 +255,8 @@ def swung_masts(problem: LoadedProblem, x: PETSc.Vec, limit: float, kind: str) -
             np.diff(shape[part.cells], axis=1)[:, 0] for shape in (structure.points, structure.points + moved)
         )
         turned = np.arctan2(np.linalg.norm(np.cross(before, after), axis=1), (before * after).sum(axis=1))
-        cell = int(turned.argmax())
-        node = part.cells[cell, np.linalg.norm(moved[part.cells[cell]], axis=1).argmax()]
+        cell = first_largest(turned)
+        node = part.cells[cell, first_largest(np.linalg.norm(moved[part.cells[cell]], axis=1))]
         found.append((float(turned[cell]), name, cell, int(node)))
     angle, name, cell, node = max(found, default=(0.0, "", 0, 0))
     if not angle > limit:

@@ -103,8 +103,8 @@ def pivots(ksp: PETSc.KSP) -> Pivots:
 def keep_until_all_are_done(owner: object, comm: MPI.Intracomm, ksp: PETSc.KSP) -> None:
     """Free factorizations of earlier solvers that no process uses any more, and keep that of this one.
 
-    Freeing one is collective. Python's garbage collector drops a solver at a different time on each process, and the
-    C++ NewtonSolver would free it then: a deadlock. A reference of our own prevents that.
+    Freeing one is collective. Python's garbage collector drops a solver at a different time on each process. The C++
+    NewtonSolver would free it then: a deadlock. A reference of our own prevents that.
     """
     if comm.size == 1:
         return

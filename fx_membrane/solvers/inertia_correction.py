@@ -1,7 +1,7 @@
 """Inertia correction in Newton's method: the shift lambda of the tangent K + lambda T.
 
 T is the stabilization matrix: the stiffness of a tension of strain one in all parts. The shift appears where the pivots
-show negative curvature or none, grows until they are positive, and vanishes at the solution.
+show negative curvature or none. It grows until they are positive, and vanishes at the solution.
 
 Sources: A. Waechter, L. T. Biegler, On the implementation of an interior-point filter line-search algorithm for
 large-scale nonlinear programming, Math. Program. 106 (2006) 25-57, algorithm IC (Ipopt); TAO's Newton line search
@@ -19,9 +19,9 @@ from .base import Iteration
 class ShiftControl:
     """Schedule of the shift, as strains; `first` is that of Ipopt, the others were fitted on hard_cases.py.
 
-    Growth 8 and decay 1/3, those of Ipopt, take 2 % fewer factorizations in most of the cases, but 30 % more in the two
-    sheets twisted out of their plane. With the least shift 1e-12 of TAONLS they take 10 % fewer in all, but the last
-    step keeps a shift, and the motions of soft structures lose a digit.
+    Growth 8 and decay 1/3, those of Ipopt, take 2 % fewer factorizations in most of the cases. In the two sheets
+    twisted out of their plane they take 30 % more. With the least shift 1e-12 of TAONLS they take 10 % fewer in all.
+    But then the last step keeps a shift, and the motions of soft structures lose a digit.
 
     Attributes:
         first: First shift above zero.

@@ -41,8 +41,8 @@ class Newton:
       ICNTL(24) must be 1, for the count of pivots.
     - `ksp_...`, `pc_...`: the linear solver of the steps, as `ksp_type cg` with `pc_type gamg`. Its tolerance is 1e-10
       unless `ksp_rtol` says so, at most 1e-6. Without a Cholesky factorization by MUMPS there is no count of pivots.
-      Negative curvature is then seen along the steps only, as under a pressure, and one factorization by MUMPS tests
-      the state that is found. Paths, eigenvalues and the preconditioner "tangent" keep their factorization.
+      Negative curvature is then seen along the steps only, as under a pressure. One factorization by MUMPS tests the
+      state that is found. Paths, eigenvalues and the preconditioner "tangent" keep their factorization.
 
     Options that PETSc or this solver cannot honour are refused. `UnusedOptionWarning` names those without effect.
 

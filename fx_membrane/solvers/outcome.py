@@ -25,6 +25,7 @@ class Outcome(Enum):
         MECHANISM: Failure: the structure has a free motion.
         SLACK_MECHANISM: Failure: only slack parts resist a motion of masts.
         NO_EQUILIBRIUM: Failure: a solver calls a state an equilibrium that breaks its constraints.
+        UNDEFINED: Failure: an energy term is not a number at the start.
         WORK_LIMIT: Failure: the limit of work is used up.
     """
 
@@ -47,6 +48,7 @@ class Outcome(Enum):
     MECHANISM = "the structure is a mechanism."
     SLACK_MECHANISM = "the structure is a mechanism but for the small stiffness that slack parts keep."
     NO_EQUILIBRIUM = "the state that the solver calls an equilibrium breaks its constraints."
+    UNDEFINED = "an energy term is not a number at the start, and so it is in any smaller increment."
     WORK_LIMIT = "the limit of work is used up."
 
     @property
@@ -68,5 +70,5 @@ class Outcome(Enum):
 _EQUILIBRIA = (Outcome.CONVERGED, Outcome.STABILIZED, Outcome.SNAPPED, Outcome.FALLEN, Outcome.UNSTABLE)
 _FINAL = (
     *(Outcome.SLOW, Outcome.SINGULAR_START, Outcome.INDEFINITE, Outcome.MECHANISM),
-    *(Outcome.NO_EQUILIBRIUM, Outcome.WORK_LIMIT),
+    *(Outcome.NO_EQUILIBRIUM, Outcome.UNDEFINED, Outcome.WORK_LIMIT),
 )

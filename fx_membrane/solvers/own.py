@@ -11,7 +11,7 @@ from petsc4py import PETSc
 from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from ..checks.validation import short_repr
-from .base import Iteration, Monitor, Solution, Solve, Solver, max_norm, no_monitor
+from .base import Iteration, Monitor, Solution, Solve, Solver, iterate, max_norm, no_monitor
 from .conjugate_gradient import ConjugateGradient, SteepestDescent
 from .newton import Newton
 from .outcome import Outcome
@@ -88,7 +88,7 @@ class _Checked:
                 "an outcome of fx_membrane.Outcome."
             )
         iterations = tuple(Iteration(*map(float, entry)) for entry in solution.iterations)
-        solution = replace(solution, reason=str(solution.reason), iterations=iterations or (_iterate(problem, x),))
+        solution = replace(solution, reason=str(solution.reason), iterations=iterations or (iterate(problem, x),))
         fault = self.fault(problem, x) if solution.converged else ""
         return replace(solution, outcome=Outcome.NO_EQUILIBRIUM, reason=fault) if fault else solution
 
@@ -108,14 +108,6 @@ class _Checked:
             f"{calls}in which a constrained component is {error:.3g} from its place; let it call "
             "problem.constraints.impose(x) first."
         )
-
-
-def _iterate(problem: LoadedProblem, x: PETSc.Vec) -> Iteration:
-    """Energy and unbalanced force of a state."""
-    with problem.discretization.work(1) as (b,):
-        problem.residual(x, b)
-        problem.constraints.constrain_residual(x, b)
-        return Iteration(problem.energy(x), max_norm(b), 0.0)
 
 
 def _takes(function: Callable[..., Any], count: int) -> bool:

@@ -8,6 +8,7 @@ from typing import Self
 
 from tqdm import tqdm
 
+from ..checks.values import counted
 from .base import Iteration
 
 SILENCE = 10.0  # longest time without a line [s]
@@ -77,7 +78,7 @@ class Report:
 
     def iteration(self, number: int, entry: Iteration) -> None:
         """Report an iterate; called again with the same one if it takes long."""
-        self._iterations += entry is not self._last
+        self._iterations += number > 0 and entry is not self._last  # the start of an attempt is no iteration
         self._last = entry
         words = f"iteration {number}, residual {entry.residual:.1e}"
         self._bar.set_postfix_str(words)
@@ -87,7 +88,9 @@ class Report:
         """Report a converged increment and its largest unbalanced force [N]."""
         self._bar.update(factor - self._factor)
         self._factor = factor
-        self._pulse.tell(f"load factor {factor:.6g} after {self._iterations} iterations, residual {residual:.1e}")
+        self._pulse.tell(
+            f"load factor {factor:.6g} after {counted(self._iterations, 'iteration')}, residual {residual:.1e}"
+        )
 
 
 def _columns() -> int | None:

@@ -1,4 +1,4 @@
-"""Phases of a whole run on a flat square of triangles under a dead load: CPU time, memory, and two bounds.
+"""Phases of a whole run on a flat square of triangles under a distributed load: CPU time, memory, and two bounds.
 
 
     .venv/bin/python tests/benchmarks/assembly.py [cells along a side]

@@ -36,9 +36,9 @@ def random_strains(rng, kind, fabric, count=400):
 @pytest.mark.parametrize(("low", "high"), [(-0.999, -0.7), (-0.7, 0.0), (0.0, 0.7), (0.7, 0.999)])
 def test_direction_of_tension_is_stationary_and_the_best(low, high, kind):
     """Optimal where the wrinkle strain b = C^-1 : S - e is normal to the tension and not negative; the problem is
-    convex, so that is enough. Dense sampling says the same: no direction has more energy."""
+    convex, so that is enough. Sampling says the same: no direction has more energy."""
     rng = np.random.default_rng(21)
-    c, s = np.cos(np.linspace(0, np.pi, 1001)), np.sin(np.linspace(0, np.pi, 1001))
+    c, s = np.cos(np.linspace(0, np.pi, 101)), np.sin(np.linspace(0, np.pi, 101))
     fan = np.array([c**2, s**2, c * s])
     for fabric in random_fabrics(rng, 100, low, high):
         H, e = compliance(fabric), random_strains(rng, kind, fabric)

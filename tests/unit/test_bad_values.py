@@ -138,6 +138,7 @@ CASES = {
         {"points": "array", "parts": "object", "supports": "list", "separate": "list", "terms": "list"},
     ),
     Structure.part: ({"self": ARCH, "name": "arch", "kind": Mast}, {"name": "object", "kind": "object"}),
+    Structure.parts_of: ({"self": ARCH, "kind": Mast}, {"kind": "object"}),
     type(STATE).mast: ({"self": STATE, "name": "arch"}, {"name": "object"}),
     type(STATE).cable: ({"self": STATE, "name": "arch"}, {"name": "object"}),
     type(STATE).membrane: ({"self": STATE, "name": "arch"}, {"name": "object"}),
@@ -271,10 +272,10 @@ CASES = {
     ),
 }  # fmt: skip
 NO_INPUT = {  # made by the package
-    "Actions", "BarResult", "EnergyTerm", "Equilibrium", "EquilibriumPath", "LoadedProblem", "Net", "Outcome",
-    "Problem", "ForceTerm", "Form", "FormStep", "Increment", "Iteration", "Law", "MembraneResult", "Modes",
-    "PartFunctions", "PathPoint", "Solution", "Solve", "Solver", "Stability", "StageResult",
-    "StageResults", "TermResult", "plot",
+    "Actions", "BarResult", "Constraints", "EnergyTerm", "Equilibrium", "EquilibriumPath", "LoadedProblem", "Net",
+    "Outcome", "ForceTerm", "Form", "FormStep", "Increment", "Iteration", "Law", "MembraneResult", "Modes",
+    "PartFunctions", "Problem", "PathPoint", "Solution", "Solve", "Solver", "Stability", "StageResult", "StageResults",
+    "TermResult", "plot",
 }  # fmt: skip
 NOT_RIGHT = (
     structure_from_gmsh,
@@ -284,6 +285,10 @@ NOT_RIGHT = (
     type(STATE).cable,
     type(STATE).membrane,
 )  # their arguments are refused, too
+NEEDS = {
+    plot.contours: "pyvista", ParaViewSeries: "pyvista", write_paraview: "pyvista",
+    type(STATE).to_dataframe: "pandas",
+}  # fmt: skip
 SLOW = plot.convergence, plot.compare_convergence, plot.wireframe, plot.contours, equilibrium_path, updated_reference
 
 
@@ -301,8 +306,8 @@ def names(function):
 
 @pytest.mark.parametrize("function", CASES, ids=lambda function: function.__qualname__)
 def test_values_of_a_wrong_kind_are_refused_in_words(function):
-    if function is plot.contours:
-        pytest.importorskip("pyvista")
+    if function in NEEDS:
+        pytest.importorskip(NEEDS[function])
     given, kinds = CASES[function]
     assert set(kinds) == set(names(function))
     if function not in NOT_RIGHT:

@@ -14,6 +14,7 @@ from fx_membrane import (
     OrthotropicFabric,
     PlanLoad,
     Pressure,
+    Problem,
     Stage,
     Structure,
     Support,
@@ -30,7 +31,7 @@ from fx_membrane import (
 from fx_membrane.geometry.measures import normals
 from fx_membrane.model.fingerprints import fingerprints
 
-SEEDS = [1, 2]
+SEEDS = [1, pytest.param(2, marks=pytest.mark.serial)]
 FABRIC = Fabric(Et=1e5, nu=0.3)
 WOVEN = OrthotropicFabric(Et_warp=1e5, Et_weft=6e4, nu=0.2, Gt=5e3)
 FLAT, TRIANGLES = rectangle(2.0, 2.0, 6, 6)
@@ -256,6 +257,11 @@ def test_surface_without_two_sides(surface, reason):
             refused()
     with pytest.raises(ValueError, match=rf"^Part 'fabric'.*shear.*prestress \[\[900.*{reason}"):
         surface([[900, 200], [200, 700]])
+    problem = Problem(structure)
+    loaded, x = problem.under(), problem.create_vector()
+    with pytest.raises(ValueError, match=rf"^Part 'fabric'.*shear.*direction of 'prestress' \[\[0.*{reason}"):
+        loaded.derivative(x, "fabric", "prestress", [[0, 1], [1, 0]])
+    assert loaded.derivative(x, "fabric", "prestress", [[1, 0], [0, 1]]).norm() > 0
     assert np.abs(structure.warp("fabric")).max() > 0.1
 
 

@@ -17,6 +17,7 @@ SHOWN = {
     "boundary_edges", "edges_where", "equilibrium_path", "force_density", "masts_and_stays", "natural_force_density",
     "natural_frequencies", "polyline", "projected_stress", "rectangle", "report", "stability", "updated_reference",
 }  # fmt: skip
+NEEDS = {"ParaViewSeries": "pyvista"}  # packages that are optional
 
 
 def examples(name):
@@ -27,7 +28,10 @@ def examples(name):
 
 
 @pytest.mark.parametrize("name", [name for name in fx_membrane.__all__ if name in SHOWN or examples(name)])
-def test_examples(name):
+def test_examples(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # some write files
+    if name in NEEDS:
+        pytest.importorskip(NEEDS[name])
     found = examples(name)
     assert found, "has no example"
     for test in found:

@@ -1,17 +1,17 @@
-"""Disc with a clamped edge and no prestress, inflated by a pressure that follows it or pushed by a dead load.
+"""Disc with a clamped edge and no prestress, inflated by a pressure that follows it or pushed by a distributed load.
 
 Reference: the Saint Venant-Kirchhoff membrane of revolution with the meridian r(R), z(R), stretches l1 = |(r, z)'| and
 l2 = r / R, nominal forces T1 = l1 Eh/(1 - nu^2) (E1 + nu E2), T2 alike, at the angle phi to the plane:
 
-    R T1 sin(phi) = p r^2 / 2,   (R T1 cos(phi))' = T2 - p r l1 sin(phi)      (dead load: p R^2 / 2 and T2 alone)
+    R T1 sin(phi) = p r^2 / 2,   (R T1 cos(phi))' = T2 - p r l1 sin(phi)      (distributed load: p R^2 / 2 and T2 alone)
 
 integrated from the centre, whose stretch makes r(a) = a (shooting). For Eh = 311488 N/m, nu = 0.34 and a = 0.1425 m the
-centre rises by 15.24712 mm at 10 kPa, 33.14183 mm at 100 kPa (dead load 32.77062), 45.42188 mm at 250 kPa; the force at
-the centre is 18279.89 N/m at 100 kPa. Small loads: w0 = 0.65345 a (p a / Eh)^(1/3) at nu = 0.3 (H. Hencky, Zeitschrift
-fuer Mathematik und Physik 63 (1915) 311-317, with the corrected coefficient).
+centre rises by 15.24712 mm at 10 kPa, 33.14183 mm at 100 kPa (distributed load 32.77062), 45.42188 mm at 250 kPa; the
+force at the centre is 18279.89 N/m at 100 kPa. Small loads: w0 = 0.65345 a (p a / Eh)^(1/3) at nu = 0.3 (H. Hencky,
+Zeitschrift fuer Mathematik und Physik 63 (1915) 311-317, with the corrected coefficient).
 A flat disc without prestress has no stiffness across and is no start. The same disc, exactly, is one stretched by s0
 whose edge is let in: with e = (s0^2 - 1) / 2 its prestress is Eh e / (1 - nu), its stiffness Eh s0^2, its load per
-area, if dead, divided by s0^2.
+area, if distributed, divided by s0^2.
 Claim: rise, force at the centre and volume converge with second order to these values; the disc is taut.
 Tolerance: orders: errors are 1e-2 with 8 rings, and the next term, of the order of their square and h^4 in the place of
 the edge, is 1e-2 of them: 0.05. The extrapolation leaves that term on 32 rings, 1e-2 of 1e-3 over 4^2 and with both

@@ -1,4 +1,4 @@
-"""Straight cable, and long strip bent to a cylinder, under a uniform dead load across them; a hanging cable.
+"""Straight cable, and long strip bent to a cylinder, under a uniform distributed load across them; a hanging cable.
 
 Reference: closed form up to a quadrature. Let X be the reference length, q the load per reference length downwards. The
 force in the cable has the constant horizontal part H and the vertical part V = q (L/2 - X), the magnitude

@@ -151,13 +151,13 @@ def test_load_on_a_support_goes_into_its_reaction(analysis):
 
 
 @pytest.mark.parametrize(("cells", "area"), [(None, 4.0), ([0, 1, 5], 3 * 0.125), (7, 0.125)])
-def test_dead_load_sums_to_load_times_area(analysis, cells, area):
+def test_distributed_load_sums_to_load_times_area(analysis, cells, area):
     result = analysis.run([Stage("snow", [DistributedLoad((1.0, 2.0, -3.0), "fabric", cells)])])["snow"]
     assert result.loads.sum(axis=0) == pytest.approx(area * np.array([1, 2, -3]), rel=1e-13, abs=1e-15)
     assert result.equilibrium.loads == pytest.approx(result.loads.sum(axis=0))
 
 
-def test_dead_load_on_cables_sums_to_load_times_length():
+def test_distributed_load_on_cables_sums_to_load_times_length():
     structure = Structure(
         [[0.0, 0, 0], [3, 4, 0], [3, 4, 2]], {"cable": Cable([[0, 1], [1, 2]], 1e6, 1e3)}, [Support([0, 1, 2])]
     )
@@ -175,7 +175,7 @@ def test_dead_load_on_cables_sums_to_load_times_length():
             DistributedLoad((0, 0, -7.0), "fabric"),
         ],
     ],
-    ids=["two loads", "two dead loads that cancel"],
+    ids=["two loads", "two distributed loads that cancel"],
 )
 def test_loads_add_up(analysis, loads):
     once = analysis.run([Stage("load", [PointLoad(CENTRE, (0, 0, -100.0))])])["load"]

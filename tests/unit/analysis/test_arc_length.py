@@ -36,7 +36,7 @@ PART = Pressure(400.0, "fabric", range(9))  # not uniform: it has no potential
 @pytest.mark.parametrize(
     "loads",
     [([SNOW], []), ([Pressure(400.0, "fabric")], []), ([PART], []), ([SNOW, PART], [LIFT]), ([], [LIFT])],
-    ids=["dead", "pressure", "pressure without potential", "all", "displacement"],
+    ids=["fixed direction", "pressure", "pressure without potential", "all", "displacement"],
 )
 def test_ends_where_an_analysis_does(loads):
     structure, stage = inclined_sheet(), Stage("load", loads[0], loads[1], increments=3, after="rest")

@@ -85,6 +85,7 @@ def test_mixed_units_are_remarked_on(units, kind, size):
 
 
 @pytest.mark.serial
+@pytest.mark.mpi
 def test_frequencies_are_remarked_on_where_they_are_asked_for():
     with pytest.warns(MassUnitWarning) as found:
         frequency = first(roof(*MIXED["kN m kg"]))

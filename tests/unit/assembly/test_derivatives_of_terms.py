@@ -102,11 +102,11 @@ def test_forces_are_those_of_the_energy_summed_by_hand():
                  problem.discretization.to_numpy(problem.residual(x)))  # fmt: skip
 
 
-def test_dead_load_as_a_term():
+def test_distributed_load_as_a_term():
     """An energy linear in u is a distributed load."""
 
     @dataclass(frozen=True)
-    class Dead:
+    class Uniform:
         part: str
         q: Any
 
@@ -115,7 +115,7 @@ def test_dead_load_as_a_term():
 
     own, given = (
         Analysis(inclined_sheet()).run([Stage("load", [load])])["load"]
-        for load in (Dead("fabric", (3.0, 4, -200)), DistributedLoad((3.0, 4, -200), "fabric"))
+        for load in (Uniform("fabric", (3.0, 4, -200)), DistributedLoad((3.0, 4, -200), "fabric"))
     )
     assert same_state(own, given)
     assert own.energy == pytest.approx(given.energy, rel=1e-9)

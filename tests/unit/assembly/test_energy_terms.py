@@ -45,8 +45,8 @@ def test_balance(solver, water):
         assert balance.residual < tolerance
         assert not result.remarks
         of_terms = sum(term.forces for term in result.terms)
-        dead = result.actions.loads
-        assert close(result.loads, dead + of_terms)
+        fixed = result.actions.loads
+        assert close(result.loads, fixed + of_terms)
         assert [term.factor for term in result.terms] == [1.0, 1.0, 1.0]
         for term in result.terms:
             assert np.abs(term.forces).max() > 1.0

@@ -7,7 +7,7 @@ from fx_membrane import Cable, Structure, Support
 from fx_membrane.assembly.actions import Actions
 from fx_membrane.assembly.problem import Problem
 from fx_membrane.geometry.measures import measures
-from models import MIXED
+from models import MIXED, sheet
 
 POINTS = MIXED.points
 
@@ -107,7 +107,7 @@ def test_loads_lower_the_energy_by_their_work(structure, problem):
     assert energy(problem, at) - before == pytest.approx(-np.sum(forces * at), rel=1e-11)
 
 
-def test_dead_loads_go_to_the_nodes_of_their_cells(structure, problem):
+def test_distributed_loads_go_to_the_nodes_of_their_cells(structure, problem):
     load = np.array([1.0, -2.0, 3.0])
     for name in ("fabric", "edge", "mast"):
         part = structure.parts[name]
@@ -120,7 +120,7 @@ def test_dead_loads_go_to_the_nodes_of_their_cells(structure, problem):
         assert nodal == pytest.approx(expected, rel=1e-13, abs=1e-15)
 
 
-def test_dead_loads_of_two_parts_add_up_and_do_not_stay(structure, problem):
+def test_distributed_loads_of_two_parts_add_up_and_do_not_stay(structure, problem):
     def ones(name):
         return {name: np.ones((len(structure.parts[name].cells), 3))}
 
@@ -151,4 +151,13 @@ def test_held_components_close_their_gap_in_one_step(structure):
     A.mult(discretization.to_petsc(dx), b)
     assert discretization.to_numpy(b) == pytest.approx(
         problem.magnitudes.stiffness * dx, abs=1e-13 * np.abs(expected).max()
+    )
+
+
+def test_mass_matrix_without_mass_is_told(recwarn):
+    problem = Problem(sheet())
+    assert problem.mass().norm() == 0
+    told = [str(warning.message) for warning in recwarn]
+    assert [words.startswith("The mass matrix is zero. No part has mass; give mass=") for words in told] == (
+        [True] if problem.comm.rank == 0 else []
     )

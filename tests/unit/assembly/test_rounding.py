@@ -79,6 +79,7 @@ def test_stiff_part_beside_changes_nothing(kind, stiffness):
     assert both.equilibrium.residual < 1e-10 * 600
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("name", STAGES)
 def test_stiff_mast_beside_changes_nothing_under_any_load(name):
     structure = beside(Mast([[COUNT, COUNT + 1]], 1e20))
@@ -124,6 +125,7 @@ def test_stiff_fabric_alone_carries_its_load(stiffness):
     assert 0 < np.abs(state.displacement).max() < 1e7 / stiffness
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("stiffness", [1e9, 1e18, 1e24, 1e30])
 def test_rounding_that_is_no_equilibrium_is_told(stiffness):
     """A mast carries a corner of the roof; the stiffest ones leave no digits of its force."""
@@ -145,7 +147,6 @@ def test_rounding_that_is_no_equilibrium_is_told(stiffness):
         assert "far stiffer" in message
 
 
-@pytest.mark.serial
 def test_coarse_tolerance_is_told():
     with pytest.warns(UnbalancedStateWarning, match=r"^Stage 'snow'.*unbalanced force.*beside loads.*2\.\d+e\+04"):
         final(roof(), snow(), Newton(rtol=1e-2))
@@ -159,6 +160,7 @@ def test_small_load_on_a_strong_prestress_is_carried(prestress):
     assert state.equilibrium.reactions[2] == pytest.approx(1.0, rel=1e-6)
 
 
+@pytest.mark.mpi
 def test_form_of_a_stiff_cable_is_found():
     """Form finding ignores the elasticity, which must not loosen its tolerance."""
     edges = [[i, i + 1] for i in range(4)]
@@ -167,6 +169,7 @@ def test_form_of_a_stiff_cable_is_found():
     assert form.structure.points[:, 2] == pytest.approx(np.zeros(5), abs=1e-9)
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize(
     "solver", [ConjugateGradient(preconditioner="tangent"), SteepestDescent(preconditioner="tangent")]
 )
@@ -175,11 +178,13 @@ def test_first_order_methods_mind_their_nodes_too(solver):
     assert state.equilibrium.residual < 1e-5 * np.linalg.norm(state.loads)
 
 
+@pytest.mark.mpi
 def test_path_minds_its_nodes_too():
     points = equilibrium_path(beside(Mast([[COUNT, COUNT + 1]], 1e20)), snow()).points
     assert points[-1].displacement[:COUNT] == pytest.approx(final(roof(), snow()).displacement, abs=1e-9)
 
 
+@pytest.mark.mpi
 def test_loose_node_is_named_beside_a_stiff_part():
     flat = POINTS * [1, 1, 0]
     structure = beside(Mast([[COUNT, COUNT + 1]], 1e30), prestress=0.0)
@@ -190,14 +195,13 @@ def test_loose_node_is_named_beside_a_stiff_part():
         final(Structure(points, structure.parts, [held, *structure.supports]), snow(), Newton(line_search=False))
 
 
-@pytest.mark.parametrize("far", [1e3, 1e6, 1e10, 1e12, 1e20, -1e12])
+@pytest.mark.parametrize("far", [1e3, 1e6, 1e10, pytest.param(1e12, marks=pytest.mark.mpi), 1e20, -1e12])
 def test_unused_node_changes_nothing(far):
     structure = Structure(np.vstack([POINTS, [[far, 0, far]]]), {"fabric": fabric()}, [Support(EDGE)])
     assert structure.size == 8
     assert final(structure, snow()).displacement[:COUNT] == pytest.approx(final(roof(), snow()).displacement, abs=1e-12)
 
 
-@pytest.mark.serial
 def test_unused_node_hides_no_warning():
     points, triangles = rectangle(2, 2, 8, 8)
     banner = {"fabric": Membrane(triangles, Fabric(5e5, 0.3))}

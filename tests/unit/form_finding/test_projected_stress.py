@@ -9,74 +9,22 @@ from mpi4py import MPI
 from fx_membrane import (
     Analysis,
     Cable,
-    DistributedLoad,
-    Fabric,
     Mast,
-    Membrane,
-    OrthotropicFabric,
     PlanLoad,
     PointLoad,
     Pressure,
     Stage,
     Structure,
     Support,
-    UnsettledFormWarning,
-    boundary_edges,
-    edges_where,
     projected_stress,
-    rectangle,
 )
 from fx_membrane.geometry.measures import measures, normals
 from models import rotation
-from own_terms import ElasticBed
+from sails import canopy, loads_of, sail, state_of
 
 pytestmark = pytest.mark.filterwarnings(
     "ignore::fx_membrane.UnsettledFormWarning", "ignore::fx_membrane.LargeStrainWarning"
 )
-
-FABRIC = Fabric(Et=6e5, nu=0.3)
-WOVEN = OrthotropicFabric(Et_warp=8e5, Et_weft=5e5, nu=0.2, Gt=2e4)
-
-
-def sail(n=8, prestress=(3e3, 2e3), warp=(1.0, 0, 0), cells=None):
-    """Square with a bilinear rim, all of it held."""
-    points, triangles = rectangle(4.0, 4.0, n, n, "right")
-    rim = np.unique(boundary_edges(triangles))
-    points[rim, 2] = points[rim, 0] * points[rim, 1] / 4
-    film = Membrane(triangles if cells is None else cells, FABRIC, prestress, warp)
-    return Structure(points, {"film": film}, [Support(rim)])
-
-
-def canopy(n=8, force=40e3, material=WOVEN):
-    """Four corners held, edges drawn as arcs, and a valley cable."""
-    flat, triangles = rectangle(2.0, 2.0, n, n)
-    x, y = flat[:, 0], flat[:, 1]
-    points = 6 * np.stack([x * (1 - 0.1 * (1 - y**2)), y * (1 - 0.1 * (1 - x**2)), 0 * x], axis=1)
-    corners = np.flatnonzero(np.abs(x * y) == 1)
-    points[corners, 2] = 1.5 + 1.5 * (x * y)[corners]
-    rim = boundary_edges(triangles)
-    valley = edges_where(flat, triangles, lambda x: np.isclose(x[0], 0))
-    parts = {
-        "film": Membrane(triangles, material, prestress=(3e3, 2.5e3), warp=(1, 0, 0)),
-        "edge": Cable(rim, 2e7, force),
-        "valley": Cable(valley, 2e7, 5e3),
-    }
-    return Structure(points, parts, [Support(corners)])
-
-
-def loads_of(structure):
-    centre = int(np.argmin(np.linalg.norm(structure.points[:, :2], axis=1)))
-    return [
-        DistributedLoad((0, 0, -50.0), "film"),
-        PlanLoad((0, 0, -100.0), "film"),
-        Pressure(60.0, "film"),
-        DistributedLoad((0, 0, -20.0), "edge"),
-        PointLoad(centre, (100.0, 0, -500.0)),
-    ]
-
-
-def state_of(form, loads=()):
-    return Analysis(form.structure).run([Stage("form", loads)])["form"]
 
 
 @pytest.mark.parametrize("loaded", [False, True])
@@ -243,50 +191,7 @@ def test_steps_towards_forces_of_cables_hardly_depend_on_the_mesh(cables):
     )
 
 
-def test_stress_that_moves_its_plan_is_reported_and_comes_nearer_from_there():
-    structure = canopy(force=25e3)
-    with pytest.warns(UnsettledFormWarning, match="moved in plan"):
-        form = projected_stress(structure)
-    assert not form.converged
-    with pytest.warns(UnsettledFormWarning):
-        again = projected_stress(replace(structure, points=form.points))
-    assert again.steps[-1].stress_error < form.steps[-1].stress_error
-
-
-def test_too_few_steps_are_reported():
-    with pytest.warns(UnsettledFormWarning, match="cables are off by .* step 1"):
-        form = projected_stress(canopy(), max_iterations=1)
-    assert len(form.steps) == 1
-    assert not form.converged
-
-
-def with_film_and_valley(structure, prestress, valley):
-    parts = {
-        "film": replace(structure.parts["film"], prestress=prestress),
-        "valley": Cable(structure.parts["valley"].cells, 2e7, valley),
-    }
-    return replace(structure, parts={**structure.parts, **parts})
-
-
-def test_fold_of_the_plan_of_the_form_is_named():
-    structure = with_film_and_valley(canopy(force=10.0, material=FABRIC), (3e3, 3e2), 0.0)
-    with pytest.warns(UnsettledFormWarning, match=r"'film' folds over itself in plan at cell 1, \(.*edge cables"):
-        form = projected_stress(structure, cables="force density")
-    assert not form.converged
-    assert np.abs(state_of(form).displacement).max() < 1e-12 * 12
-
-
-def test_collapse_keeps_the_last_good_form():
-    structure = with_film_and_valley(canopy(force=10.0, material=FABRIC), (3e3, 2.5e3), 1e6)
-    with pytest.warns(UnsettledFormWarning, match=r"'film', cell \d+ shrinks to nothing at \("):
-        form = projected_stress(structure)
-    assert not form.converged
-    assert len(form.steps) == 2
-    with pytest.warns(UnsettledFormWarning):
-        expected = projected_stress(structure, max_iterations=2)
-    assert np.array_equal(form.points, expected.points)
-
-
+@pytest.mark.mpi
 def test_every_process_has_the_same_form():
     form = projected_stress(canopy(), loads_of(canopy()))
     alone = Analysis(form.structure, comm=MPI.COMM_SELF).run([Stage("form", loads_of(form.structure))])["form"]
@@ -315,88 +220,9 @@ def test_input_is_not_changed():
     assert structure.parts["film"].prestress == pytest.approx([3e3, 2.5e3])
 
 
+@pytest.mark.mpi
 def test_thousands_of_nodes_under_loads_of_the_form():
     structure = canopy(n=64)
     form = projected_stress(structure, loads_of(structure), tolerance=0.1)
     force = np.abs(form.reactions).max()
     assert np.abs(state_of(form, loads_of(structure)).reactions - form.reactions).max() < 1e-9 * force
-
-
-def warped(structure, warp):
-    return replace(structure, parts={"film": replace(structure.parts["film"], warp=warp)})
-
-
-def upright():
-    points, triangles = rectangle(4.0, 4.0, 2, 2)
-    points = points[:, [0, 2, 1]] + [0, 1, 0] * points[:, 1:2] ** 2 * (points[:, 1:2] > 0)
-    return Structure(points, {"film": Membrane(triangles, FABRIC, 1e3)}, [Support(range(3))])
-
-
-def tilted():
-    structure = sail()
-    return replace(structure, points=structure.points + structure.points[:, :1] * [0, 0, 2])
-
-
-def folded():
-    structure = sail()
-    points = structure.points.copy()
-    points[40, :2] += 0.6
-    points[40, 2] = 1.0
-    return replace(structure, points=points)
-
-
-def bars(kind, prestress, ends=(0, 8)):
-    points = np.array([[0.0, 0, 0], [0, 0, 3], [1, 0, 0], [0, 1, 0]])
-    parts = {"bar": kind([[0, 1]], 1e6, prestress), "guys": Cable([[1, 2], [1, 3]], 1e6, 1e3)}
-    return Structure(points, parts, [Support([0, 2, 3])])
-
-
-REFUSED = [
-    (lambda: projected_stress(sail(prestress=(3e3, 0.0))), r"'film', cell 0 at \(.*not positive.*0; give a tension"),
-    (lambda: projected_stress(sail(prestress=[[1e3, 2e3], [2e3, 1e3]])), r"'film'.*not positive.*-1000"),
-    (lambda: projected_stress(sail(), stress={"film": lambda x: 1e3 * x[0]}), r"'film', cell \d+ at .*not positive"),
-    (lambda: projected_stress(sail(), stress={"film": lambda x: np.ones(7)}), r"stress of part 'film'.*shape \(7,\)"),
-    (lambda: projected_stress(sail(), stress={"film": 1e3}), "stress of part 'film' is 1000.*function of place"),
-    (lambda: projected_stress(sail(), stress={"roof": len}), "stress names 'roof'"),
-    (lambda: projected_stress(upright()), r"'film', cell 0 at .*no area in plan"),
-    (lambda: projected_stress(folded()), r"'film' folds over itself in plan at cell \d+, \("),
-    (lambda: projected_stress(warped(folded(), (1.0, 0, 0)), direction=(0, 0, 0)), "direction"),
-    (
-        lambda: projected_stress(warped(tilted(), (0.0, 0, 1))),
-        r"'film', cell 0 at .*warp .* vanishes in plan",
-    ),
-    (lambda: projected_stress(replace(sail(), supports=[])), r"Node 0 at .*in x; support"),
-    (lambda: projected_stress(replace(sail(), supports=[Support(range(81), "xy")])), r"Node 0 at .*in z"),
-    (lambda: projected_stress(bars(Cable, 0.0), cables="weight"), "cables is 'weight'.*horizontal force"),
-    (lambda: projected_stress(bars(Cable, 1e3)), r"'bar', cell 0 at .*no length in plan.*cables=\"force\""),
-    (lambda: projected_stress(bars(Cable, -1e3)), r"'bar', cell 0 at .*-1000, is in compression"),
-    (lambda: projected_stress(bars(Mast, -1e3)), r"'bar', cell 0 at .*-1000, has an end that is not held"),
-    (lambda: projected_stress(sail(), [Pressure(1.0, "roof")]), "'roof'"),
-    (lambda: projected_stress(sail(), tolerance=0.0), "tolerance"),
-    (lambda: projected_stress(replace(sail(), terms=[ElasticBed("film", 1.0)])), "energy terms"),
-]
-
-
-def test_numbers_of_a_function_of_place_are_by_cell():
-    form = projected_stress(sail(), stress={"film": lambda x: np.full(x.shape[1], 2e3)})
-    expected = projected_stress(sail(prestress=2e3))
-    assert np.array_equal(form.points, expected.points)
-
-
-@pytest.mark.parametrize("number", range(len(REFUSED)))
-def test_refusals(number):
-    call, message = REFUSED[number]
-    with pytest.raises(ValueError, match=message):
-        call()
-
-
-def test_stresses_that_differ_too_much_are_refused():
-    structure = sail(prestress=1e-13, warp=None)
-    rigid = Cable(structure.parts["film"].cells[60:61, :2], 1e6, 1e9)
-    with pytest.raises(ValueError, match="differ so much"):
-        projected_stress(replace(structure, parts={**structure.parts, "rigid": rigid}))
-
-
-def test_loads_that_grow_faster_than_the_stress_holds_are_refused():
-    with pytest.raises(RuntimeError, match="grow with the form"):
-        projected_stress(sail(prestress=1e2), [Pressure(1e3, "film")])

@@ -29,6 +29,9 @@ class Stiffening:
         return self.EA
 
 
+# Taken
+
+
 @pytest.mark.parametrize("material", [Foil(3.0), law(), NeoHooke(2.0), MooneyRivlin(2.0, 1.0), Fabric(1e5, 0.3)])
 def test_law_of_a_membrane(material):
     assert membrane(material).material is material
@@ -84,6 +87,9 @@ def test_compliance_is_none_without_one():
 )
 def test_law_that_carries_compression(part, carries):
     assert part.carries_compression == carries
+
+
+# Refused
 
 
 class NotFrozen:

@@ -1,6 +1,7 @@
 """The table of a stage agrees with the result."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -68,7 +69,8 @@ def test_table(result):
     assert numbers(lines[7])[:2] == pytest.approx([force, force], rel=1e-5)
     assert "slack" not in lines[7]
     size = np.linalg.norm(result.displacement, axis=1)
-    assert numbers(lines[9]) == pytest.approx([size.max(), size.argmax() + 1], rel=1e-5)
+    first = np.flatnonzero(size > (1 - 1e-7) * size.max())[0]  # the fold is symmetric
+    assert numbers(lines[9]) == pytest.approx([size.max(), first + 1], rel=1e-5)
     assert size.max() > 1.01 * np.abs(result.displacement).max()
     assert result.largest_displacement == size.max()
     assert f"largest displacement {size.max():.4g})" in repr(result)
@@ -100,7 +102,7 @@ def test_largest_values_are_given_with_their_cell(result):
         assert [float(x), float(y), float(z)] == pytest.approx(centroid, rel=1e-3)
 
 
-def test_strain_of_the_prestress_and_stress_along_the_threads():
+def test_strain_of_the_prestress_and_stress_along_warp_and_weft():
     points, triangles = rectangle(2.0, 2.0, 4, 4)
     woven = OrthotropicFabric(Et_warp=1e5, Et_weft=5e4, nu=0.2, Gt=5e3)
     stress = np.array([[3e3, 400], [400, 1e3]])
@@ -114,14 +116,40 @@ def test_strain_of_the_prestress_and_stress_along_the_threads():
     lines = [line[9:].strip() for line in report(result).splitlines()]
     found = result.membrane("woven").warp_weft_stress
     assert found == pytest.approx(np.tile([3e3, 1e3], (32, 1)), rel=1e-12)
-    for line, thread, force in zip(lines[3:5], ("warp", "weft"), (3e3, 1e3), strict=True):
-        assert f" N/m, along {thread}, largest in cell" in line
+    for line, direction, force in zip(lines[3:5], ("warp", "weft"), (3e3, 1e3), strict=True):
+        assert f" N/m, along {direction}, largest in cell" in line
         assert numbers(line)[:2] == pytest.approx([force, force], rel=1e-5)
     before = np.linalg.eigvalsh(woven.strain(stress[None]))[0, 1]
     assert lines[6].startswith(f"largest principal strain with that of the prestress {before:.5f} in cell")
     assert sum("along w" in line for line in lines) == 2  # a plain fabric without a warp has none
     assert "largest strain with that of the prestress 0.02000 in cell 0 at" in lines[12]
     assert "largest strain with that of the prestress -0.03000 in cell 0 at" in lines[14]
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_first_of_equal_cells_is_named(seed):
+    """Sums are rounded in another order on other processes: that must not show in the table."""
+    points, triangles = rectangle(2.0, 2.0, 4, 4)
+    ties = boundary_edges(triangles)
+    parts = {"sheet": Membrane(triangles, Fabric(1e5, 0.3), 1e3), "ties": Cable(ties, 1e5, 2e3)}
+    structure = Structure(points, parts, [Support(np.unique(ties))])
+    state = Analysis(structure).run([Stage("snow", [DistributedLoad((0, 0, -100.0), "sheet")])])["snow"]
+
+    def rounded(values):
+        return values * (1 + 1e-14 * np.random.default_rng(seed).normal(size=values.shape))
+
+    sheet, cable = state.membrane("sheet"), state.cable("ties")
+    other = replace(
+        state,
+        displacement=rounded(state.displacement),
+        parts={
+            "sheet": replace(sheet, principal=rounded(sheet.principal), strain=sheet.strain * (1 + 1e-14)),
+            "ties": replace(cable, force=rounded(cable.force), strain=cable.strain + 1e-16),
+        },
+    )
+    table = report(state).splitlines()
+    assert report(other).splitlines()[:-2] == table[:-2]  # the last two tell how far rounding goes
+    assert re.search("ties .*largest in cell 0 at", "\n".join(table))
 
 
 def test_cable_that_ends_in_the_air():

@@ -265,14 +265,14 @@ def test_patch_with_all_its_stiffness_carries_compression():
     assert fabric.state.tolist() == ["taut"] * 8  # nothing wrinkles
 
 
-def test_thread_forces_are_those_along_warp_and_weft(result):
+def test_warp_weft_stress_is_that_along_warp_and_weft(result):
     fabric, structure = result.membrane("fabric"), result.structure
     cells = structure.parts["fabric"].cells
     warp, normal = structure.warp("fabric"), normals(structure.points, cells)
-    for number, thread in enumerate([warp, np.cross(normal, warp)]):
+    for number, direction in enumerate([warp, np.cross(normal, warp)]):
         # A vector in the cell as a combination of two of its sides moves with them.
         sides, moved = (np.diff(x[cells], axis=1) for x in points_of(result))
-        weights = [np.linalg.lstsq(side.T, along, rcond=None)[0] for side, along in zip(sides, thread, strict=True)]
+        weights = [np.linalg.lstsq(side.T, along, rcond=None)[0] for side, along in zip(sides, direction, strict=True)]
         current = np.einsum("cs,csk->ck", weights, moved)
         current /= np.linalg.norm(current, axis=1, keepdims=True)
         force = np.einsum("ci,cij,cj->c", current, fabric.cauchy, current)

@@ -35,11 +35,11 @@ def iterations(structure, stages, solver):
     return sum(number > 0 for number in numbers), len(numbers), solution
 
 
-SLOW = [pytest.param(most, marks=pytest.mark.serial) for most in (60, 300)]
+FEW = [pytest.param(most, marks=pytest.mark.mpi) for most in (1, 7)]
 
 
 @pytest.mark.parametrize("line_search", [True, False])
-@pytest.mark.parametrize("most", [1, 7, *SLOW])
+@pytest.mark.parametrize("most", [*FEW, 60, 300])
 def test_total_of_all_strategies_is_bounded(most, line_search):
     """A sheet twisted out of its plane: a first attempt, the homotopy and the attempt after it take 600 iterations."""
     structure, stages = pulled(-0.1, 0.6, 0.0, FABRIC)
@@ -51,7 +51,6 @@ def test_total_of_all_strategies_is_bounded(most, line_search):
         assert taken == most
 
 
-@pytest.mark.serial
 def test_first_attempt_leaves_iterations_to_the_homotopy():
     structure, stages = pulled(-0.1, 0.6, 0.0, FABRIC)
     taken, _, solution = iterations(structure, stages, Newton())
@@ -74,6 +73,7 @@ def test_escapes_from_saddles_count():
         assert taken <= most
 
 
+@pytest.mark.mpi
 def test_each_halved_increment_has_the_whole_number(monkeypatch):
     counts = []
     begin, step = NewtonLoop.begin, NewtonLoop.step
@@ -128,6 +128,7 @@ def test_failure_in_each_increment_tells_of_the_iterations_first():
         Analysis(structure, Newton(max_iterations=20)).run(stages)
 
 
+@pytest.mark.mpi
 def test_structure_that_has_fallen_is_a_mechanism_however_few_the_iterations():
     """Two hinged masts with a cable between their tops are pushed aside."""
     points = [[0.0, 0, 0], [4, 0, 0], [0, 0, 3], [4, 0, 3]]

@@ -15,7 +15,16 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from fx_membrane import Analysis, ConjugateGradient, Iteration, Newton, Stage, equilibrium_path, updated_reference
+from fx_membrane import (
+    Analysis,
+    ConjugateGradient,
+    Iteration,
+    Newton,
+    Stage,
+    equilibrium_path,
+    report,
+    updated_reference,
+)
 from fx_membrane.solvers import progress
 from fx_membrane.solvers.progress import Report
 from models import (
@@ -31,6 +40,16 @@ def test_lines_are_written_where_there_is_no_terminal(capfd):
     lines = "".join(pattern.format(factor, r"\d+") for factor in (r"0\.333333", r"0\.666667", "1"))
     assert out == ""
     assert re.fullmatch(lines if MPI.COMM_WORLD.rank == 0 else "", err)
+
+
+def test_iterations_are_those_of_the_report(capfd):
+    """The start of an increment is none of them."""
+    state = Analysis(sheet()).run([Stage("snow", [SNOW], increments=3)])["snow"]
+    shown = [int(count) for count in re.findall(r"after (\d+) iterations?,", capfd.readouterr().err)]
+    counts = [len(increment.iterations) - 1 for increment in state.increments]
+    assert f"iterations per increment: {counts};" in report(state)
+    assert all(increment.extra_iterations == 0 for increment in state.increments)
+    assert shown == (np.cumsum(counts).tolist() if MPI.COMM_WORLD.rank == 0 else [])
 
 
 @pytest.mark.parametrize("solver", [Newton(), ConjugateGradient()])

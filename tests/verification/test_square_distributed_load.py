@@ -1,4 +1,4 @@
-"""Square prestressed membrane with fixed edges under a uniform dead load across it.
+"""Square prestressed membrane with fixed edges under a uniform distributed load across it.
 
 Reference: for small loads the linear membrane equation N0 (w,xx + w,yy) = -q. Its solution as a Fourier series in x
 with hyperbolic functions in y (Prandtl's stress function of a square bar in torsion: Timoshenko and Goodier, Theory of

@@ -1,4 +1,4 @@
-"""Stabilization and shift by artificial tension, and imposed displacements."""
+"""Stabilization, shifts of the tangent, and imposed displacements."""
 
 import numpy as np
 import pytest

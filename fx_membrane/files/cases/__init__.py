@@ -1,0 +1,1 @@
+"""Case files: structures, form finding, stages and output in TOML."""

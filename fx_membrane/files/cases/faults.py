@@ -1,0 +1,99 @@
+"""Faults of a case file, all at once, each with its line, its key and a remedy."""
+
+import difflib
+import json
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ...checks.values import short_repr
+from .lines import line_of
+
+BARE = re.compile(r"[A-Za-z0-9_-]+")
+
+
+class Fault(NamedTuple):
+    """One fault.
+
+    Attributes:
+        path: Keys and rows from the top of the file.
+        words: What is wrong, and the remedy.
+    """
+
+    path: tuple[str | int, ...]
+    words: str
+
+
+class CaseError(ValueError):
+    """Faults of a case file: one line for each, `file:line: key path: value, remedy`.
+
+    Attributes:
+        lines: The lines of the message.
+    """
+
+    def __init__(self, lines: Sequence[str]):
+        super().__init__("\n".join(lines))
+        self.lines = tuple(lines)
+
+
+def case_error(file: Path, text: str, faults: Iterable[Fault]) -> CaseError:
+    """Error of some faults, in the order of their lines."""
+    found = sorted(((line_of(text, fault.path), fault) for fault in faults), key=lambda entry: entry[0])
+    lines = [f"{file}:{line}: {_shown(fault.path)}: {fault.words}" for line, fault in found]
+    return CaseError(list(dict.fromkeys(lines)))
+
+
+def faults_of_validation(error: Any, data: Any, keys: Iterable[str]) -> list[Fault]:
+    """Faults of a `pydantic.ValidationError`, in words of ours; keys are those that the schema has anywhere."""
+    return [Fault(*_told(entry, data, list(keys))) for entry in error.errors(include_url=False)]
+
+
+def nearest(word: Any, known: Iterable[str]) -> str:
+    """Clause that names the nearest known word; empty if none is near."""
+    near = difflib.get_close_matches(str(word), [entry for entry in known if entry != word], 1)
+    return f"; {near[0]!r} may be meant" if near else ""
+
+
+def _told(entry: dict[str, Any], data: Any, keys: Sequence[str]) -> tuple[tuple[str | int, ...], str]:
+    path = _without_tags(entry["loc"], data)
+    kind, given, context = entry["type"], short_repr(entry["input"]), entry.get("ctx", {})
+    if kind == "extra_forbidden":
+        return path, "there is no key of that name here" + (nearest(path[-1], keys) or "; correct or remove it")
+    if kind == "missing":
+        return path, "the key is missing; add it"
+    if kind == "union_tag_not_found":
+        tag = context["discriminator"].strip("'")
+        return path, f"the key {tag!r} is missing; add it"
+    if kind == "union_tag_invalid":
+        expected = context["expected_tags"].replace("'", "").split(", ")
+        tag = context["discriminator"].strip("'")
+        words = f"{context['tag']!r} is not one of {', '.join(map(repr, expected))}"
+        return (*path, tag), words + nearest(context["tag"], expected)
+    if kind == "value_error":
+        return path, f"{given}: {context['error']}"
+    return path, f"{given}: {entry['msg'][0].lower()}{entry['msg'][1:]}"
+
+
+def _without_tags(loc: Sequence[str | int], data: Any) -> tuple[str | int, ...]:
+    """Path in the file: pydantic puts the kind of a union after its key."""
+    path: list[str | int] = []
+    fresh = True  # at a table whose tag has not been passed
+    for number, key in enumerate(loc):
+        last = number == len(loc) - 1
+        if isinstance(data, dict) and fresh and not last and key in (data.get("kind"), data.get("method")):
+            fresh = False
+            continue
+        try:
+            data = data[key]
+        except (KeyError, IndexError, TypeError):
+            if not last:  # the name of a type
+                continue
+        path.append(key)
+        fresh = True
+    return tuple(path)
+
+
+def _shown(path: Sequence[str | int]) -> str:
+    """Path with dots, as keys are written in TOML."""
+    return ".".join(str(key) if BARE.fullmatch(str(key)) else json.dumps(key, ensure_ascii=False) for key in path)

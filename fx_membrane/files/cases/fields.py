@@ -1,0 +1,74 @@
+"""Types of the values of case files: quantities, numbers in the units of the file or texts with a unit.
+
+Validation needs `context={"units": Units(...)}`, or None for a file that names none.
+"""
+
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+
+from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema
+
+from .units import EXAMPLES, Units
+
+
+def _number(dimension: str, value: Any, info: ValidationInfo) -> float:
+    units = info.context["units"] if info.context else None
+    if units is None and isinstance(value, str):
+        raise ValueError('the file has no units; add units = { force = "kN", length = "m" } at its top')
+    return (units or Units()).number(value, dimension)
+
+
+def _range(value: Any, info: ValidationInfo) -> tuple[float, float]:
+    ends = value if isinstance(value, list) else [value, value]
+    if len(ends) != 2:
+        raise ValueError("give a place, or a range as [0, 3]")
+    return _number("L", ends[0], info), _number("L", ends[1], info)
+
+
+def _nested(dimension: str, value: Any, info: ValidationInfo) -> Any:
+    if isinstance(value, list):
+        return [_nested(dimension, entry, info) for entry in value]
+    return _number(dimension, value, info)
+
+
+def _quantity(dimension: str) -> Any:
+    schema = {"type": ["number", "string"], "examples": [EXAMPLES[dimension]]}
+    return Annotated[float, BeforeValidator(partial(_number, dimension)), WithJsonSchema(schema)]
+
+
+def _quantities(dimension: str) -> Any:
+    schema = {"type": ["number", "string", "array"], "examples": [EXAMPLES[dimension]]}
+    return Annotated[Any, BeforeValidator(partial(_nested, dimension)), WithJsonSchema(schema)]
+
+
+def _vector(dimension: str) -> Any:
+    entry = _quantity(dimension)
+    return tuple[entry, entry, entry]  # type: ignore[valid-type]  # made for pydantic, not for mypy
+
+
+if TYPE_CHECKING:
+    Number: TypeAlias = float
+    Length: TypeAlias = float
+    Force: TypeAlias = float
+    ForcePerLength: TypeAlias = float
+    Pressure: TypeAlias = float
+    AreaMass: TypeAlias = float
+    LineMass: TypeAlias = float
+    Stress: TypeAlias = Any
+    Forces: TypeAlias = Any
+    Directions: TypeAlias = Any
+    Range: TypeAlias = Any
+    Vector: TypeAlias = tuple[float, float, float]
+    Point: TypeAlias = Vector
+    Displacement: TypeAlias = Vector
+    ForceVector: TypeAlias = Vector
+    LineLoad: TypeAlias = Vector
+    AreaLoad: TypeAlias = Vector
+    Direction: TypeAlias = Vector
+else:
+    Number, Length, Force, ForcePerLength = _quantity("1"), _quantity("L"), _quantity("F"), _quantity("F/L")
+    Pressure, AreaMass, LineMass = _quantity("F/L^2"), _quantity("F T^2/L^3"), _quantity("F T^2/L^2")
+    Stress, Forces, Directions = _quantities("F/L"), _quantities("F"), _quantities("1")
+    Point, Displacement, ForceVector = _vector("L"), _vector("L"), _vector("F")
+    LineLoad, AreaLoad, Direction = _vector("F/L"), _vector("F/L^2"), _vector("1")
+    Range = Annotated[Any, BeforeValidator(_range), WithJsonSchema({"type": ["number", "string", "array"]})]

@@ -1,0 +1,118 @@
+"""Quantities of case files: numbers in the units of the file, or texts with a unit, by pint.
+
+pint alone computes with texts, takes a comma for nothing and some powers for ever; so a number is read here, and pint
+gets the name of a unit only.
+"""
+
+import math
+import re
+from functools import cache
+from typing import Any
+
+NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
+UNIT = re.compile(r"[A-Za-zµ23*/^()·²³ ]{1,40}")
+EXAMPLES = {
+    "F": "12 kN",
+    "L": "3.5 m",
+    "F/L": "2 kN/m",
+    "F/L^2": "0.6 kN/m2",
+    "F T^2/L^3": "1.1 kg/m2",
+    "F T^2/L^2": "2.5 kg/m",
+    "F/L^3": "10 kN/m3",
+    "1": "0.3",
+}
+
+
+class Units:
+    """Units in which a structure is computed.
+
+    Args:
+        force: Unit of force, as "kN".
+        length: Unit of length, as "m".
+
+    Raises:
+        ValueError: It is no unit of force or of length.
+    """
+
+    def __init__(self, force: str = "N", length: str = "m"):
+        self.force, self.length = force, length
+        self._base = {"F": _unit(force), "L": _unit(length), "T": _registry().second}
+        for name, unit, dimension in (("force", self._base["F"], "newton"), ("length", self._base["L"], "metre")):
+            if not unit.is_compatible_with(dimension):
+                raise ValueError(f"{getattr(self, name)!r} is no unit of {name}; give one, as {dimension!r}")
+
+    def number(self, value: Any, dimension: str) -> float:
+        """Read a quantity in these units.
+
+        Args:
+            value: A number, in these units, or a text with a unit: "2 kN/m".
+            dimension: Dimension as a key of `EXAMPLES`, of F for force, L for length, T for time.
+
+        Raises:
+            ValueError: It is no finite number, or its unit is not known or of another dimension.
+        """
+        example = EXAMPLES[dimension]
+        if isinstance(value, bool) or not isinstance(value, int | float | str):
+            raise ValueError(f"give a number, or a text with a unit as {example!r}")
+        if not isinstance(value, str):
+            return _finite(float(value))
+        found = NUMBER.fullmatch(value)
+        if not found:
+            raise ValueError(f"it does not begin with a number; give one as {example!r}")
+        number, name = _finite(float(found[1])), found[2]
+        if name.startswith(","):
+            raise ValueError(f"write a point for the comma, as {example!r}")
+        if not name:
+            return number
+        if dimension == "1":
+            raise ValueError("it has no unit; give the number alone")
+        unit, target = _unit(name), self._unit_of(dimension)
+        if not unit.is_compatible_with(target):
+            raise ValueError(f"{name!r} is no unit of this quantity; give one as {example!r}")
+        return _finite(float(_registry().Quantity(number, unit).to(target).magnitude))
+
+    def _unit_of(self, dimension: str) -> Any:
+        above, _, below = dimension.partition("/")
+        unit = _registry().dimensionless
+        for factors, sign in ((above, 1), (below, -1)):
+            for factor in factors.split():
+                letter, _, power = factor.partition("^")
+                unit = unit * self._base[letter] ** (sign * int(power or 1))
+        return unit
+
+
+@cache
+def _registry() -> Any:
+    import pint  # noqa: PLC0415  (0.3 s, which only case files are to wait for)
+
+    registry = pint.UnitRegistry(cache_folder=None, preprocessors=[_powers])
+    registry.define("psf = pound_force / foot ** 2")
+    registry.define("plf = pound_force / foot")
+    return registry
+
+
+def _powers(text: str) -> str:
+    """Write powers and products as pint knows them: kN/m2, kN/m², kN·m."""
+    text = text.replace("²", "**2").replace("³", "**3").replace("·", "*").replace("^", "**")
+    return re.sub(r"(?<=[A-Za-zµ])([23])\b", r"**\1", text)
+
+
+def _unit(name: str) -> Any:
+    import pint  # noqa: PLC0415
+
+    if re.search(r"/\s*\d", name):
+        raise ValueError(f"{name[:40]!r} has a number in it; for daN/5cm divide by 5 and give daN/cm")
+    if not UNIT.fullmatch(name) or "**" in name:
+        raise ValueError(f"{name[:40]!r} is no unit; give one as 'kN/m2', of letters and the powers 2 and 3")
+    try:
+        return _registry().parse_units(name)
+    except (pint.errors.PintError, ValueError, TypeError, AttributeError, KeyError, RecursionError):
+        raise ValueError(f"{name!r} is no known unit; give one as 'kN/m2'") from None
+    except Exception:  # its tokenizer raises others
+        raise ValueError(f"{name!r} is no unit; give one as 'kN/m2'") from None
+
+
+def _finite(number: float) -> float:
+    if not math.isfinite(number):
+        raise ValueError("it is not finite; give a number")
+    return number

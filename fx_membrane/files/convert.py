@@ -1,0 +1,26 @@
+"""Conversion of mesh files from one format to another, group by group."""
+
+from pathlib import Path
+
+from ..model.materials import Fabric
+from ..model.parts import Cable, Membrane, Part
+from ..model.structure import Structure
+from .drawing import triangles_of
+from .mesh_files import drawing_of
+from .mesh_writer import write_mesh
+
+
+def convert(source: Path, target: Path) -> None:
+    """Convert a mesh file: each group of lines or faces becomes one; quadrilaterals are split.
+
+    Raises:
+        ValueError: A format is not known, or a file cannot be read or written; a group has lines and faces.
+        ImportError: A package that a format needs is not installed.
+    """
+    drawing = drawing_of(source, None, None)
+    parts: dict[str, Part] = {}
+    for name, groups in drawing.cells.items():
+        if groups.keys() - {1}:
+            cells = triangles_of(drawing, name, split=True)
+            parts[name] = Membrane(cells, Fabric(1.0, 0.0)) if cells.shape[1] == 3 else Cable(cells, 1.0)
+    write_mesh(Structure(drawing.points, parts), target)

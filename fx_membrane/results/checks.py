@@ -1,0 +1,147 @@
+"""Checks of a state, each with its number, its limit and a verdict: a table to read before any other number."""
+
+from collections.abc import Iterator
+from enum import Enum
+from typing import NamedTuple
+
+import numpy as np
+
+from ..geometry.measures import measures
+from ..model.restraint import loose_ends
+from ..solvers.outcome import Outcome
+from .balance import UNBALANCED, UnbalancedStateWarning
+from .states import StageResult, UnstableStateWarning
+from .strain_limits import LargeStrainWarning
+
+BALANCED = 1e-8  # relative difference of sums of forces and moments
+WRINKLED = 0.05  # share of the area of a membrane that may wrinkle or go slack without a word
+
+
+class Verdict(Enum):
+    """Verdict of a check."""
+
+    PASS = "PASS"
+    WARN = "WARN"
+    FAIL = "FAIL"
+
+
+class Check(NamedTuple):
+    """One check of a state.
+
+    Attributes:
+        name: The fact that is checked.
+        found: Its number, as text.
+        limit: The limit, as text; empty without one.
+        verdict: The verdict.
+        remedy: What to do about it; empty if it passes.
+    """
+
+    name: str
+    found: str
+    limit: str
+    verdict: Verdict
+    remedy: str = ""
+
+
+def checks(result: StageResult) -> list[Check]:
+    """Make the checks of a state: balance, convergence, stability, strains, slack and wrinkled parts, masts, ends."""
+    return [
+        *_balance(result),
+        *_convergence(result),
+        _remarked(result, UnstableStateWarning, "stable", "no stable state, or held by slack parts"),
+        _remarked(result, LargeStrainWarning, "strain within the law", "strain beyond the law"),
+        *_slack(result),
+        *_masts(result),
+        *_ends(result),
+    ]
+
+
+def table(found: list[Check]) -> str:
+    """Lines of checks, to print; remedies follow in lines of their own."""
+    width = max(len(check.name) for check in found) + 2
+    lines = []
+    for check in found:
+        limit = f"limit {check.limit}" if check.limit else ""
+        lines.append(f"  {check.verdict.value}  {check.name:{width}}{check.found:>14}  {limit}".rstrip())
+        if check.remedy:
+            lines.append(f"        {check.remedy}")
+    return "\n".join(lines)
+
+
+def _judged(name: str, number: float, limit: float, remedy: str) -> Check:
+    good = number <= limit
+    return Check(name, f"{number:.1e}", f"{limit:.0e}", Verdict.PASS if good else Verdict.WARN, "" if good else remedy)
+
+
+def _noted(name: str, found: str, limit: str, remedy: str) -> Check:
+    """Check that warns if there is a remedy."""
+    return Check(name, found, limit, Verdict.WARN if remedy else Verdict.PASS, remedy)
+
+
+def _balance(result: StageResult) -> Iterator[Check]:
+    balance, tiny = result.equilibrium, np.finfo(float).tiny
+    forces = max(np.abs(result.reactions).sum(), np.abs(result.loads).sum(), tiny)
+    reach = max(np.ptp(result.position, axis=0).max(), np.abs(result.position).max(), tiny)
+    remedy = "Give the solver a smaller rtol; check units, and parts far stiffer than the others."
+    difference = float(np.abs(balance.loads + balance.reactions).max() / forces)
+    yield _judged("loads and reactions balance", difference, BALANCED, remedy)
+    moment = float(np.abs(balance.load_moment + balance.reaction_moment).max() / (forces * reach))
+    yield _judged("their moments balance", moment, BALANCED, remedy)
+    largest = max(np.abs(result.loads).max(), np.abs(result.reactions).max(), tiny)
+    told = any(remark.category is UnbalancedStateWarning for remark in result.remarks)
+    found, limit = f"{balance.residual / largest:.1e}", f"{UNBALANCED:.0e}"
+    yield _noted("unbalanced nodal force / largest", found, limit, remedy if told else "")
+
+
+def _convergence(result: StageResult) -> Iterator[Check]:
+    count = len(result.increments)
+    good = sum(increment.outcome.converged for increment in result.increments)
+    verdict = Verdict.PASS if good == count else Verdict.FAIL
+    yield Check("increments in equilibrium", f"{good} of {count}", "", verdict)
+    snapped = [entry.load_factor for entry in result.increments if entry.outcome in (Outcome.SNAPPED, Outcome.FALLEN)]
+    if snapped:
+        remedy = f"It snapped before load factor {snapped[0]:.4g}; stay below, or add supports or prestress."
+        yield _noted("increments that snapped", str(len(snapped)), "0", remedy)
+
+
+def _remarked(result: StageResult, category: type[UserWarning], name: str, found: str) -> Check:
+    sentences = [str(remark) for remark in result.remarks if remark.category is category]
+    if not sentences:
+        return Check(name, "yes", "", Verdict.PASS)
+    return Check(name, "no", "", Verdict.WARN, f"{found[0].upper()}{found[1:]}: {sentences[0]}")
+
+
+def _slack(result: StageResult) -> Iterator[Check]:
+    for name, found in result.parts.items():
+        part = result.structure.parts[name]
+        if part.carries_compression:
+            continue
+        if part.dimension == 2:
+            area = measures(result.structure.points, part.cells)
+            share = float(area[~found.taut].sum() / area.sum())
+            remedy = "Raise the prestress; plot.contours shows the state of the cells." if share > WRINKLED else ""
+            shown, limit = f"{100 * share:.3g} %", f"{100 * WRINKLED:g} %"
+            yield _noted(f"wrinkled or slack area of {name!r}", shown, limit, remedy)
+        else:
+            count = int(found.slack.sum())
+            first = int(found.slack.argmax())
+            remedy = f"Cell {first} is the first; raise the prestress if it is to carry." if count else ""
+            yield _noted(f"slack cables of {name!r}", f"{count} of {len(found.slack)}", "0", remedy)
+
+
+def _masts(result: StageResult) -> Iterator[Check]:
+    for name, part in result.structure.parts.items():
+        if part.is_strut:
+            force = result.mast(name).force
+            count = int((force > 0).sum())
+            remedy = f"Cell {int(force.argmax())} pulls at its foot; anchor it." if count else ""
+            yield _noted(f"masts in tension of {name!r}", str(count), "0", remedy)
+
+
+def _ends(result: StageResult) -> Iterator[Check]:
+    for name, part in result.structure.parts.items():
+        if part.dimension == 1:
+            ends = loose_ends(result.structure, name, result.actions.held)
+            if ends:
+                remedy = f"Cell {ends[0][0]} ends in the air at node {ends[0][1]}; connect or support it."
+                yield _noted(f"loose ends of {name!r}", str(len(ends)), "0", remedy)

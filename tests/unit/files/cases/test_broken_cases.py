@@ -1,0 +1,69 @@
+"""Case files with one wrong place, made by a generator: each is told in sentences with line and key."""
+
+import copy
+import json
+import random
+import re
+import tomllib
+
+import pytest
+
+import roof_case
+
+pytest.importorskip("pydantic", "2")
+pytest.importorskip("pint")
+
+from fx_membrane.files.cases.case import read_case
+from fx_membrane.files.cases.faults import CaseError
+
+pytestmark = pytest.mark.serial
+
+VALUES = [None, -1, 0, 1e300, "", "text", "1,5 kN", "9**9**9 m", [], [[]], {}, {"a": 1}, True, [1, 2, 3], "nan", "5 kg"]
+
+
+def leaves(data, path=()):
+    """Paths of all keys and rows."""
+    items = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()
+    for key, value in items:
+        yield (*path, key)
+        yield from leaves(value, (*path, key))
+
+
+def toml(value):
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{json.dumps(key)} = {toml(entry)}" for key, entry in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(toml, value)) + "]"
+    return json.dumps(value)
+
+
+def broken(seed):
+    """Case whose one place is wrong: removed, renamed, or with another value."""
+    draw = random.Random(seed)
+    data = copy.deepcopy(tomllib.loads(roof_case.ROOF))
+    path = draw.choice(list(leaves(data)))
+    table = data
+    for key in path[:-1]:
+        table = table[key]
+    act = draw.randrange(3)
+    value = draw.choice(VALUES)
+    if act == 0 or value is None:
+        del table[path[-1]]
+    elif act == 1 and isinstance(table, dict):
+        table[f"{path[-1]}x"] = table.pop(path[-1])
+    else:
+        table[path[-1]] = value
+    return "".join(f"{json.dumps(key)} = {toml(entry)}\n" for key, entry in data.items())
+
+
+def test_broken_files_are_told_in_sentences(tmp_path):
+    told, lines = 0, list[str]()
+    for seed in range(300):
+        (tmp_path / "a.toml").write_text(broken(seed), encoding="utf-8")
+        try:
+            read_case(tmp_path / "a.toml")
+        except CaseError as error:
+            told += 1
+            lines += error.lines
+    assert told > 150  # the others lack what may be left out
+    assert [line for line in lines if not re.fullmatch(r".*a\.toml:\d+: [^:]+: .{8,}", line, re.DOTALL)] == []

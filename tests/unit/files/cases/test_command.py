@@ -1,0 +1,116 @@
+"""The command: what it writes, prints and returns, in a process of its own."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import launch
+from roof_case import ROOF
+
+pytest.importorskip("pydantic", "2")
+pytest.importorskip("pint")
+
+from fx_membrane import Analysis, load_results
+from fx_membrane.files.cases.case import read_case
+
+pytestmark = pytest.mark.serial
+COMMAND = ["-c", "from fx_membrane.cli import main; main()"]
+
+
+def run(folder, *arguments, processes=1):
+    """Run the command in a folder: exit code, stdout, stderr."""
+    several = [launch.launcher(), "-n", str(processes)] if processes > 1 else []
+    environment = dict(os.environ) | launch.ENVIRONMENT | {"PYTHONPATH": str(Path(__file__).parents[4])}
+    command = [*several, sys.executable, *COMMAND, *arguments]
+    ended = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    return ended.returncode, ended.stdout, ended.stderr
+
+
+def test_first_case_from_nothing_to_results(tmp_path):
+    code, said, _ = run(tmp_path, "init")
+    assert code == 0
+    assert "case.toml" in said
+    assert json.loads((tmp_path / "fx-membrane.schema.json").read_text())["type"] == "object"
+    assert run(tmp_path, "check", "case.toml")[0] == 0
+    code, said, _ = run(tmp_path, "run", "case.toml", "--quiet", "--log", "table.txt")
+    assert (code, said) == (0, "")
+    assert "PASS" in (tmp_path / "table.txt").read_text()
+    names = {path.name for path in (tmp_path / "case").iterdir()}
+    assert names >= {"checkpoint.sqlite", "results.fxm", "summary.json", "nodes.csv", "membranes.csv", "paraview"}
+    assert run(tmp_path, "init")[0] == 2
+
+
+def test_results_are_kept_unless_told_otherwise(tmp_path):
+    (tmp_path / "roof.toml").write_text(ROOF, encoding="utf-8")
+    case = read_case(tmp_path / "roof.toml")
+    expected = Analysis(case.structure, case.solver).run(case.stages)["snow"].displacement
+    code, said, _ = run(tmp_path, "run", "roof.toml", processes=2)
+    assert code == 0
+    assert said.count("Stage 'snow'") == 1
+    found = load_results(tmp_path / "out" / "results.fxm")["snow"].displacement
+    assert np.allclose(found, expected, rtol=0, atol=1e-12)
+    code, _, complaint = run(tmp_path, "run", "roof.toml")
+    assert code == 2
+    assert "--resume" in complaint
+    assert run(tmp_path, "run", "roof.toml", "--resume", "--quiet")[0] == 0
+    assert run(tmp_path, "run", "roof.toml", "--overwrite", "--quiet")[0] == 0
+
+
+def test_failed_stage_leaves_the_results_before_it(tmp_path):
+    (tmp_path / "roof.toml").write_text(
+        ROOF.replace("rtol = 1e-11", "rtol = 1e-11\nmax_iterations = 2"), encoding="utf-8"
+    )
+    code, _, complaint = run(tmp_path, "run", "roof.toml")
+    assert code == 1
+    assert "max_iterations" in complaint
+    assert "Traceback" not in complaint
+
+
+def test_faults_are_told_and_end_with_two(tmp_path):
+    (tmp_path / "roof.toml").write_text(ROOF.replace("nu = 0.3", "nue = 0.3"), encoding="utf-8")
+    for command in ("check", "run"):
+        code, _, complaint = run(tmp_path, command, "roof.toml")
+        assert code == 2
+        assert "roof.toml:15: materials.pvc.nue: " in complaint
+        assert "Traceback" not in complaint
+    assert run(tmp_path, "check", "none.toml")[0] == 2
+    assert run(tmp_path, "fly")[0] == 2
+
+
+def test_ctrl_c_ends_with_130_and_the_run_goes_on(tmp_path):
+    (tmp_path / "roof.toml").write_text(ROOF.replace("increments = 2", "increments = 20000"), encoding="utf-8")
+    environment = dict(os.environ) | launch.ENVIRONMENT | {"PYTHONPATH": str(Path(__file__).parents[4])}
+    command = [sys.executable, *COMMAND, "run", "roof.toml"]
+    with subprocess.Popen(command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True) as process:
+        while not (tmp_path / "out" / "paraview" / "0002.vtm").exists():
+            assert process.poll() is None
+            time.sleep(0.2)
+        process.send_signal(signal.SIGINT)
+        complaint = process.communicate()[1]
+    assert process.returncode == 130
+    assert "--resume" in complaint
+    (tmp_path / "roof.toml").write_text(ROOF, encoding="utf-8")
+    assert run(tmp_path, "run", "roof.toml", "--resume", "--quiet")[0] == 0
+
+
+def test_conversion(tmp_path):
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\ng sail\nf 1 2 3 4\ng edge\nl 1 2\n")
+    assert run(tmp_path, "convert", "a.obj", "a.msh")[0] == 0
+    assert run(tmp_path, "convert", "a.msh", "b.obj")[0] == 0
+    assert (tmp_path / "b.obj").read_text().count("\nf ") == 2
+    code, _, complaint = run(tmp_path, "convert", "a.obj", "a.step")
+    assert code == 2
+    assert ".dxf" in complaint
+
+
+def test_schema(tmp_path):
+    code, said, _ = run(tmp_path, "schema")
+    assert code == 0
+    assert "parts" in json.loads(said)["properties"]
