@@ -76,6 +76,8 @@ parts = {
     "fabric": Membrane(triangles, fabric, warp=points[triangles].mean(axis=1) * (1, 1, 0)),
     "edge cables": Cable(segments, 1.4e4, prestress=np.hypot(*force(centre[:, 1], centre[:, 0]))),
 }
+if "--no-pictures" not in sys.argv:
+    plot.wireframe(points, parts, folder / "plan.png")
 stress = {"fabric": lambda x: np.multiply.outer(radial(x[0], x[1]), (1, 2 / 3))}
 form = projected_stress(Structure(points, parts, [Support(corners), Support(ring)]), stress=stress)
 moved, strayed = np.abs(form.points - points)[:, :2].max(), form.steps[-1].stress_error

@@ -16,7 +16,7 @@ from mpi4py import MPI
 
 DEMOS = Path(__file__).parent.parent / "demos"
 PICTURES: dict[str, list[str]] = {
-    "cone": ["prestress.png", "snow.png", "uplift.png", "wind.png"],
+    "cone": ["plan.png", "prestress.png", "snow.png", "uplift.png", "wind.png"],
     "forms_alone": [],
     "own_energy": [],
     "own_law": [],

@@ -119,7 +119,7 @@ def at_rest(form, loads):
     assert state.reactions == pytest.approx(form.reactions, abs=1e-9 * np.abs(form.reactions).max())
 
 
-@pytest.mark.parametrize("loaded", [False, True])
+@pytest.mark.parametrize("loaded", [False, pytest.param(True, marks=pytest.mark.mpi)])
 @pytest.mark.parametrize("method", METHODS)
 def test_form_is_at_rest(method, loaded):
     loads = loads_of(method) if loaded else []
