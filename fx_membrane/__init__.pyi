@@ -37,8 +37,10 @@ from .form_finding.force_density import force_density
 from .form_finding.form import Form, FormStep
 from .form_finding.masts_and_stays import masts_and_stays
 from .form_finding.natural_force_density import natural_force_density
+from .form_finding.prescribed_stress import prescribed_stress
 from .form_finding.projected_stress import projected_stress
 from .form_finding.updated_reference import UnsettledFormWarning, updated_reference
+from .form_finding.wishes import RadialDirection
 from .geometry.edges import edges_where
 from .geometry.grids import polyline, rectangle
 from .geometry.topology import boundary_edges
@@ -120,6 +122,7 @@ __all__ = [
     "PrescribedDisplacement",
     "Pressure",
     "Problem",
+    "RadialDirection",
     "RigidBody",
     "Ring",
     "SeriesWarning",
@@ -151,6 +154,7 @@ __all__ = [
     "natural_frequencies",
     "plot",
     "polyline",
+    "prescribed_stress",
     "projected_stress",
     "read_compas",
     "rectangle",

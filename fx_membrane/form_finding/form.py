@@ -1,7 +1,7 @@
 """The result of form finding, whichever method found it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -40,6 +40,8 @@ class Form:
         steps: The steps of a method that takes several.
         converged: True if the form has the forces asked for, within the tolerances of its method.
         made: As `structure`; None for a net of force densities.
+        wish: By part, the forces wished for where the cells now are, as `forces`; empty where a method has none.
+        remarks: Sentences on the wish, such as that which would be exact.
     """
 
     points: NDArray[np.float64]
@@ -48,6 +50,17 @@ class Form:
     steps: tuple[FormStep, ...] = ()
     converged: bool = True
     made: Structure | None = None
+    wish: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def differences(self) -> dict[str, NDArray[np.float64]]:
+        """Difference of forces from the wish by part, shape (cells,) [-]: a map of errors for `plot.contours`.
+
+        It is the largest of a principal value, relative to the wish in its direction: w^-1/2 s w^-1/2 - 1. Zero where
+        nothing is wished for.
+        """
+        return {name: relative_difference(self.forces[name], wish) for name, wish in self.wish.items()}
 
     @property
     def structure(self) -> Structure:
@@ -79,3 +92,12 @@ def refuse_terms(structure: Structure) -> None:
             f"The structure has energy terms ({described(structure.terms[0])}), which form finding does not take; "
             "leave them out by dataclasses.replace(structure, terms=()), and add them to the form."
         )
+
+
+def relative_difference(found: NDArray[np.float64], wish: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Largest principal value of w^-1/2 s w^-1/2 - 1, of tensors (cells, 2, 2) or forces (cells,), shape (cells,)."""
+    if wish.ndim == 1:
+        return np.abs(np.divide(found, wish, where=wish != 0, out=np.ones_like(found)) - 1)
+    values, vectors = np.linalg.eigh(wish)
+    root = (vectors / np.sqrt(values)[:, None]) @ vectors.swapaxes(1, 2)
+    return np.asarray(np.abs(np.linalg.eigvalsh(root @ found @ root - np.eye(2))).max(axis=1))

@@ -40,18 +40,27 @@ def nodal_loads(structure: Structure, loads: Sequence[Any], points: Array) -> Ar
         if isinstance(load, PointLoad):
             total[np.asarray(load.nodes)] += np.asarray(load.force)
             continue
-        cells = structure.parts[load.part].cells
-        cells = cells if load.cells is None else cells[np.asarray(load.cells)]
-        size = measures(points, cells)[:, None]
-        if isinstance(load, Pressure):
-            force = load.pressure * size * normals(points, cells)
-        elif isinstance(load, PlanLoad):
-            force = size * np.abs(normals(points, cells)[:, 2:]) * np.asarray(load.load)
-        else:
-            force = size * np.asarray(load.load)
+        cells = loaded_cells(structure, load)
+        force = cell_loads(load, points, cells)
         for corner in cells.T:
             np.add.at(total, corner, force / cells.shape[1])
     return total
+
+
+def loaded_cells(structure: Structure, load: Any) -> NDArray[np.int64]:
+    """Nodes of the cells under a distributed load, shape (cells, nodes of a cell)."""
+    cells = structure.parts[load.part].cells
+    return cells if load.cells is None else cells[np.asarray(load.cells)]
+
+
+def cell_loads(load: Any, points: Array, cells: NDArray[np.int64]) -> Array:
+    """Spread a distributed load on the cells of a shape, shape (cells, 3) [N]."""
+    size = measures(points, cells)[:, None]
+    if isinstance(load, Pressure):
+        return np.asarray(load.pressure * size * normals(points, cells))
+    if isinstance(load, PlanLoad):
+        return np.asarray(size * np.abs(normals(points, cells)[:, 2:]) * np.asarray(load.load))
+    return np.asarray(size * np.asarray(load.load))
 
 
 def collapse_of(structure: Structure, points: Array) -> str:

@@ -49,8 +49,8 @@ def natural_force_density(
 
     The number of iterations says how far to go. One keeps the mesh even, and a mesh near the form gives a stress near
     the prestress. Each further one prescribes the Cauchy stress in the shape found so far. A few come near to it; many
-    settle only if a surface with that stress exists, as a soap film. Else nodes slide and cells degenerate: take fewer,
-    or `projected_stress`, with stress in plan.
+    settle only if a surface with that stress exists, as a soap film. Else nodes slide and cells degenerate: take
+    `prescribed_stress`, which holds the mesh and finds the nearest stress, or `projected_stress`, with stress in plan.
 
     Args:
         structure: The first mesh, near to the form, with the intended prestress and the supports. A membrane may lie

@@ -40,7 +40,7 @@ def change_of_shape(structure: Structure, points: NDArray[np.float64], displacem
     def along(unit: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.sum(displacement * unit, axis=1, keepdims=True) * unit
 
-    normal = unit(_nodal_normals(structure, points))
+    normal = unit(nodal_normals(structure, points))
     across = np.where(on_line[:, None], displacement - along(tangent), along(normal))
     largest = float(np.linalg.norm(across, axis=1).max() / np.concatenate(edges).mean())
     slides = np.any(tangent, axis=1)
@@ -127,7 +127,7 @@ def _unbalanced(step: int, name: str, part: Bar, cell: int, force: float, first:
     )
 
 
-def _nodal_normals(structure: Structure, points: NDArray[np.float64]) -> NDArray[np.float64]:
+def nodal_normals(structure: Structure, points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Sum of the normals of the cells at each node, all to the side of one of them, shape (n, 3) [-].
 
     Adjoining membranes may have different senses, and a Moebius strip has none.

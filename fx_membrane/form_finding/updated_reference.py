@@ -70,6 +70,10 @@ def updated_reference(
     the rest of the form held there; for bars alone, under point loads at most, the balance of their forces is solved.
     For a mast of given place or length hold its head by a support, and add masts and stays by `masts_and_stays`.
 
+    Stress and warp stay with the cells, whose nodes slide for hundreds of steps: with warp unlike weft, and along edge
+    cables, stress and area drift on. `prescribed_stress` keeps the mesh even, takes both anew where the cell is, and
+    settles. Take it for them, and this function for soap films and masts.
+
     Args:
         structure: Initial shape with the intended prestress and the supports of the form.
         loads: Loads that the form balances, such as an inner pressure; distributed loads are per area or length of the

@@ -34,6 +34,7 @@ from fx_membrane import (
     PointLoad,
     PrescribedDisplacement,
     Pressure,
+    RadialDirection,
     RigidBody,
     Ring,
     Slide,
@@ -52,6 +53,7 @@ from fx_membrane import (
     natural_frequencies,
     plot,
     polyline,
+    prescribed_stress,
     projected_stress,
     read_compas,
     rectangle,
@@ -190,6 +192,12 @@ CASES = {
         {"form": FORM, "bars": {"stay": Cable([[0, 4]], 1e6)}, "points": [[-2.0, 0.0, 0.0]], "heads": [0],
          "components": "x"},
         {"form": "object", "bars": "object", "points": "array", "heads": "rows?", "components": "object"},
+    ),
+    RadialDirection: ({"origin": [0.0, 0.0, 0.0], "axis": [0.0, 0.0, 1.0]}, {"origin": "array", "axis": "array"}),
+    prescribed_stress: (
+        {"structure": SHEET, "loads": (), "stress": {}, "warp": {}, "tolerance": 0.1, "max_iterations": 2},
+        {"structure": "object", "loads": "list", "stress": "table?", "warp": "table?", "tolerance": "number",
+         "max_iterations": "whole"},
     ),
     projected_stress: (
         {"structure": SHEET, "loads": (), "stress": {}, "cables": "force", "direction": [0.0, 0.0, 1.0],

@@ -15,7 +15,8 @@ SHOWN = {
     "Analysis", "Cable", "DistributedLoad", "Fabric", "Mast", "Membrane", "OrthotropicFabric", "PlanLoad",
     "PointLoad", "PrescribedDisplacement", "Pressure", "Stage", "StageResult", "Structure", "Support",
     "boundary_edges", "edges_where", "equilibrium_path", "force_density", "masts_and_stays", "natural_force_density",
-    "natural_frequencies", "polyline", "projected_stress", "rectangle", "report", "stability", "updated_reference",
+    "natural_frequencies", "polyline", "prescribed_stress", "projected_stress", "rectangle", "report", "stability",
+    "updated_reference",
 }  # fmt: skip
 NEEDS = {"ParaViewSeries": "pyvista"}  # packages that are optional
 
