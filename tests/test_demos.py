@@ -123,7 +123,7 @@ def test_readme_forms():
     for block in section.split("```python\n")[1:]:
         exec(compile(block.split("```")[0], "README.md", "exec"), found)
     assert f"{reach(0.6, 6.0, 1.5):.1f} m" in section
-    for name in ("in_plan", "nearer", "soap_film", "sagging", "guyed"):
+    for name in ("in_plan", "nearer", "soap_film", "wish", "sagging", "guyed"):
         form = found[name]
         assert form.steps[-1].stress_error < 0.1
         state = Analysis(form.structure).run([Stage("form")])["form"]
