@@ -22,6 +22,7 @@ from .files.gmsh import structure_from_gmsh
 from .files.mesh_files import structure_from_file
 from .files.mesh_writer import write_mesh
 from .files.paraview import ParaViewSeries, SeriesWarning, write_paraview
+from .files.report.write import write_report
 from .files.tables import write_tables
 from .form_finding.constraints import (
     CableDensity,
@@ -71,6 +72,12 @@ from .solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
 from .solvers.newton import Newton
 from .solvers.outcome import Outcome
 from .solvers.petsc_options import UnusedOptionWarning
+from .surfaces.drainage import Depression, Drainage, drainage
+from .surfaces.remeshing import Remeshed, remeshed
+from .surfaces.round_hole import RoundHole
+from .surfaces.sail import SailMesh, sail_mesh
+from .surfaces.surface_lines import SurfaceLine, geodesic, warp_lines
+from .surfaces.warp_along import warp_along
 
 __all__ = [
     "Actions",
@@ -87,7 +94,9 @@ __all__ = [
     "ConjugateGradient",
     "Constraints",
     "ConvergenceError",
+    "Depression",
     "DistributedLoad",
+    "Drainage",
     "EdgeAngle",
     "EnergyTerm",
     "Equilibrium",
@@ -123,8 +132,11 @@ __all__ = [
     "Pressure",
     "Problem",
     "RadialDirection",
+    "Remeshed",
     "RigidBody",
     "Ring",
+    "RoundHole",
+    "SailMesh",
     "SeriesWarning",
     "Slide",
     "SliverWarning",
@@ -138,6 +150,7 @@ __all__ = [
     "SteepestDescent",
     "Structure",
     "Support",
+    "SurfaceLine",
     "TermResult",
     "UnbalancedStateWarning",
     "UnsettledFormWarning",
@@ -145,9 +158,11 @@ __all__ = [
     "UnusedOptionWarning",
     "WorkLimit",
     "boundary_edges",
+    "drainage",
     "edges_where",
     "equilibrium_path",
     "force_density",
+    "geodesic",
     "load_results",
     "masts_and_stays",
     "natural_force_density",
@@ -158,7 +173,9 @@ __all__ = [
     "projected_stress",
     "read_compas",
     "rectangle",
+    "remeshed",
     "report",
+    "sail_mesh",
     "save_results",
     "stability",
     "structure_from_dolfinx",
@@ -167,8 +184,11 @@ __all__ = [
     "tension_direction",
     "to_dolfinx",
     "updated_reference",
+    "warp_along",
+    "warp_lines",
     "write_mesh",
     "write_paraview",
+    "write_report",
     "write_tables",
 ]
 

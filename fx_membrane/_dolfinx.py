@@ -57,7 +57,13 @@ def create_mesh(points: NDArray[np.float64], cells: NDArray[np.int64], comm: MPI
     domain = ufl.Mesh(_element("Lagrange", CELL[cells.shape[1] - 1], 1, 3))
     if "e" in inspect.signature(mesh.create_mesh).parameters:  # 0.9, 0.11
         return mesh.create_mesh(comm, cells=cells, x=points, e=domain)
-    return mesh.create_mesh(comm, cells=cells, x=points, domain=domain, ghost_mode=mesh.GhostMode.none)  # 0.5
+    alone = {"partitioner": _undivided} if comm.size == 1 else {}  # 0.5 would divide it by SCOTCH
+    return mesh.create_mesh(comm, cells=cells, x=points, domain=domain, ghost_mode=mesh.GhostMode.none, **alone)  # 0.5
+
+
+def _undivided(comm: Any, parts: int, dimension: int, cells: Any, ghost_mode: Any) -> Any:
+    """Leave all cells to a process that has its mesh alone."""
+    return cpp.graph.AdjacencyList_int32(np.zeros((cells.num_nodes, 1), dtype=np.int32))
 
 
 def functionspace(msh: Any, family: str, degree: int, size: int | tuple[int, ...]) -> Any:

@@ -127,6 +127,37 @@ def convert(source: Path, target: Path) -> None:
 
 
 @main.command()
+@click.argument("results", type=CASE)
+def show(results: Path) -> None:
+    """Print the checks and extremes of saved results: results.fxm of a run."""
+    from .files.archive import load_results  # noqa: PLC0415
+    from .results.checks import checks, table  # noqa: PLC0415
+    from .results.report import report as told  # noqa: PLC0415
+    from .results.states import StageResults  # noqa: PLC0415
+
+    found = load_results(results)
+    if not isinstance(found, StageResults):
+        raise ValueError(f"{results} holds a form, without stages; give results.fxm of a run.")
+    for state in found.values():
+        click.echo(f"{told(state)}\n{table(checks(state))}")
+
+
+@main.command()
+@click.argument("results", type=CASE)
+@click.argument("target", type=CASE)
+@click.option("--title", default="Structural analysis", help="Title of the report.")
+@click.option("--force-unit", default="N", help="Name of the force unit of the results.")
+@click.option("--length-unit", default="m", help="Name of the length unit.")
+def report(results: Path, target: Path, title: str, force_unit: str, length_unit: str) -> None:
+    """Write a report of saved results as .html or .pdf."""
+    from .files.archive import load_results  # noqa: PLC0415
+    from .files.report.write import write_report  # noqa: PLC0415
+
+    write_report(load_results(results), target, title=title, force_unit=force_unit, length_unit=length_unit)
+    click.echo(f"Wrote {target}")
+
+
+@main.command()
 def schema() -> None:
     """Print the JSON schema of case files, for editors."""
     click.echo(_schema())

@@ -35,6 +35,7 @@ PICTURES: dict[str, list[str]] = {
     ],
     "solvers": ["pavilion.png", "square.png"],
     "square_membrane": ["fig7_convergence.png", "fig8_displacements.png", "fig9_principal_stresses.png"],
+    "tilted_masts": ["snow.png", "structure.png", "wind.png"],
 }
 
 

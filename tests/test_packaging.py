@@ -113,6 +113,8 @@ def test_types_are_seen_through_an_editable_install(sources, tmp_path):
     options = re.search(r"pip install (.*) --editable", (ROOT / ".ci/setup").read_text())[1].split()
     venv.create(tmp_path / "env", system_site_packages=True)
     python = str(tmp_path / "env/bin/python")
+    site = Path(run(python, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))").strip())
+    (site / "dependencies.pth").write_text(sysconfig.get_path("purelib"))  # setuptools, and packages with types
     offline = ["--no-deps", "--no-index", "--no-build-isolation"]
     run(sys.executable, "-m", "pip", "--python", python, "install", *options, *offline, "--editable", str(sources))
     script = tmp_path / "script.py"

@@ -27,6 +27,7 @@ from ..results.remarks import held_by_slack_parts, remarked, warn_of_remarks
 from ..results.slackness import hanging_ends, slack_parts
 from ..results.states import StageResult, StageResults
 from ..results.strain_limits import warn_of_large_prestress
+from ..runtime.freed_memory import return_freed_memory
 from ..runtime.processes import refuse_differences, together
 from ..solvers import own
 from ..solvers.base import Solution, Solver
@@ -185,7 +186,11 @@ class Analysis:
                 accept = partial(self._accept, course, saved, observe)
                 if observe and state.factor == 1:
                     observe(self._result(course, state))
-                results[stage.name] = remarked(self._run(course, state, results, accept), shape)
+                state = self._run(course, state, results, accept)
+                if stage is stages[-1]:
+                    own.release(self._solve)  # it takes several times the memory of the result
+                    return_freed_memory(3 * len(self.problem.discretization.owned_nodes))
+                results[stage.name] = remarked(self._result(course, state), shape)
                 with together(self._comm):
                     warn_of_remarks(results[stage.name], self._comm, stacklevel=3)
         return results
@@ -201,8 +206,8 @@ class Analysis:
 
     def _run(
         self, course: _Course, state: Progress, results: StageResults, accept: Callable[[Progress], None]
-    ) -> StageResult:
-        """Run the load increments of a stage from a converged state."""
+    ) -> Progress:
+        """Run the load increments of a stage from a converged state; return its end."""
         stage = course.stage
         balanced = stage.after is not None or not (self.problem.magnitudes.prestress_forces or self.structure.terms)
         control = IncrementControl(stage, state, balanced)
@@ -222,7 +227,7 @@ class Analysis:
                     raise self._failure(course, control, loaded, x, solution, work, results)
                 accept(control.accept())
                 report.increment(float(control.state.factor), control.state.increments[-1].iterations[-1].residual)
-        return self._result(course, control.state)
+        return control.state
 
     def _accept(
         self,
@@ -271,6 +276,7 @@ class Analysis:
         results: StageResults,
     ) -> ConvergenceError:
         """Warn of the last state, and return the exception that ends the stage after it."""
+        own.release(self._solve)
         slack = self._slack(course, loaded, x)
         last = remarked(self._result(course, control.state), course.shape)
         warn_of_remarks(last, self._comm, stacklevel=5)

@@ -72,9 +72,10 @@ class Constraints:
             free.set(1.0)
             self.zero_constrained(free)
             A.diagonalScale(free, free)
-            A.getDiagonal(free)
-            free.array[self.rows] = self.stiffness
-            A.setDiagonal(free)
+        count = len(self.constrained)
+        each = np.arange(count + 1, dtype=PETSc.IntType)  # one entry in each row
+        A.setValuesIJV(each, self.constrained, np.full(count, self.stiffness), rowmap=self.constrained)
+        A.assemble()
         return A
 
     def impose(self, x: PETSc.Vec) -> bool:

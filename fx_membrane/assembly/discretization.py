@@ -8,7 +8,7 @@ a part.
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
@@ -52,6 +52,7 @@ class PartMesh:
     seam: NDArray[np.intp]
     u: fem.Function
     lgmap: PETSc.LGMap
+    _spaces: dict[int, Any] = field(default_factory=dict, repr=False)
 
     def move(self, points: NDArray[np.float64]) -> None:
         """Set the reference positions of the nodes of this mesh, shape (nodes, 3) [m]."""
@@ -60,9 +61,15 @@ class PartMesh:
     def cell_field(self, values: NDArray[np.float64]) -> fem.Function:
         """Piecewise constant function from values for all cells of the part, shape (cells, ...), flattened per cell."""
         flat = np.reshape(values, (len(self.part.cells), -1))
-        field = fem.Function(_dolfinx.functionspace(self.mesh, "DG", 0, flat.shape[1]))
-        field.x.array[:] = flat[self.cell_rows].ravel()
-        return field
+        made = self.zero_field(flat.shape[1])
+        made.x.array[:] = flat.take(self.cell_rows, axis=0).ravel()
+        return made
+
+    def zero_field(self, size: int) -> fem.Function:
+        """Piecewise constant function of `size` components, zero."""
+        if size not in self._spaces:
+            self._spaces[size] = _dolfinx.functionspace(self.mesh, "DG", 0, size)
+        return fem.Function(self._spaces[size])
 
 
 class Discretization:
@@ -131,15 +138,15 @@ class Discretization:
         V = _dolfinx.functionspace(mesh, "Lagrange", 1, 3)
         nodes = nodes[_dolfinx.node_order(V)]
         rows = np.asarray(np.searchsorted(self.local_nodes, nodes))
-        again = np.ones(len(rows), dtype=bool)
-        again[len(rows) - 1 - np.unique(rows[::-1], return_index=True)[1]] = False
+        last = np.empty(len(self.local_nodes), dtype=np.intp)
+        last[rows] = np.arange(len(rows))  # of a node that comes several times, the last place alone
         return PartMesh(
             name=name,
             part=part,
             mesh=mesh,
             cell_rows=share[_dolfinx.cell_order(mesh)],
             node_rows=rows,
-            seam=np.flatnonzero(again),
+            seam=np.flatnonzero(last[rows] != np.arange(len(rows))),
             u=fem.Function(V),
             lgmap=PETSc.LGMap().create(self.block_of_node[nodes].astype(PETSc.IntType), bsize=3, comm=MPI.COMM_SELF),
         )
@@ -194,10 +201,7 @@ class Discretization:
 
     def dofs(self, mask: NDArray[np.bool_]) -> NDArray[np.int32]:
         """System numbers of the components chosen by a mask (n, 3) that this process owns."""
-        return np.asarray(
-            (3 * self.block_of_node[:, None] + np.arange(3))[self.owned_nodes][mask[self.owned_nodes]],
-            dtype=PETSc.IntType,
-        )
+        return np.asarray(3 * self.first_block + np.flatnonzero(mask[self.owned_nodes]), dtype=PETSc.IntType)
 
     def stiff_nodes(self, A: PETSc.Mat) -> NDArray[np.bool_]:
         """Nodes with an entry in a tangent, shape (n,): all except those where no cell has stiffness."""
@@ -238,7 +242,7 @@ class Discretization:
         self._scatter.scatter(vector, self._local_values, PETSc.InsertMode.INSERT, PETSc.ScatterMode.FORWARD)
         values = self._local_values.array_r.reshape(-1, 3)
         for mesh in self.parts.values():
-            there = values[mesh.node_rows].ravel()
+            there = values.take(mesh.node_rows, axis=0).ravel()
             if not np.array_equal(there, mesh.u.x.array):
                 mesh.u.x.array[:] = there
                 self.state += 1

@@ -29,15 +29,15 @@ class _Symbols:
     """Weight of the cells and parameters of terms on a part, as coefficients."""
 
     def __init__(self, mesh: PartMesh, kinds: Kinds):
-        self._count = count = len(mesh.part.cells)
+        self._count = len(mesh.part.cells)
         self._mesh, self._acting = mesh, Acting(None, 0.0)
-        self.weight = mesh.cell_field(np.zeros(count))
+        self.weight = mesh.zero_field(1)
         self._fields: dict[str, Any] = {}
         for name, kind, size in kinds:
             if kind == "constant":
                 self._fields[name] = fem.Constant(mesh.mesh, np.zeros((size,) if size > 1 else ()))
             else:
-                self._fields[name] = mesh.cell_field(np.zeros((count, size)))
+                self._fields[name] = mesh.zero_field(size)
         single = {name for name, kind, size in kinds if kind == "cells" and size == 1}
         self.parameters = named({name: f[0] if name in single else f for name, f in self._fields.items()})
 

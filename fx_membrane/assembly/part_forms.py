@@ -88,7 +88,7 @@ def part_forms(mesh: PartMesh, structure: Structure, elastic: bool) -> PartForms
     sigma0 = ufl.as_matrix([[prestress[d * i + j] for j in range(d)] for i in range(d)])
     w = _strain_energy(mesh, E, sigma0, prestress) if elastic else _prescribed_stress(E, sigma0)
 
-    q, p = mesh.cell_field(np.zeros((len(part.cells), 3))), mesh.cell_field(np.zeros(len(part.cells)))
+    q, p = mesh.zero_field(3), mesh.zero_field(1)
     v = ufl.TestFunction(u.function_space)
     dx = ufl.Measure("dx", domain=mesh.mesh, metadata={"quadrature_degree": 1})  # exact: strains are constant per cell
     energy = w.density * dx

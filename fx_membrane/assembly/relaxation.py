@@ -55,7 +55,7 @@ def relaxed(mesh: PartMesh, E: Any, sigma0: Any, prestress: fem.Function, parame
 
 def _woven(mesh: PartMesh, fabric: OrthotropicFabric, E: Any, sigma0: Any, parameters: Any) -> Relaxation:
     """Relaxed energy with the direction of the tension, solved for where the fabric may wrinkle."""
-    angle = mesh.cell_field(np.zeros(len(mesh.part.cells)))
+    angle = mesh.zero_field(1)
     e = E + fabric.elastic_strain(sigma0, parameters)
     strains = _dolfinx.cell_expression(ufl.as_vector(forms.components(e)), mesh.mesh)
 
@@ -69,9 +69,8 @@ def _woven(mesh: PartMesh, fabric: OrthotropicFabric, E: Any, sigma0: Any, param
 
 def _tension_field(mesh: PartMesh, E: Any, sigma0: Any, prestress: fem.Function, parameters: Any) -> Relaxation:
     """Relaxed energy with the wrinkle strains of the cells, found from the energy."""
-    law, count = mesh.part.material, len(mesh.part.cells)
-    size = len(forms.components(E))
-    b, K, state, trial = (mesh.cell_field(np.zeros((count, n))) for n in (size, size**2, 1, size))
+    law, size = mesh.part.material, len(forms.components(E))
+    b, K, state, trial = (mesh.zero_field(n) for n in (size, size**2, 1, size))
     e = ufl.variable(forms.tensor(trial))
     g = ufl.variable(forms.gradient(law.energy(e, sigma0, parameters), e))
     hessian = [ufl.diff(g[i], e) for i in range(size)]

@@ -11,6 +11,8 @@ from ..model.parts import Part
 from ..model.structure import Structure
 from .part_forms import stiffness
 
+_Values = Mapping[str, NDArray[np.float64]]  # of the cells of each part, shape (cells,)
+
 UNIT = 1e-15  # rounding of a cell's forces, relative to these forces
 
 
@@ -46,58 +48,61 @@ class Magnitudes(NamedTuple):
 
 def magnitudes(structure: Structure, elastic: bool, owned_nodes: NDArray[np.int64]) -> Magnitudes:
     """Typical forces and stiffnesses of a structure, of which this process owns some nodes."""
-    owned = (np.repeat(sizes[owned_nodes], 3) for sizes in scales(structure, elastic))
-    return Magnitudes(prestress_force(structure), typical_stiffness(structure), Scales(*owned))
+    sizes, prestress = _sizes(structure), prestresses(structure)
+    owned = (np.repeat(values[owned_nodes], 3) for values in _scales(structure, elastic, sizes, prestress))
+    forces = [prestress[name] * _width(part, sizes[name]) for name, part in structure.parts.items()]
+    stiffnesses = [stiffness(part) / _length(part, sizes[name]) for name, part in structure.parts.items()]
+    return Magnitudes(
+        prestress_forces=float(np.sqrt(sum(float(force @ force) for force in forces))),
+        stiffness=float(np.median(np.concatenate(stiffnesses))),
+        scales=Scales(*owned),
+    )
 
 
 def scales(structure: Structure, elastic: bool) -> Scales:
     """Sizes of the nodal forces of a structure; the stiffness is that of prestress alone where it is not elastic."""
-    prestress = prestresses(structure)
-    found = Scales(meeting(structure, prestress), np.zeros(len(structure.points)))
+    return _scales(structure, elastic, _sizes(structure), prestresses(structure))
+
+
+def _scales(structure: Structure, elastic: bool, sizes: _Values, prestress: _Values) -> Scales:
+    found = Scales(_meeting(structure, prestress, sizes), np.zeros(len(structure.points)))
     for name, part in structure.parts.items():
-        length = _length(part, measures(structure.points, part.cells))
-        found.stiffness[:] += _at_nodes(structure, part, (prestress[name] + elastic * stiffness(part)) / length)
+        per_length = (prestress[name] + elastic * stiffness(part)) / _length(part, sizes[name])
+        found.stiffness[:] += _at_nodes(structure, part, per_length)
     return found
 
 
 def prestresses(structure: Structure) -> dict[str, NDArray[np.float64]]:
     """Sizes of the prestress of the cells of each part, shape (cells,) [N/m], of bars [N]."""
-    return {name: np.linalg.norm(part.prestress_tensors(), axis=(1, 2)) for name, part in structure.parts.items()}
+    tensors = {name: part.prestress_tensors() for name, part in structure.parts.items()}
+    return {name: np.sqrt(np.einsum("nij,nij->n", values, values)) for name, values in tensors.items()}
 
 
-def meeting(structure: Structure, stresses: Mapping[str, NDArray[np.float64]]) -> NDArray[np.float64]:
+def meeting(structure: Structure, stresses: _Values) -> NDArray[np.float64]:
     """Sum of the sizes of the forces that meet at each node, before they balance each other, shape (n,) [N].
 
     Args:
         structure: The structure.
         stresses: Sizes of the stresses of the cells of each part, shape (cells,) [N/m], of bars their forces [N].
     """
+    return _meeting(structure, stresses, _sizes(structure))
+
+
+def _meeting(structure: Structure, stresses: _Values, sizes: _Values) -> NDArray[np.float64]:
     found = np.zeros(len(structure.points))
     for name, part in structure.parts.items():
-        found += _at_nodes(structure, part, stresses[name] * _width(part, measures(structure.points, part.cells)))
+        found += _at_nodes(structure, part, stresses[name] * _width(part, sizes[name]))
     return found
+
+
+def _sizes(structure: Structure) -> dict[str, NDArray[np.float64]]:
+    """Areas or lengths of the cells of each part, shape (cells,) [m2 or m]."""
+    return {name: measures(structure.points, part.cells) for name, part in structure.parts.items()}
 
 
 def _at_nodes(structure: Structure, part: Part, values: NDArray[np.float64]) -> NDArray[np.float64]:
     """Sum of the values of the cells that meet at each node, shape (n,), from values of shape (cells,)."""
     return np.asarray(sum(np.bincount(corner, values, len(structure.points)) for corner in part.cells.T))
-
-
-def prestress_force(structure: Structure) -> float:
-    """Sum (2-norm) of the prestress forces of all cells, before they balance [N]."""
-    squares = 0.0
-    for part in structure.parts.values():
-        width = _width(part, measures(structure.points, part.cells))
-        squares += float(np.sum((np.linalg.norm(part.prestress_tensors(), axis=(1, 2)) * width) ** 2))
-    return float(np.sqrt(squares))
-
-
-def typical_stiffness(structure: Structure) -> float:
-    """Median of the stiffnesses of the cells [N/m]: no single part sets it."""
-    values = [
-        stiffness(part) / _length(part, measures(structure.points, part.cells)) for part in structure.parts.values()
-    ]
-    return float(np.median(np.concatenate(values)))
 
 
 def _width(part: Part, size: NDArray[np.float64]) -> NDArray[np.float64]:

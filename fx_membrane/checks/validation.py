@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .entries import all_are, described, entries, frozen_integers, misfit
+from .entries import all_are, described, entries, equal_rows, frozen_integers, misfit
 from .objects import communicator as communicator  # noqa: PLC0414  (others take all checks from here)
 from .objects import instance as instance  # noqa: PLC0414
 from .objects import instances as instances  # noqa: PLC0414
@@ -207,12 +207,10 @@ def cells(name: str, value: ArrayLike, nodes: int, distinct: bool = True) -> NDA
         raise ValueError(
             f"{name}: cell {twice[0]} has a node twice, {result[twice[0]].tolist()}; remove or mend the cell."
         )
-    _, first, count = np.unique(ordered, axis=0, return_index=True, return_counts=True)
-    if distinct and (count > 1).any():
-        cell = first[count > 1].min()
-        other = np.flatnonzero((ordered == ordered[cell]).all(axis=1))[1]
+    equal = equal_rows(ordered) if distinct else None
+    if equal:
         raise ValueError(
-            f"{name}: cells {cell} and {other} have the same nodes, {result[cell].tolist()}; remove one, "
+            f"{name}: cells {equal[0]} and {equal[1]} have the same nodes, {result[equal[0]].tolist()}; remove one, "
             "or make the second a part of its own."
         )
     return result

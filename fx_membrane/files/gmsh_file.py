@@ -8,21 +8,17 @@ import os
 import shutil
 import signal
 import stat
-import subprocess
-import sys
 import tempfile
 from contextlib import ExitStack
 from pathlib import Path
 
-from ..runtime.messages import say
+from ..runtime.child_process import run_script
 from . import gmsh_reader
 from .gmsh_reader import GmshMesh
 
 BEGIN = b"$MeshFormat"
 SECONDS, SECONDS_PER_MEGABYTE = 60, 1  # ten times the time of gmsh
 NO_SCRIPT = 2  # exit code of Python
-PERIOD = 10  # between messages to the user [s]
-MPI_VARIABLES = ("OMPI_", "PMIX_", "PRTE_", "PMI_", "MPICH_", "HYDRA_")  # the child is no process of the parent's MPI
 
 
 def read(source: str | Path) -> GmshMesh:
@@ -36,7 +32,10 @@ def read(source: str | Path) -> GmshMesh:
         mesh, arrays = Path(folder, "mesh.msh"), Path(folder, "arrays.npz")
         _copy(source, mesh)
         seconds = SECONDS + SECONDS_PER_MEGABYTE * mesh.stat().st_size // 2**20
-        _run_reader(source, [mesh.name, arrays.name, str(seconds)], Path(folder), seconds)
+        arguments = [mesh.name, arrays.name, str(seconds)]
+        code, words = run_script(gmsh_reader.__file__, arguments, Path(folder), seconds, f"gmsh has read {source}")
+        if code:
+            _refuse(source, code, words.replace("mesh.msh", Path(source).name), seconds)
         found = gmsh_reader.load(arrays)
     if not len(found.tags):
         raise ValueError(
@@ -72,36 +71,6 @@ def _copy(source: str | Path, target: Path) -> None:
         with open(target, "wb") as copy:  # of the checked content, from the same open file
             copy.write(begin)
             shutil.copyfileobj(file, copy)
-
-
-def _run_reader(source: str | Path, arguments: list[str], folder: Path, seconds: int) -> None:
-    environment = {name: value for name, value in os.environ.items() if not name.startswith(MPI_VARIABLES)}
-    environment |= {"PYTHONPATH": os.pathsep.join(map(os.path.abspath, sys.path)), "OMP_NUM_THREADS": "1"}
-    command = [sys.executable, "-P", "-W", "ignore", gmsh_reader.__file__, *arguments]
-    pipe = subprocess.PIPE
-    with subprocess.Popen(
-        command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=pipe
-    ) as child:
-        try:
-            words = _wait(child, source, seconds)
-        finally:
-            child.kill()  # also where the user interrupts
-    if child.returncode:
-        last = (words.strip().splitlines() or [f"exit code {child.returncode}"])[-1]
-        _refuse(source, child.returncode, last.replace("mesh.msh", Path(source).name), seconds)
-
-
-def _wait(child: subprocess.Popen[bytes], source: str | Path, seconds: int) -> str:
-    """Error output of a child, once it has ended or its time is up."""
-    for passed in range(0, seconds, PERIOD):
-        if passed:
-            say(f"gmsh has read {source} for {passed} s")
-        try:
-            return child.communicate(timeout=min(PERIOD, seconds - passed))[1].decode(errors="replace")
-        except subprocess.TimeoutExpired:
-            continue
-    child.kill()
-    return child.communicate()[1].decode(errors="replace")
 
 
 def _refuse(source: str | Path, code: int, words: str, seconds: int) -> None:

@@ -125,7 +125,7 @@ class BarFrame:
 
 def sign_of(part: Mast | Cable) -> int:
     """Sign of the forces that a part is to carry: masts push, stays pull."""
-    return -1 if isinstance(part, Mast) else 1
+    return -1 if part.is_strut else 1
 
 
 def checked_parts(bars: Any) -> dict[str, Mast | Cable]:
@@ -141,7 +141,7 @@ def checked_parts(bars: Any) -> dict[str, Mast | Cable]:
         validation.plain(f"bars: part {validation.name('part', name)!r}", part, Mast | Cable)
         force = part.prestress_tensors().ravel()
         for cell in np.flatnonzero(force * sign_of(part) < 0)[:1]:
-            kind, stress = ("mast", "tension") if isinstance(part, Mast) else ("stay", "compression")
+            kind, stress = ("mast", "tension") if part.is_strut else ("stay", "compression")
             raise ValueError(
                 f"Part {name!r}, cell {cell}: its prestress {force[cell]:g}, the wanted force, is a {stress}, which no "
                 f"{kind} is to carry; change its sign, or give zero for none."

@@ -1,15 +1,18 @@
 """Rings and rigid bodies in balance: the least energy over the places that keep them round, or rigid.
 
-All other nodes eliminated, the energy is quadratic in origins and frames, and so are the constraints. Sequential
-quadratic programming goes down to a minimum; Newton's method on the Lagrangian makes it exact.
+All other nodes eliminated, the energy is quadratic in origins and frames, and so are the constraints. A trust region
+goes down to a minimum where that is far; Newton's method on the Lagrangian makes it exact.
 """
 
+from __future__ import annotations
+
+import warnings
 from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import null_space
-from scipy.optimize import minimize
+from scipy.optimize import NonlinearConstraint, minimize
 
 from .motions import Body
 
@@ -18,6 +21,8 @@ Array = NDArray[np.float64]
 EXACT = 1e-14  # accepted error of a constraint and unbalanced force, over the squared size and the largest force
 ROUNDING = 1e-11  # the same, where it falls no more
 REPEATS = 30  # maximum number of Newton's steps
+CLOSE = 1e-8  # slope of the energy from which Newton's method goes on
+LONGEST = 500  # maximum number of steps downhill
 ASIDE = 1e-3  # distance from the start, over the size
 UNSTABLE = -1e-9  # curvature over the largest, below which a balance is no minimum
 
@@ -37,30 +42,39 @@ def settled(bodies: Sequence[Body], stiffness: Array, loose: Array, start: Array
     equations = _Equations(bodies)
     found = _newton(equations, stiffness, loose, start)
     if found is None:
-        size, largest = equations.size, np.abs(stiffness).max()
-
-        def energy(z: Array) -> tuple[float, Array]:
-            force = stiffness @ (z * size - loose)
-            return float(force @ (z * size - loose) / 2 / largest / size**2), force / largest / size
-
-        held = {
-            "type": "eq",
-            "fun": lambda z: equations.values(z * size) / size**2,
-            "jac": lambda z: equations.gradients(z * size) / size,
-        }
-        aside = start / size + ASIDE * np.cos(np.arange(len(start)))  # off a balance that is no minimum
-        lowest = minimize(
-            energy, aside, jac=True, method="SLSQP", constraints=held, options={"ftol": 1e-14, "maxiter": 500}
-        )
-        found = _newton(equations, stiffness, loose, lowest.x * size)
+        found = _newton(equations, stiffness, loose, _lowest(equations, stiffness, loose, start))
     if found is None:
         raise RuntimeError(
-            f"{bodies[0].label} finds no balance"
-            + (", or another of them," if len(bodies) > 1 else "")
-            + " that keeps "
-            "it in shape under its supports: give another radius, or fewer supports to its nodes."
+            f"{bodies[0].label}{', or another of them,' if len(bodies) > 1 else ''} finds no balance that keeps it in "
+            "shape under its supports: give another radius, or fewer supports to its nodes."
         )
     return found
+
+
+def _lowest(equations: _Equations, stiffness: Array, loose: Array, start: Array) -> Array:
+    """Unknowns near a minimum of the energy, downhill from a start, shape (p,) [m]."""
+    size, largest = equations.size, np.abs(stiffness).max()
+    scaled, goal = stiffness / largest, loose / size
+    kept = NonlinearConstraint(
+        lambda z: equations.values(z * size) / size**2,
+        0.0,
+        0.0,
+        jac=lambda z: equations.gradients(z * size) / size,
+        hess=lambda z, v: np.tensordot(v, equations.curvatures, axes=1),
+    )
+    aside = start / size + ASIDE * np.cos(np.arange(len(start)))  # off a balance that is no minimum
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of constraints that contradict each other, told by the caller
+        found = minimize(
+            lambda z: (z - goal) @ scaled @ (z - goal) / 2,
+            aside,
+            jac=lambda z: scaled @ (z - goal),
+            hess=lambda z: scaled,
+            method="trust-constr",
+            constraints=kept,
+            options={"gtol": CLOSE, "maxiter": LONGEST},
+        )
+    return np.asarray(found.x * size)
 
 
 class _Equations:

@@ -29,7 +29,7 @@ class CableForce:
         part: Name of the cable.
         force: Tension [N].
         cells: Its cells of that force, shape (k,); all if not given.
-        horizontal: True for the force in projection on the plan, the same in all its cells.
+        horizontal: True for the force in projection on the plan of `projected_stress`, or on the plane of x and y.
 
     Raises:
         ValueError: The force is not positive, or a field is of another kind.

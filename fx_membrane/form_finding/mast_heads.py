@@ -19,7 +19,7 @@ from ufl import inner, sqrt
 
 from ..checks import validation
 from ..geometry.measures import measures
-from ..model.parts import Mast
+from ..model.parts import Part
 from ..model.structure import Structure
 from .bar_balance import is_standing
 from .bar_frame import format_force
@@ -51,7 +51,7 @@ class Thrust:
 
 def with_thrusts(structure: Structure) -> Structure:
     """Structure with the prestress of its masts as terms."""
-    masts = {name: part for name, part in structure.parts.items() if isinstance(part, Mast)}
+    masts = {name: part for name, part in structure.parts.items() if part.is_strut}
     terms = [Thrust(name, part.prestress_tensors()[:, :, 0]) for name, part in masts.items()]
     bare = {name: replace(part, prestress=0.0) for name, part in masts.items()}
     return replace(structure, parts={**structure.parts, **bare}, terms=[*structure.terms, *terms])
@@ -183,5 +183,5 @@ def _missing(structure: Structure, points: Array, reactions: Array) -> str:
     )
 
 
-def _masts(structure: Structure) -> list[Mast]:
-    return [part for part in structure.parts.values() if isinstance(part, Mast)]
+def _masts(structure: Structure) -> list[Part]:
+    return [part for part in structure.parts.values() if part.is_strut]

@@ -36,7 +36,6 @@ from ..model.restraint import check_supports
 from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
 from ..results.evaluation import StateEvaluator
-from ..results.part_results import MembraneResult
 from ..results.states import StageResult
 from ..runtime.processes import refuse_differences, together
 from ..solvers.base import Iteration, Solution
@@ -264,7 +263,7 @@ def _stressed_part(
     """Replace the prestress of a part by the stress of a state, in a new shape; return that, and its relative error."""
     part, result = structure.parts[name], state.parts[name]
     wanted = part.prestress_tensors()
-    if isinstance(result, MembraneResult):
+    if result.dimension == 2:
         warp = structure.warp(name)
         normal = normals(points, part.cells)
         first = projected(warp, normal)

@@ -39,7 +39,8 @@ class RadialDirection:
 
     def __post_init__(self) -> None:
         validation.keep(self, origin=validation.vector("RadialDirection origin", self.origin))
-        validation.keep(self, axis=validation.direction("RadialDirection axis", self.axis))
+        validation.direction("RadialDirection axis", self.axis)
+        validation.keep(self, axis=validation.vector("RadialDirection axis", self.axis))
 
     def __call__(self, positions: Array) -> Array:
         """Give unit vectors at positions of shape (3, n) [m], shape (n, 3) [-]; zero on the axis."""
@@ -49,7 +50,7 @@ class RadialDirection:
 
     def arms(self, points: Array) -> Array:
         """Vectors from the axis to points, both of shape (n, 3) [m]."""
-        axis, arm = np.asarray(self.axis), points - np.asarray(self.origin)
+        axis, arm = validation.direction("axis", self.axis), points - np.asarray(self.origin)
         return np.asarray(arm - (arm @ axis)[:, None] * axis)
 
 

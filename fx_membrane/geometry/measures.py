@@ -1,5 +1,7 @@
 """Areas, lengths, normals and slenderness of cells."""
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,20 +20,32 @@ def lengths(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
 def measures(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.float64]:
     """Areas of triangles [m2] or lengths of segments [m], shape (cells,)."""
     if cells.shape[1] == 2:
-        return lengths(points[cells[:, 1]] - points[cells[:, 0]])
-    return lengths(_area_vectors(points, cells)) / 2
+        a, b = _corners(points, cells)
+        return _lengths(b - a)
+    return _lengths(_area_vectors(points, cells)) / 2
 
 
 def normals(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.float64]:
     """Return unit normals of triangles, by the right-hand rule from the order of nodes, shape (cells, 3) [-]."""
     area = _area_vectors(points, triangles)
-    return area / lengths(area)[:, None]
+    return np.ascontiguousarray((area / _lengths(area)).T)
+
+
+def _corners(points: NDArray[np.float64], cells: NDArray[np.int64]) -> list[NDArray[np.float64]]:
+    """Positions of each corner of the cells, in columns, shape (3, cells): sums over short last axes are slow [m]."""
+    columns = np.ascontiguousarray(points.T)
+    return [columns.take(corner, axis=1) for corner in cells.T]
+
+
+def _lengths(columns: NDArray[np.float64]) -> NDArray[np.float64]:
+    """2-norms of vectors in columns, shape (3, n) to (n,)."""
+    return np.asarray(np.sqrt(np.einsum("in,in->n", columns, columns)))
 
 
 def _area_vectors(points: NDArray[np.float64], triangles: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Return normals of length twice the area, shape (cells, 3) [m2]."""
-    a, b, c = (points[corner].T for corner in triangles.T)
-    return _cross(b - a, c - b).T.copy()
+    """Return normals of length twice the area, in columns, shape (3, cells) [m2]."""
+    a, b, c = _corners(points, triangles)
+    return _cross(b - a, c - b)
 
 
 def _cross(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -45,7 +59,7 @@ def projected(vectors: NDArray[np.float64], normal: NDArray[np.float64]) -> NDAr
 
     Zero where a vector is zero, or normal to its plane up to rounding.
     """
-    tangent = vectors - np.sum(vectors * normal, axis=1, keepdims=True) * normal
+    tangent = vectors - np.einsum("ni,ni->n", vectors, normal)[:, None] * normal
     length = lengths(tangent)[:, None]
     there = length > 1e-8 * lengths(vectors)[..., None]
     return np.divide(tangent, length, where=there, out=np.zeros_like(tangent))
@@ -61,12 +75,14 @@ def aspects(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np
 
     Infinite if height or length are rounding.
     """
-    corners = points.T[:, cells.T]  # (component, corner, cell): sums over short last axes are slow
-    side = np.roll(corners, -1, axis=1) - corners
-    span = np.maximum(np.abs(side).max(axis=(0, 1)), np.finfo(float).tiny)
-    side /= span  # avoids overflow and underflow of squares
-    longest = height = np.sqrt((side**2).sum(axis=0)).max(axis=0)
+    corners = _corners(points, cells)
+    largest = np.abs(corners).max(axis=(0, 1))
+    scale = max(float(largest.max()), float(np.finfo(float).tiny))  # avoids overflow and underflow of squares
+    round_about = corners if cells.shape[1] == 2 else [*corners, corners[0]]
+    sides = [(b - a) / scale for a, b in pairwise(round_about)]
+    longest = height = np.maximum.reduce([_lengths(side) for side in sides])
     if cells.shape[1] == 3:
-        height = np.sqrt((_cross(side[:, 0], side[:, 1]) ** 2).sum(axis=0)) / longest
-    rounding = np.maximum(8 * np.finfo(float).eps * np.abs(corners).max(axis=(0, 1)) / span, FLAT)
+        area = _lengths(_cross(sides[0], sides[1]))
+        height = np.divide(area, longest, where=longest > 0, out=np.zeros_like(area))
+    rounding = np.maximum(8 * np.finfo(float).eps * largest / scale, FLAT * longest)
     return np.divide(longest, height, where=height > rounding, out=np.full(len(cells), np.inf))

@@ -10,6 +10,7 @@ from ..checks import validation
 from .parts import Part
 
 COINCIDENT = 1e-9  # distance, relative to the size of the structure
+LINE = np.sqrt([0.2, 0.3, 0.5])  # a direction of length one; the nodes of a regular grid are apart along it
 
 
 class CoincidentNodesWarning(UserWarning):
@@ -35,6 +36,7 @@ def coincident_nodes(
         using[name][part.cells] = True
     used = np.flatnonzero(np.any(list(using.values()), axis=0))
     size = np.ptp(points[used], axis=0).max()
+    used = _near_others(points, used, COINCIDENT * size)
     pairs = used[cKDTree(points[used]).query_pairs(COINCIDENT * size, output_type="ndarray")]
     pairs = np.sort(pairs[~fixed[pairs].all(axis=1)], axis=1)
     for first, second in separate:
@@ -51,6 +53,14 @@ def coincident_nodes(
         f"cells that meet there the same node number; if they are meant to be apart, say so by "
         f"separate=[({first!r}, {second!r})]."
     )
+
+
+def _near_others(points: NDArray[np.float64], nodes: NDArray[np.intp], distance: float) -> NDArray[np.intp]:
+    """Nodes with another within a distance along a line, ascending: all that are as close in space, and few others."""
+    along = (points[nodes] - points[nodes[0]]) @ LINE
+    order = np.argsort(along)
+    near = np.diff(along[order]) <= 2 * distance  # twice, for rounding
+    return np.sort(nodes[order[np.append(near, False) | np.append(False, near)]])
 
 
 def _first_cell(parts: Mapping[str, Part], node: int) -> tuple[str, int]:

@@ -4,10 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components
 
 from ..checks.values import counted
-from ..geometry.topology import node_graph
+from ..geometry.topology import connected
 from . import energy_terms
 from .energy_terms import Term
 from .parts import Mast
@@ -34,11 +33,8 @@ def check_supports(structure: Structure, held: NDArray[np.bool_], terms: Sequenc
     """
     on_terms = energy_terms.touched(structure, [*structure.terms, *terms])
     _check_masts(structure, held | on_terms[:, None])
-    graph = node_graph((part.cells for part in structure.parts.values()), len(structure.points))
-    used = np.flatnonzero(structure.used)
-    count, piece = connected_components(graph[used][:, used], directed=False)
-    order = used[np.argsort(piece, kind="stable")]
-    for nodes in np.split(order, np.cumsum(np.bincount(piece, minlength=count))[:-1]):
+    pieces = _pieces(structure)
+    for nodes in pieces:
         if on_terms[nodes].any():
             continue
         motions = free_motions(structure.points[nodes], held[nodes])
@@ -46,12 +42,21 @@ def check_supports(structure: Structure, held: NDArray[np.bool_], terms: Sequenc
         if len(motions) > 1 or translates.any():
             named = motions[translates] if translates.any() else motions * ([0, 0, 0, 1, 1, 1])
             freest = MOTIONS[int(np.argmax(np.sum(named**2, axis=0)))]
-            join = ", or join it to the rest, with which it shares no node" if count > 1 else ""
+            join = ", or join it to the rest, with which it shares no node" if len(pieces) > 1 else ""
             raise ValueError(
                 f"The structure is not supported enough: the piece with node {nodes[0]} ({counted(len(nodes), 'node')}"
                 f": {_named(structure, nodes)}) can {freest} as a rigid body. Add supports or prescribed displacements "
                 f"there{join}."
             )
+
+
+def _pieces(structure: Structure) -> list[NDArray[np.intp]]:
+    """Nodes of each connected piece, ascending."""
+    used = np.flatnonzero(structure.used)
+    piece = connected([part.cells for part in structure.parts.values()], np.ones(len(structure.points), dtype=bool))
+    label = piece.nodes[used]
+    order = np.argsort(label, kind="stable")
+    return np.split(used[order], np.flatnonzero(np.diff(label[order])) + 1)
 
 
 def _named(structure: Structure, nodes: NDArray[np.intp]) -> str:
@@ -98,12 +103,21 @@ def free_motions(points: NDArray[np.float64], held: NDArray[np.bool_]) -> NDArra
     """
     arm = points - points.mean(axis=0)
     arm = arm / max(np.abs(arm).max(), np.finfo(float).tiny)
-    translations = np.broadcast_to(np.eye(3), (len(points), 3, 3))
-    rotations = np.cross(np.eye(3), arm[:, None, :]).swapaxes(1, 2)
-    modes = np.concatenate([translations, rotations], axis=2)  # displacement of each point, (n, 3, 6)
-    resisted = modes[held]
+    some = held.any(axis=1)
+    moves = np.broadcast_to(np.eye(3), (np.count_nonzero(some), 3, 3))
+    resisted = np.concatenate([moves, _turns(arm[some])], axis=2)[held[some]]
     stiffness, directions = np.linalg.eigh(resisted.T @ resisted)
     free = directions[:, stiffness <= 1e-12 * max(len(resisted), 1)]
-    moved = (modes @ free).reshape(3 * len(points), -1)
-    amount, combinations = np.linalg.eigh(moved.T @ moved)
+    amount, combinations = np.linalg.eigh(free.T @ _squares(arm) @ free)
     return np.asarray((free @ combinations[:, amount > 1e-10 * len(points)]).T)
+
+
+def _turns(arm: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Displacements of points by turns about the axes, one in each column, shape (n, 3, 3)."""
+    return np.cross(np.eye(3), arm[:, None, :]).swapaxes(1, 2)
+
+
+def _squares(arm: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Products of the displacements of all points in two motions, summed, shape (6, 6); from moments, in one pass."""
+    products, sums = arm.T @ arm, _turns(arm.sum(axis=0)[None])[0]
+    return np.block([[len(arm) * np.eye(3), sums], [sums.T, np.trace(products) * np.eye(3) - products]])

@@ -31,7 +31,7 @@ MEMBRANE = {
     "state": (),
 }
 BAR = {"strain": (), "force": (), "state": ()}
-CHUNK = 65536  # cells evaluated at once: all quantities of all cells would double the memory of the result
+CHUNK = 4096  # cells evaluated at once: their quantities fit into the cache of a processor
 
 
 class StateEvaluator:

@@ -67,10 +67,13 @@ def _sizes(structure: Structure, pieces: Pieces) -> Array:
 
 def _largest(values: Array, structure: Structure, pieces: Pieces) -> Array:
     """Largest of nodal values, shape (n, ...), among the nodes of the cells of each piece, shape (pieces, ...)."""
-    largest = np.full((pieces.count, *values.shape[1:]), -np.inf)
+    columns = values.reshape(len(values), -1).T
+    largest = np.full((len(columns), pieces.count), -np.inf)
     for name, part in structure.parts.items():
-        np.maximum.at(largest, pieces.cells[name], values[part.cells].max(axis=1))
-    return largest
+        for column, found in zip(columns, largest, strict=True):  # of one column, a maximum is many times faster
+            of_cells = np.maximum.reduce([column.take(corner) for corner in part.cells.T])
+            np.maximum.at(found, pieces.cells[name], of_cells)
+    return largest.T.reshape(pieces.count, *values.shape[1:])
 
 
 def _tilted(result: StageResult, start: Array) -> str:

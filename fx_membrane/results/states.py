@@ -166,6 +166,12 @@ class StageResult:
             f"largest displacement {self.largest_displacement:.4g})"
         )
 
+    def _repr_html_(self) -> str:
+        """Show checks and extremes in notebooks."""
+        from .notebook import state_html  # noqa: PLC0415  (it needs this class)
+
+        return state_html(self)
+
     @property
     def position(self) -> Array:
         """Current position of the nodes, shape (n, 3) [m]."""
@@ -249,6 +255,12 @@ class StageResults(dict[str, StageResult]):
     def __init__(self, results: Mapping[str, StageResult] = MappingProxyType({}), stages: Sequence[Stage] = ()):
         super().__init__(results)
         self.stages = tuple(stages)
+
+    def _repr_html_(self) -> str:
+        """Show the list of stages in notebooks."""
+        from .notebook import states_html  # noqa: PLC0415  (it needs this class)
+
+        return states_html(list(self.values()))
 
     def __missing__(self, name: object) -> StageResult:
         raise KeyError(f"no stage is named {name!r}; the results are of {list(self)}")

@@ -168,6 +168,10 @@ class _Descent:
         self.now, self.before = Gradient(create(), create()), Gradient(create(), create())
         self.direction = create()
 
+    def release(self) -> None:
+        """Free the factors of the preconditioner until the next solve; collective."""
+        self.preconditioner.release()
+
     def __call__(
         self, problem: LoadedProblem, x: PETSc.Vec, monitor: Monitor = no_monitor, thorough: bool = True
     ) -> Solution:
@@ -178,7 +182,7 @@ class _Descent:
         self.problem.constraints.impose(x)
         if self.arrived(x, 0.0, monitor):
             return Solution(Outcome.CONVERGED, Outcome.CONVERGED.value, tuple(self.history))
-        divide = self.preconditioner(problem, x)
+        divide = self.preconditioner.at(problem, x)
         if divide is None:
             return Solution(Outcome.INDEFINITE, Outcome.INDEFINITE.value, tuple(self.history))
         for _ in range(self.settings.max_iterations):

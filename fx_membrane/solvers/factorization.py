@@ -44,6 +44,12 @@ def choose(ksp: PETSc.KSP, A: PETSc.Mat, symmetric: bool, steps: bool = False) -
     petsc_options.set_controls(factor)
 
 
+def release(ksp: PETSc.KSP) -> None:
+    """Free the factors, most of the memory of an analysis; `choose` prepares the linear solver again."""
+    ksp.reset()
+    ksp.setAttr(KIND, None)
+
+
 def counts_pivots(ksp: PETSc.KSP) -> bool:
     """Return True if a linear solver counts the negative pivots of a symmetric matrix."""
     return ksp.getPC().getType() == "cholesky" and _is_mumps(ksp.getPC())

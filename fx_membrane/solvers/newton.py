@@ -17,7 +17,7 @@ from petsc4py import PETSc
 from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from ..checks import validation
-from . import petsc_options
+from . import factorization, petsc_options
 from .base import LIMITS, Iteration, Monitor, Solution, Solve, max_norm, no_monitor
 from .convergence import Patience, nearer
 from .curvature import negative_between
@@ -114,6 +114,10 @@ class _Globalized:
         if solution.converged and loop.from_stable and not lost:
             lost = negative_between(self.problem, start, x)  # a step may pass over a snap-through
         return replace(solution, extra_iterations=loop.iterates - len(solution.iterations), lost_stability=lost)
+
+    def release(self) -> None:
+        """Free the factorization until the next solve; collective."""
+        factorization.release(self.loop.ksp)
 
     def solve(self, x: PETSc.Vec, start: PETSc.Vec, thorough: bool) -> Solution:
         """Run the strategies."""

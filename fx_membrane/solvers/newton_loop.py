@@ -14,6 +14,7 @@ from .. import _dolfinx
 from ..assembly.discretization import MatrixKind
 from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
+from ..runtime.freed_memory import return_freed_memory
 from . import factorization, petsc_options
 from .backends import by_dolfinx, by_snes
 from .base import LIMITS, Iteration, Monitor, Solution, diverged, max_norm, no_monitor, tolerance
@@ -167,9 +168,11 @@ class NewtonLoop:
         shift, self.shift = self.control.next(self.length, self.shift, self.history), 0.0
         if shift:
             self.set_shift(x, shift)
+        return_freed_memory(x.local_size)  # that of the assembly, before the factorization
 
     def step(self, x: PETSc.Vec, dx: PETSc.Vec) -> None:
         """Replace the solution dx of the linear system by the step: the next iterate is x - dx."""
+        return_freed_memory(x.local_size)  # that of the factorization, before the next assembly
         self.length = 1.0
         self.left -= 1
         if not self.line_search:

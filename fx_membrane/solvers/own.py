@@ -69,6 +69,15 @@ def prepared(solver: Solver, problem: Problem) -> Solve:
     return _Checked(name, solve)
 
 
+def release(solve: Solve) -> None:
+    """Free the factorization that a shipped solver keeps for its next solve; collective."""
+    getattr(solve, "release", _nothing)()
+
+
+def _nothing() -> None:
+    """Free nothing."""
+
+
 class _Checked:
     """Solve of a user's own solver, whose answers are checked and made plain numbers."""
 

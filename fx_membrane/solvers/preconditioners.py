@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from itertools import pairwise
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from petsc4py import PETSc
 
@@ -18,13 +18,22 @@ SHIFTS = (0.0, *(1e-4 * 8.0**i for i in range(10)))
 ZERO = 1e-13  # fraction of the largest entry below which a diagonal entry is zero
 
 
-def preconditioner(problem: Problem, kind: Kind) -> Callable[[LoadedProblem, PETSc.Vec], Divide | None]:
-    """Return a function that makes the preconditioner M of a state that meets the constraints.
+class Preconditioner(NamedTuple):
+    """Preconditioner M of the states of a problem.
 
-    It keeps its workspace from state to state. It returns None if M cannot be made positive definite.
+    Attributes:
+        at: Returns the division by M of a state that meets the constraints; None if M cannot be made positive definite.
+        release: Frees the factors of M until the next state; collective.
     """
+
+    at: Callable[[LoadedProblem, PETSc.Vec], Divide | None]
+    release: Callable[[], None]
+
+
+def preconditioner(problem: Problem, kind: Kind) -> Preconditioner:
+    """Return a preconditioner that keeps its workspace from state to state."""
     if kind is None:
-        return lambda problem, x: PETSc.Vec.copy
+        return Preconditioner(lambda problem, x: PETSc.Vec.copy, _nothing)
     divide_by = _diagonal if kind == "jacobi" else _Factors(problem)
     A, b = problem.discretization.create_matrix(), problem.discretization.create_vector()
 
@@ -41,7 +50,11 @@ def preconditioner(problem: Problem, kind: Kind) -> Callable[[LoadedProblem, PET
             divide = divide_by(A)
         return divide
 
-    return at
+    return Preconditioner(at, divide_by.release if isinstance(divide_by, _Factors) else _nothing)
+
+
+def _nothing() -> None:
+    """Free nothing."""
 
 
 def _diagonal(A: PETSc.Mat) -> Divide | None:
@@ -64,3 +77,7 @@ class _Factors:
         self.ksp.setOperators(A)  # without this `setUp` keeps the last factorization
         self.ksp.setUp()
         return self.ksp.solve if factorization.pivots(self.ksp) == (0, 0) else None
+
+    def release(self) -> None:
+        """Free the factors."""
+        factorization.release(self.ksp)

@@ -1,20 +1,23 @@
 """Phases of a whole run on a flat square of triangles under a distributed load: CPU time, memory, and two bounds.
 
-
     .venv/bin/python tests/benchmarks/assembly.py [cells along a side]
 
 
-One core (OMP_NUM_THREADS=1). CPU seconds belong to the innermost phase. The bounds of the tangent are one STREAM-like
+One core (OMP_NUM_THREADS=1). CPU seconds belong to the innermost phase, as does the largest resident memory, imports
+aside. The bounds of the tangent are one STREAM-like
 pass, c = a + b, over as many numbers as the matrix has non-zeros, and one product of matrix and vector.
 """
 
 import os
+import re
 import resource
 import sys
 from collections import Counter, defaultdict
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from importlib import import_module
+from pathlib import Path
 from time import process_time
 from typing import Any
 
@@ -66,11 +69,23 @@ PHASES = {
 NUMERIC, SYMBOLIC, SOLVE = "MatCholFctrNum", "MatCholFctrSym", "MatSolve"
 
 
+def peak() -> float:
+    """Largest resident memory [kB] since the last call, on Linux; since the start elsewhere, on macOS in bytes."""
+    status = Path("/proc/self/status")
+    if not status.exists():
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    found = float(re.findall(r"VmHWM:\s+(\d+)", status.read_text())[0])
+    with suppress(OSError):
+        Path("/proc/self/clear_refs").write_text("5")
+    return found
+
+
 class Clock:
-    """CPU time by phase, and the number of calls."""
+    """CPU time and largest memory by phase, and the number of calls."""
 
     def __init__(self) -> None:
         self.times, self.calls = defaultdict[str, float](float), Counter[str]()
+        self.peaks = defaultdict[str, float](float)
         self._phases, self._last = ["other"], process_time()
 
     def enter(self, phase: str) -> None:
@@ -86,8 +101,10 @@ class Clock:
 
     def _count(self) -> None:
         now = process_time()
-        self.times[self._phases[-1]] += now - self._last
-        self._last = now
+        phase = self._phases[-1]
+        self.times[phase] += now - self._last
+        self.peaks[phase] = max(self.peaks[phase], peak())
+        self._last = process_time()
 
     def timed(self, function: Callable[..., Any], phase: str) -> Callable[..., Any]:
         """Wrap a function that belongs to a phase."""
@@ -135,11 +152,12 @@ def run(n: int) -> tuple[Structure, StageResults]:
     return structure, Analysis(structure, progress=False).run([stage])
 
 
-def print_phases(clock: Clock) -> None:
-    """Print CPU seconds, share and calls of each phase, and the share outside assembly, factorization and solve."""
+def print_phases(clock: Clock, empty: float, unknowns: int) -> None:
+    """Print CPU seconds, share, calls and memory of each phase, and the share outside assembly and linear solver."""
     total = sum(clock.times.values())
     for phase, time in sorted(clock.times.items(), key=lambda item: -item[1]):
-        print(f"{phase:32}{time:9.3f} s{100 * time / total:7.1f} %{clock.calls[phase]:6}")
+        memory = 1.024 * (clock.peaks[phase] - empty) / unknowns
+        print(f"{phase:32}{time:9.3f} s{100 * time / total:7.1f} %{clock.calls[phase]:6}{memory:9.2f} kB per unknown")
     events = {name: PETSc.Log.Event(name).getPerfInfo()["time"] for name in (SYMBOLIC, NUMERIC, SOLVE)}
     spent = sum(events.values())
     print(f"{'whole':32}{total:9.3f} s")
@@ -179,7 +197,7 @@ def print_bounds(structure: Structure) -> None:
 def main(n: int) -> None:
     """Print the tables."""
     PETSc.Log.begin()
-    empty = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    empty = peak()
     imports = process_time() - started
     clock = Clock()
     instrument(clock)
@@ -187,12 +205,13 @@ def main(n: int) -> None:
     clock.enter("end")
     clock.leave()
     del clock.times["end"]
-    peak, unknowns = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss, structure.points.size
+    unknowns = structure.points.size
     iterations = len(results["load"].history) - 1
     cells = sum(len(part.cells) for part in structure.parts.values())
     print(f"{cells} triangles, {unknowns} unknowns, {iterations} iterations, imports {imports:.2f} s")
-    print_phases(clock)
-    print(f"peak memory: {1.024 * (peak - empty) / unknowns:.2f} kB per unknown, imports ({empty / 1e3:.0f} MB) aside")
+    print_phases(clock, empty, unknowns)
+    largest = 1.024 * (max(clock.peaks.values()) - empty) / unknowns
+    print(f"peak memory: {largest:.2f} kB per unknown, imports ({empty / 1e3:.0f} MB) aside")
     print_bounds(structure)
 
 

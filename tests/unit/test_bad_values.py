@@ -68,6 +68,7 @@ from fx_membrane import (
     updated_reference,
     write_mesh,
     write_paraview,
+    write_report,
     write_tables,
 )
 
@@ -166,6 +167,11 @@ CASES = {
          "loads": None},
         {"points": "array", "branches": "rows", "q": "array", "fixed": "object", "loads": "array?"},
     ),
+    masts_and_stays: (
+        {"form": FORM, "bars": {"stay": Cable([[0, 4]], 1e6)}, "points": [[-2.0, 0.0, 0.0]], "heads": [0],
+         "components": "x"},
+        {"form": "object", "bars": "object", "points": "array", "heads": "rows?", "components": "object"},
+    ),
     CableForce: (
         {"part": "edge", "force": 1.0, "cells": [0, 1], "horizontal": True},
         {"part": "text", "force": "number", "cells": "rows?", "horizontal": "truth"},
@@ -187,11 +193,6 @@ CASES = {
     natural_force_density: (
         {"structure": SHEET, "loads": (), "iterations": 2, "tolerance": 0.1, "constraints": ()},
         {"structure": "object", "loads": "list", "iterations": "whole", "tolerance": "number", "constraints": "list"},
-    ),
-    masts_and_stays: (
-        {"form": FORM, "bars": {"stay": Cable([[0, 4]], 1e6)}, "points": [[-2.0, 0.0, 0.0]], "heads": [0],
-         "components": "x"},
-        {"form": "object", "bars": "object", "points": "array", "heads": "rows?", "components": "object"},
     ),
     RadialDirection: ({"origin": [0.0, 0.0, 0.0], "axis": [0.0, 0.0, 1.0]}, {"origin": "array", "axis": "array"}),
     prescribed_stress: (
@@ -252,6 +253,10 @@ CASES = {
     load_results: ({"path": "results", "classes": ()}, {"path": "path", "classes": "list"}),
     write_tables: WRITER,
     write_paraview: WRITER,
+    write_report: (
+        {"results": RESULTS, "path": "a.html", "title": "Roof", "pictures": False, **UNIT_NAMES},
+        {"results": "object", "path": "object", "title": "text", "pictures": "truth", **UNIT_KINDS},
+    ),
     ParaViewSeries: (
         {"folder": "a", "append": False, **UNIT_NAMES}, {"folder": "path", "append": "truth", **UNIT_KINDS}
     ),
@@ -294,7 +299,7 @@ NOT_RIGHT = (
     type(STATE).membrane,
 )  # their arguments are refused, too
 NEEDS = {
-    plot.contours: "pyvista", ParaViewSeries: "pyvista", write_paraview: "pyvista",
+    plot.contours: "pyvista", ParaViewSeries: "pyvista", write_paraview: "pyvista", write_report: "jinja2",
     type(STATE).to_dataframe: "pandas",
 }  # fmt: skip
 SLOW = plot.convergence, plot.compare_convergence, plot.wireframe, plot.contours, equilibrium_path, updated_reference

@@ -14,11 +14,12 @@ NAMES = {name: getattr(fx_membrane, name) for name in fx_membrane.__all__} | {"n
 SHOWN = {
     "Analysis", "Cable", "DistributedLoad", "Fabric", "Mast", "Membrane", "OrthotropicFabric", "PlanLoad",
     "PointLoad", "PrescribedDisplacement", "Pressure", "Stage", "StageResult", "Structure", "Support",
-    "boundary_edges", "edges_where", "equilibrium_path", "force_density", "masts_and_stays", "natural_force_density",
-    "natural_frequencies", "polyline", "prescribed_stress", "projected_stress", "rectangle", "report", "stability",
-    "updated_reference",
+    "RoundHole", "boundary_edges", "drainage", "edges_where", "equilibrium_path", "force_density", "masts_and_stays",
+    "natural_force_density", "natural_frequencies", "polyline", "prescribed_stress", "projected_stress", "rectangle",
+    "report", "sail_mesh", "stability", "updated_reference",
 }  # fmt: skip
-NEEDS = {"ParaViewSeries": "pyvista"}  # packages that are optional
+# Packages that Debian does not have, or that are optional.
+NEEDS = {"ParaViewSeries": "pyvista", "geodesic": "potpourri3d", "warp_along": "potpourri3d"}
 
 
 def examples(name):

@@ -8,10 +8,25 @@ from contextlib import suppress
 import numpy as np
 import pytest
 from dolfinx import cpp
+from petsc4py import PETSc
 
 import launch
-from fx_membrane import Analysis, Fabric, Membrane, PointLoad, Stage, Structure, Support, boundary_edges, rectangle
+from fx_membrane import (
+    Analysis,
+    ConjugateGradient,
+    DistributedLoad,
+    Fabric,
+    Membrane,
+    Newton,
+    PointLoad,
+    Stage,
+    Structure,
+    Support,
+    boundary_edges,
+    rectangle,
+)
 from fx_membrane.assembly.discretization import Discretization
+from fx_membrane.solvers import factorization
 
 
 @pytest.mark.parametrize("driver", ["dolfinx", "snes"])
@@ -44,6 +59,47 @@ def test_solver_is_released_without_the_garbage_collector():
         assert [reference() for reference in dropped] == [None, None]
     finally:
         gc.enable()
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("solver", [Newton(), ConjugateGradient(preconditioner="tangent")])
+def test_factors_are_freed_at_the_end_of_a_run(solver, monkeypatch):
+    """They take several times the memory of the results, and are made again for the next run."""
+    points, triangles = rectangle(1.0, 1.0, 4, 4)
+    edge = np.unique(boundary_edges(triangles))
+    structure = Structure(points, {"fabric": Membrane(triangles, Fabric(1e3, 0.3), prestress=10.0)}, [Support(edge)])
+    analysis = Analysis(structure, solver)
+    factored = []
+    choose, evaluate = factorization.choose, analysis._record
+
+    def chosen(ksp, *args, **kwargs):
+        choose(ksp, *args, **kwargs)
+        factored.append(ksp)
+
+    def evaluated(*args):
+        factors.append(is_factored(factored[-1]))
+        return evaluate(*args)
+
+    monkeypatch.setattr(factorization, "choose", chosen)
+    monkeypatch.setattr(analysis, "_record", evaluated)
+    stages = [
+        Stage("one", [DistributedLoad((0, 0, -1.0), "fabric")]),
+        Stage("two", after="one", loads=[PointLoad(12, (0, 0, -0.1))]),
+    ]
+    for _ in range(2):
+        factors = []
+        results = analysis.run(stages)
+        assert factors == [True, False]
+    again = Analysis(structure, solver).run(stages)["two"]
+    assert results["two"].displacement == pytest.approx(again.displacement, rel=1e-12, abs=1e-15)
+
+
+def is_factored(ksp):
+    try:
+        ksp.getPC().getFactorMatrix()
+    except PETSc.Error:
+        return False
+    return True
 
 
 BOUND = 1.0  # MB; forms left 2.1 behind and conjugate gradients 31, when PETSc kept vectors that Python drops

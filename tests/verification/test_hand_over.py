@@ -29,6 +29,7 @@ from fx_membrane import (
     force_density,
     masts_and_stays,
     natural_force_density,
+    prescribed_stress,
     projected_stress,
     updated_reference,
 )
@@ -96,6 +97,7 @@ METHODS = {
     ),
     "natural force density": lambda loads: natural_force_density(lifted(canopy()), loads),
     "natural force density, repeated": lambda loads: natural_force_density(lifted(canopy()), loads, iterations=5),
+    "prescribed stress": lambda loads: prescribed_stress(lifted(canopy()), loads, max_iterations=3),
     "updated reference": lambda loads: updated_reference(lifted(canopy()), loads, max_iterations=5),
 }
 

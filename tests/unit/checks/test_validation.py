@@ -10,6 +10,7 @@ import pytest
 import fx_membrane
 from fx_membrane import Cable, DistributedLoad, Mast
 from fx_membrane.checks import validation
+from fx_membrane.checks.entries import ODD, equal_rows
 
 
 @pytest.mark.parametrize(
@@ -143,11 +144,19 @@ def test_distinct_refuses_a_number_twice():
         ([[0.0, 1.0, 2.0]], r"^cells.*array.*whole numbers.*\[\[0\.0, 1\.0, 2\.0\]\]"),
         (np.ones((2, 3), dtype=bool), "^cells.*array.*whole numbers.*not bool"),
         ([[0, 1, 2], [3, 4, 3]], r"^cells: cell 1.*node twice, \[3, 4, 3\]"),
+        ([[4, 5, 6], [0, 1, 2], [1, 3, 2], [2, 0, 1]], r"^cells: cells 1 and 3 have the same nodes, \[0, 1, 2\]"),
     ],
 )
 def test_cells_refuse(value, message):
     with pytest.raises(ValueError, match=message):
         validation.cells("cells", value, 3)
+
+
+def test_cells_with_equal_sums_are_distinct():
+    """Sums of rows find those that may be equal."""
+    odd = int(ODD.view(np.int64))
+    assert equal_rows(np.array([[0, 1], [odd, 0]])) is None
+    assert equal_rows(np.array([[0, 1], [odd, 0], [5, 5], [odd, 0]])) == (1, 3)
 
 
 def test_cells_are_copied_and_frozen():

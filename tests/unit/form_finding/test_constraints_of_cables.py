@@ -1,4 +1,4 @@
-"""Cables by force, force density, length, sag and edge angle: lines, hand-over, both methods, words of failure."""
+"""Cables by force, force density, length, sag and edge angle, in both methods, and their hand-over."""
 
 from dataclasses import replace
 
@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from constrained import canopy, edges, moved, rope, with_a_hole
 from fx_membrane import (
-    Analysis,
     Cable,
     CableDensity,
     CableForce,
@@ -15,70 +15,17 @@ from fx_membrane import (
     CableSag,
     DistributedLoad,
     EdgeAngle,
-    Fabric,
-    Mast,
-    Membrane,
     PointLoad,
-    Stage,
     Structure,
     Support,
-    UnsettledFormWarning,
-    boundary_edges,
     natural_force_density,
-    polyline,
     projected_stress,
-    rectangle,
 )
 from fx_membrane.form_finding.cable_lines import lines_of
 from fx_membrane.geometry.measures import measures
 from models import rotation
 
 pytestmark = pytest.mark.filterwarnings("ignore::fx_membrane.UnsettledFormWarning")
-
-FABRIC = Fabric(Et=6e5, nu=0.3)
-
-
-def rope(n=8, span=100.0, rise=0.0, prestress=0.0):
-    x = np.linspace(0, span, n + 1)
-    points = np.stack([x, 0 * x, rise * x / span], axis=1)
-    return Structure(points, {"rope": Cable(polyline(range(n + 1)), 1e7, prestress)}, [Support([0, n])])
-
-
-def canopy(n=8, force=0.0, depth=0.1, height=2.0):
-    """Four corners held, the edges drawn as arcs of that depth over their half length."""
-    flat, triangles = rectangle(2.0, 2.0, n, n)
-    x, y = flat[:, 0], flat[:, 1]
-    points = 6 * np.stack([x * (1 - depth * (1 - y**2)), y * (1 - depth * (1 - x**2)), 0 * x], axis=1)
-    corners = np.flatnonzero(np.abs(x * y) == 1)
-    points[:, 2] = height * x * y
-    parts = {"film": Membrane(triangles, FABRIC, 2e3), "edge": Cable(boundary_edges(triangles), 2e7, force)}
-    return Structure(points, parts, [Support(corners)])
-
-
-def with_a_hole():
-    """Disc with a ring cable around a hole."""
-    angle = np.arange(16) * np.pi / 8
-    circle = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
-    points = np.concatenate([circle, 3 * circle])
-    a, b = np.arange(16), np.roll(np.arange(16), -1)
-    triangles = np.concatenate([np.stack([a, b, b + 16], axis=1), np.stack([a, b + 16, a + 16], axis=1)])
-    parts = {"film": Membrane(triangles, FABRIC, 2e3), "ring": Cable(np.stack([a, b], axis=1), 1e7)}
-    return Structure(points, parts, [Support(range(16, 32))])
-
-
-def edges(structure, points):
-    """Lengths and sags of the four edges."""
-    held = structure.supported.all(axis=1)
-    cells = structure.parts["edge"].cells
-    lines = lines_of(cells, np.arange(len(cells)), held)
-    assert len(lines) == 4
-    return [line.length(points) for line in lines], [line.sag(points, None) for line in lines], lines
-
-
-def moved(form, loads=()):
-    state = Analysis(form.structure).run([Stage("form", loads)])["form"]
-    assert np.abs(state.reactions - form.reactions).max() <= 1e-9 * np.abs(form.reactions).max()
-    return np.abs(state.displacement).max() / np.ptp(form.points)
 
 
 METHODS = [
@@ -87,6 +34,7 @@ METHODS = [
 ]
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(("kind", "value"), [(CableLength, 12.9), (CableSag, 0.9), (EdgeAngle, 15.0)])
 def test_edges_have_the_geometry_given_and_the_form_is_in_equilibrium(method, kind, value):
@@ -209,63 +157,11 @@ def test_form_turns_with_the_structure(seed):
     assert other.points == pytest.approx(one.points @ turn.T, abs=1e-7)
 
 
+@pytest.mark.mpi
 def test_every_process_has_the_same_form():
     form = projected_stress(canopy(), cables="force", constraints=[CableSag("edge", 0.9)])
     for points in MPI.COMM_WORLD.allgather(form.points):
         assert np.array_equal(points, form.points)
-
-
-def test_lines_end_at_ends_branches_and_held_nodes():
-    cells = np.array([[3, 4], [0, 1], [2, 1], [2, 3], [5, 4], [4, 6], [7, 8], [8, 9], [9, 7]])
-    held = np.arange(10) == 2
-    found = {tuple(sorted(line.cells.tolist())) for line in lines_of(cells, np.arange(9), held)}
-    assert found == {(1, 2), (0, 3), (4,), (5,), (6, 7, 8)}
-    (ring,) = (line for line in lines_of(cells, np.arange(9), held) if line.is_closed)
-    assert ring.nodes[0] == ring.nodes[-1]
-    assert len(ring.nodes) == 4
-
-
-@pytest.mark.parametrize("angle", [0.01, 0.7, 1.5])
-def test_angle_and_sag_of_an_arc_are_exact_at_any_nodes(angle):
-    t = np.array([-angle, -0.8 * angle, -0.1 * angle, 0.0, 0.5 * angle, angle])
-    points = np.stack([np.sin(t), np.cos(t), 0 * t], axis=1) @ rotation(4).T
-    (line,) = lines_of(polyline(range(6)), np.arange(5), np.zeros(6, dtype=bool))
-    assert line.angle(points) == pytest.approx(angle, rel=1e-9)
-    assert line.sag(points, None) == pytest.approx(1 - np.cos(angle), rel=1e-9)
-
-
-def net(kind=Cable):
-    points = [[0.0, 0, 0], [2, 0, 0], [1, 1, 0]]
-    return Structure(points, {"bar": kind([[0, 2], [2, 1]], 1e6, 10.0 * (kind is Cable))}, [Support([0, 1])])
-
-
-REFUSED = [
-    (rope, [CableLength("rope", 99.0)], r"'rope' from node \d at .* length 99, and its held ends are 100 ap"),
-    (rope, [CableLength("rope", 100.0)], "ends are 100 apart; give a larger length"),
-    (lambda: rope(n=1), [CableLength("rope", 101.0)], "one segment between held ends"),
-    (lambda: rope(n=1), [CableSag("rope", 1.0)], "one segment, which stays straight; divide it for a sag"),
-    (rope, [CableSag("rope", 1.0, along=(1, 0, 0))], "chord along the direction of its sag"),
-    (rope, [CableSag("rope", 1.0), CableForce("rope", 1.0, [3])], r"cell 3 at .* has two constraints"),
-    (rope, [CableForce("rope", 1.0, [8])], "CableForce of part 'rope' names cell 8"),
-    (rope, [CableForce("cord", 1.0)], "No Cable is named 'cord'"),
-    (lambda: net(Mast), [CableLength("bar", 1.0)], "No Cable is named 'bar', which is a Mast"),
-    (rope, CableForce("rope", 1.0), "constraints must be a list"),
-    (rope, ["sag"], "constraints has 'sag'"),
-]
-
-
-@pytest.mark.parametrize("number", range(len(REFUSED)))
-@pytest.mark.parametrize("method", [projected_stress, natural_force_density])
-def test_refusals(method, number):
-    structure, constraints, words = REFUSED[number]
-    with pytest.raises(ValueError, match=words):
-        method(structure(), constraints=constraints)
-
-
-@pytest.mark.parametrize("constraint", [CableSag("ring", 1.0), EdgeAngle("ring", 20.0)])
-def test_closed_line_has_no_chord(constraint):
-    with pytest.raises(ValueError, match=r"'ring' from node .* is closed, so it has no chord"):
-        projected_stress(with_a_hole(), constraints=[constraint])
 
 
 def guyed(n=8):
@@ -287,46 +183,3 @@ def test_edge_all_around_is_divided_at_corners_with_guys():
     lines = lines_of(structure.parts["edge"].cells, np.arange(32), corners)
     assert [line.sag(form.points, None) for line in lines] == pytest.approx([1.0] * 4, rel=2e-8)
     assert moved(form) < 1e-12
-
-
-@pytest.mark.parametrize(
-    "make",
-    [
-        lambda: CableLength("edge", 0.0),
-        lambda: CableSag("edge", -1.0),
-        lambda: CableForce("edge", 0.0),
-        lambda: CableDensity("edge", -1.0),
-        lambda: EdgeAngle("edge", 91.0),
-        lambda: EdgeAngle("edge", 0.0),
-        lambda: CableSag("edge", 1.0, along=(0, 0, 0)),
-        lambda: CableForce("", 1.0),
-        lambda: CableForce("edge", 1.0, [0, 0]),
-    ],
-)
-def test_unfit_data_are_refused(make):
-    with pytest.raises(ValueError, match=r"\.$"):
-        make()
-
-
-@pytest.mark.parametrize("method", [projected_stress, natural_force_density])
-@pytest.mark.parametrize("constraint", [CableSag("rope", 1.0), CableLength("rope", 101.0)])
-def test_straight_rope_without_a_load_is_named(method, constraint):
-    with pytest.raises(RuntimeError, match=r"'rope' from node .* has no sag under any force, as no load"):
-        method(rope(), constraints=[constraint])
-
-
-def test_sag_beyond_reach_is_named_and_the_last_form_kept():
-    structure = canopy(depth=0.0, height=0.0)
-    with pytest.warns(UnsettledFormWarning, match="reaches the sag 8 under no force: it is 4"):
-        form = projected_stress(structure, cables="force", constraints=[CableSag("edge", 8.0)])
-    assert not form.converged
-    assert np.isfinite(form.points).all()
-    with pytest.raises(RuntimeError, match="reaches the sag 8 under no force"):
-        natural_force_density(structure, constraints=[CableSag("edge", 8.0)])
-
-
-def test_too_few_steps_name_the_line():
-    with pytest.warns(UnsettledFormWarning, match=r"cable 'edge' from node .* has the sag .* instead of 0\.9"):
-        form = projected_stress(canopy(), constraints=[CableSag("edge", 0.9)], max_iterations=2)
-    assert len(form.steps) == 2
-    assert not form.converged

@@ -116,6 +116,7 @@ def test_form_turns_with_the_structure(seed):
     assert other.points == pytest.approx(one.points @ turn.T, abs=1e-11)
 
 
+@pytest.mark.mpi
 def test_every_process_has_the_same_form():
     form = natural_force_density(canopy(), loads(), 2)
     for points in MPI.COMM_WORLD.allgather(form.points):

@@ -222,3 +222,42 @@ def on_axis():
 def test_bad_input_is_refused(structure, given, words):
     with pytest.raises(ValueError, match=words):
         prescribed_stress(structure, **given)
+
+
+def tent(force, n=3):
+    """Cone over a plan of 12 x 12 m: four low corners, edge cables, a ring of radius 0.6 m at 5 m."""
+    around = 8 * n
+    angle = np.arange(around) * 2 * np.pi / around + np.pi / 4
+    circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    base = 6 * circle / np.abs(circle).max(axis=1, keepdims=True)
+    along = np.abs(base).min(axis=1, keepdims=True) / 6
+    base *= np.where(np.isclose(np.abs(base), 6), 1 - 0.12 * (1 - along**2), 1)
+    shares = np.linspace(0, 1, 2 * n + 1)
+    rows = [np.column_stack([(1 - s) * 0.6 * circle + s * base, np.full(around, 5 * (1 - s))]) for s in shares]
+    i, j = (index.ravel() for index in np.mgrid[: 2 * n, :around])
+    p, q = i * around + j, i * around + (j + 1) % around
+    triangles = np.concatenate([np.stack([p, q, q + around], axis=1), np.stack([p, q + around, p + around], axis=1)])
+    rim = np.arange(2 * n * around, (2 * n + 1) * around)
+    parts = {
+        "film": Membrane(triangles, WOVEN, (3e3, 2e3), warp=(1, 0, 0)),
+        "edge": Cable(np.stack([rim, np.roll(rim, -1)], axis=1), 2e7, force),
+    }
+    return Structure(np.concatenate(rows), parts, [Support(range(around)), Support(rim[:: 2 * n])])
+
+
+def test_steep_cone_with_edge_cables_is_found():
+    structure = tent(20e3)
+    form = prescribed_stress(structure, warp={"film": RadialDirection()})
+    assert form.converged
+    assert form.forces["edge"] == pytest.approx(np.full(24, 20e3), rel=0.05)
+    assert np.linalg.eigvalsh(form.forces["film"]).min() > 0
+    assert np.abs(state_of(form).displacement).max() < 1e-12 * 12
+
+
+def test_cone_whose_edge_cables_are_too_weak_is_handed_over_with_the_force_that_would_do():
+    structure = tent(14e3)
+    with pytest.warns(UnsettledFormWarning, match=r"'edge' between .* span of 12: .* would do") as told:
+        form = prescribed_stress(structure, warp={"film": RadialDirection()})
+    assert not form.converged
+    assert 14e3 < float(str(told[0].message).partition(" would do")[0].split()[-1]) < 18e3
+    assert np.abs(state_of(form).displacement).max() < 1e-12 * 12

@@ -2,10 +2,18 @@
 
 import numpy as np
 import pytest
+from scipy.sparse.csgraph import connected_components
 
 from fx_membrane import boundary_edges, polyline, rectangle
 from fx_membrane.geometry.measures import measures, normals
-from fx_membrane.geometry.topology import from_smallest, orientation, with_one_sense
+from fx_membrane.geometry.topology import (
+    boundary_cells,
+    connected,
+    from_smallest,
+    node_graph,
+    orientation,
+    with_one_sense,
+)
 
 DIAGONALS = ["right", "left", "to centre"]
 
@@ -188,3 +196,30 @@ def test_triangles_are_turned_about_their_first_node(seed):
 def test_cells_from_their_smallest_node():
     assert from_smallest(np.array([[3, 1, 2], [5, 6, 4], [0, 8, 7]])).tolist() == [[1, 2, 3], [4, 5, 6], [0, 8, 7]]
     assert from_smallest(np.array([[2, 1], [0, 5]])).tolist() == [[1, 2], [0, 5]]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_pieces_are_those_of_the_node_graph_without_the_other_nodes(seed):
+    random = np.random.default_rng(seed)
+    triangles = np.array([random.choice(60, 3, replace=False) for _ in range(15)])
+    bars = np.array([random.choice(60, 2, replace=False) for _ in range(10)])
+    joining = random.random(60) < 0.7
+    found = connected([triangles, bars], joining)
+    graph = node_graph([triangles, bars], 60).tolil()
+    graph[~joining], graph[:, ~joining] = 0, 0
+    expected = connected_components(graph.tocsr(), directed=False)[1]
+    assert len(found.nodes) == 60
+    assert ((found.nodes[:, None] == found.nodes) == (expected[:, None] == expected)).all()
+    for cells, pieces in zip([triangles, bars], found.cells, strict=True):
+        for cell, piece in zip(cells, pieces, strict=True):
+            assert set(found.nodes[cell[joining[cell]]]) <= {piece}
+    assert len({*found.nodes, *found.cells[0], *found.cells[1]}) == found.pieces
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_boundary_cells_are_those_of_the_boundary_edges(seed):
+    triangles = np.random.default_rng(seed).permutation(rectangle(2.0, 1.0, 5, 4)[1])
+    edges, cells = boundary_edges(triangles), boundary_cells(triangles)
+    assert len(edges) == len(cells)
+    sides = np.stack([np.roll(triangles[cells], turned, axis=1)[:, :2] for turned in range(3)])
+    assert (sides == edges).all(axis=2).any(axis=0).all()  # with the sense of their triangle

@@ -89,7 +89,6 @@ def test_strain_above_one_points_to_the_units(stretch, absurd):
     assert ("rough values" in words) != absurd
 
 
-@pytest.mark.mpi
 def test_most_strained_part_and_the_number_of_others_are_named():
     points = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 3, 0]])
     parts = {"short": Cable([[0, 1]], 1e6), "long": Cable([[0, 2], [2, 3]], 1e6)}

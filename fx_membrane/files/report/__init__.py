@@ -1,0 +1,1 @@
+"""Printed report of an analysis: HTML and PDF from one template."""

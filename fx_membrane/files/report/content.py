@@ -1,0 +1,170 @@
+"""Content of a report as texts: what the template shows."""
+
+import importlib.metadata
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.measures import measures
+from ...model.stages import Stage
+from ...results.checks import Verdict, checks
+from ...results.states import StageResult, StageResults
+from ...results.summary import summary
+
+SENTENCES = {
+    Verdict.PASS: "All checks of all stages pass.",
+    Verdict.WARN: "Some checks warn: read their remedies before the numbers.",
+    Verdict.FAIL: "Some checks fail: the numbers of these stages are not to be used.",
+}
+PROGRAMS = {"fx_membrane": "fx-membrane", "dolfinx": "fenics-dolfinx", "numpy": "numpy", "scipy": "scipy"}
+
+
+def content(results: StageResults, title: str, force: str, length: str) -> dict[str, Any]:
+    """Values of the template of a report."""
+    stages = [_stage(state, _of_name(results.stages, name), force, length) for name, state in results.items()]
+    verdicts = {check.verdict for stage in stages for check in stage["checks"]}
+    worst = next(verdict for verdict in (Verdict.FAIL, Verdict.WARN, Verdict.PASS) if verdict in verdicts)
+    structure = next(iter(results.values())).structure
+    return {
+        "title": title,
+        "force": force,
+        "length": length,
+        "verdict": worst.value,
+        "sentence": SENTENCES[worst],
+        "nodes": len(structure.points),
+        "supported": int(structure.supported.any(axis=1).sum()),
+        "parts": [_part(structure, name, force, length) for name in structure.parts],
+        "stages": stages,
+        "warned": any(stage["remarks"] for stage in stages),
+        "versions": dict(_versions()),
+    }
+
+
+def _of_name(stages: tuple[Stage, ...], name: str) -> Stage | None:
+    return next((stage for stage in stages if stage.name == name), None)
+
+
+def _stage(state: StageResult, stage: Stage | None, force: str, length: str) -> dict[str, Any]:
+    told = summary(state)
+    return {
+        "name": state.name,
+        "after": (stage.after if stage else None) or "",
+        "loads": [_load(load) for load in stage.loads] if stage else [],
+        "checks": checks(state),
+        "sums": {"loads": _force(state, told["sum of loads"]), "reactions": _force(state, told["sum of reactions"])},
+        "extremes": list(_extremes(state, told, force, length)),
+        "reactions": list(_reactions(state)),
+        "increments": [
+            {
+                "factor": f"{increment.load_factor:.4g}",
+                "outcome": increment.outcome.name.lower().replace("_", " "),
+                "iterations": len(increment.iterations) - 1 + increment.extra_iterations,
+                "residual": f"{increment.iterations[-1].residual:.1e}",
+            }
+            for increment in state.increments
+        ],
+        "remarks": [str(remark) for remark in state.remarks],
+    }
+
+
+def _load(load: Any) -> str:
+    """Line on a load: its kind, part and value."""
+    value: Any = getattr(load, "load", getattr(load, "force", getattr(load, "pressure", None)))
+    shown = "" if value is None else f"{value:.6g}" if np.ndim(value) == 0 else _vector(value)
+    where = getattr(load, "part", "") or f"{np.size(getattr(load, 'nodes', ()))} nodes"
+    cells = getattr(load, "cells", None)
+    some = f", {len(cells)} cells" if cells is not None else ""
+    return f"{type(load).__name__} {shown} on {where}{some}"
+
+
+def _extremes(state: StageResult, told: dict[str, Any], force: str, length: str) -> Iterator[dict[str, str]]:
+    largest = told["largest displacement"]
+    yield {
+        "part": "",
+        "quantity": "displacement",
+        "least": "",
+        "least_at": "",
+        "largest": f"{largest['value']:.5g}",
+        "largest_at": f"node {largest['node']} at {_vector(largest['place'])}",
+        "unit": length,
+    }
+    for name, part in told["parts"].items():
+        unit = force if state.parts[name].dimension == 1 else f"{force}/{length}"
+        for quantity, ends in part.items():
+            if isinstance(ends, dict):
+                yield {
+                    "part": name,
+                    "quantity": quantity,
+                    "least": f"{ends['least']['value']:.5g}",
+                    "least_at": _at(ends["least"]),
+                    "largest": f"{ends['largest']['value']:.5g}",
+                    "largest_at": _at(ends["largest"]),
+                    "unit": unit,
+                }
+
+
+def _at(entry: dict[str, Any]) -> str:
+    return f"{entry['cell']} at {_vector(entry['place'])}"
+
+
+def _reactions(state: StageResult) -> Iterator[dict[str, Any]]:
+    """Reactions of each support, and of nodes that stages move."""
+    left = state.actions.held.any(axis=1)
+    for number, support in enumerate(state.structure.supports):
+        nodes = np.asarray(support.nodes)
+        left[nodes] = False
+        yield _sum_of(state, f"{number}: {support.components}", nodes)
+    if left.any():
+        yield _sum_of(state, "prescribed displacements", np.flatnonzero(left))
+
+
+def _sum_of(state: StageResult, name: str, nodes: NDArray[np.int64]) -> dict[str, Any]:
+    reactions = state.reactions[nodes]
+    size = np.linalg.norm(reactions, axis=1)
+    node = int(nodes[size.argmax()])
+    x, y, z = _components(state, reactions.sum(axis=0))
+    at = f"{node} at {_vector(state.structure.points[node])}"
+    return {"name": name, "nodes": len(nodes), "x": x, "y": y, "z": z, "largest": f"{size.max():.5g}", "at": at}
+
+
+def _part(structure: Any, name: str, force: str, length: str) -> dict[str, Any]:
+    part = structure.parts[name]
+    size = measures(structure.points, part.cells).sum()
+    tensors = part.prestress_tensors()
+    values = tensors[:, range(part.dimension), range(part.dimension)]
+    ends = " / ".join(
+        f"{least:.4g}" if least == most else f"{least:.4g} to {most:.4g}"
+        for least, most in zip(values.min(axis=0), values.max(axis=0), strict=True)
+    )
+    return {
+        "name": name,
+        "kind": type(part).__name__,
+        "cells": len(part.cells),
+        "size": f"{size:.5g} {length}{'2' if part.dimension == 2 else ''}",
+        "material": repr(part.material),
+        "prestress": f"{ends} {force}{f'/{length}' if part.dimension == 2 else ''}",
+    }
+
+
+def _force(state: StageResult, values: Any) -> str:
+    return "(" + ", ".join(_components(state, values)) + ")"
+
+
+def _components(state: StageResult, values: Any) -> list[str]:
+    """Components of a force; rounding beside the reactions is 0."""
+    rounding = 1e-12 * np.abs(state.reactions).sum()
+    return [f"{value:.5g}" if abs(value) > rounding else "0" for value in values]
+
+
+def _vector(values: Any) -> str:
+    return "(" + ", ".join(f"{value + 0.0:.4g}" for value in values) + ")"
+
+
+def _versions() -> Iterator[tuple[str, str]]:
+    for name, package in PROGRAMS.items():
+        try:
+            yield name, importlib.metadata.version(package)
+        except importlib.metadata.PackageNotFoundError:
+            yield name, "unknown"

@@ -1,0 +1,140 @@
+"""Reports: order of chapters, numbers, names that are no markup, and a page that asks for nothing."""
+
+import re
+import subprocess
+import sys
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from mpi4py import MPI
+
+from fx_membrane import (
+    Analysis,
+    Cable,
+    Fabric,
+    Mast,
+    Membrane,
+    PointLoad,
+    Pressure,
+    Stage,
+    StageResults,
+    Structure,
+    Support,
+    boundary_edges,
+    rectangle,
+    save_results,
+    write_report,
+)
+
+pytest.importorskip("jinja2")
+CHAPTERS = [
+    "Verdict", "Model and materials", "Load cases", "Extremes", "Reactions", "Pictures", "Convergence", "Warnings",
+    "Versions",
+]  # fmt: skip
+EVIL = "<script>alert(1)</script>"
+
+
+@pytest.fixture(scope="module")
+def results():
+    points, triangles = rectangle(2.0, 2.0, 4, 4)
+    points = np.vstack([points, (1.0, 1.0, -2.0)])
+    rim = boundary_edges(triangles)
+    middle = int(np.abs(points[:-1] - (1, 1, 0)).sum(axis=1).argmin())
+    parts = {
+        EVIL: Membrane(triangles, Fabric(4e5, 0.3), (2e3, 1e3), warp=(1, 0, 0)),
+        "edge": Cable(rim, 1e6, 1e2),
+        "mast": Mast([(middle, len(points) - 1)], 1e7),
+    }
+    structure = Structure(points, parts, [Support(np.unique(rim)), Support(len(points) - 1, "xyz")])
+    wind = Stage("wind", [Pressure(50.0, EVIL), PointLoad(12, (0, 0, -5.0))], increments=2)
+    return Analysis(structure).run([wind, Stage("gale & co", [Pressure(90.0, EVIL)], after="wind")])
+
+
+class Page(HTMLParser):
+    """Chapters, tags and addresses of a page."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.chapters, self.addresses, self.tags, self._open = [], [], [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self._open.append(tag)
+        self.tags.append(tag)
+        self.addresses += [value for name, value in attributes if name in ("src", "href")]
+
+    def handle_data(self, data):
+        if self._open and self._open[-1] == "h2" and data.strip():
+            self.chapters.append(data)
+
+    def handle_endtag(self, tag):
+        while self._open and self._open.pop() != tag:
+            pass
+
+
+@pytest.mark.serial
+def test_page(results, tmp_path):
+    pytest.importorskip("pyvista")
+    write_report(results, tmp_path / "new" / "report.html", title=f"Roof {EVIL}", force_unit="kN")
+    text = (tmp_path / "new" / "report.html").read_text(encoding="utf-8")
+    page = Page(text)
+    assert page.chapters == CHAPTERS
+    assert "script" not in page.tags
+    assert all(address.startswith(("data:", "#")) for address in page.addresses)
+    assert page.tags.count("img") == 2
+    wind = results["wind"]
+    assert f"{wind.membrane(EVIL).principal[:, 0].max():.5g}" in text
+    assert f"{wind.largest_displacement:.5g}" in text
+    assert "gale &amp; co" in text
+    assert "[kN]" in text
+    vertical = wind.reactions[:-1, 2].sum()
+    assert f'<td class="n">{vertical:.5g}</td>' in text
+
+
+@pytest.mark.serial
+def test_unstable_state_is_a_warning(tmp_path):
+    points, triangles = rectangle(2.0, 2.0, 2, 2)
+    structure = Structure(
+        points, {"roof": Membrane(triangles, Fabric(1e3, 0.3), 1.0)}, [Support(np.unique(boundary_edges(triangles)))]
+    )
+    found = Analysis(structure).run([Stage("gale", [PointLoad(4, (0, 0, -900.0))])])
+    write_report(found, tmp_path / "r.html", pictures=False)
+    text = (tmp_path / "r.html").read_text(encoding="utf-8")
+    assert '<p class="verdict WARN">' in text
+    assert re.search(r"gale: .*strained", text)
+
+
+@pytest.mark.serial
+def test_pdf(results, tmp_path):
+    pytest.importorskip("weasyprint")
+    write_report(results, tmp_path / "report.pdf", pictures=False)
+    assert (tmp_path / "report.pdf").read_bytes()[:5] == b"%PDF-"
+
+
+@pytest.mark.serial
+def test_command(results, tmp_path):
+    save_results(results, tmp_path / "results.fxm")
+    command = [sys.executable, "-c", "from fx_membrane.cli import main; main()"]
+    ended = subprocess.run(
+        [*command, "report", "results.fxm", "r.html"], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert "r.html" in ended.stdout
+    shown = subprocess.run([*command, "show", "results.fxm"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert shown.stdout.count("PASS") >= 10
+
+
+@pytest.mark.serial
+def test_refusals(results, tmp_path):
+    for path, words in [(tmp_path / "r.doc", r"\.pdf"), (tmp_path, r"\.pdf")]:
+        with pytest.raises(ValueError, match=words):
+            write_report(results, path)
+    with pytest.raises(ValueError, match="no stage"):
+        write_report(StageResults(), tmp_path / "r.html")
+
+
+@pytest.mark.mpi
+def test_first_process_writes(results, tmp_path_factory):
+    folder = MPI.COMM_WORLD.bcast(tmp_path_factory.mktemp("report"))
+    write_report(results, folder / "r.html", pictures=False)
+    assert (folder / "r.html").exists()
