@@ -82,7 +82,7 @@ def judged(case: Tent, method: str, find: Callable[[], Form]) -> tuple[str, str]
         warnings.simplefilter("ignore")
         moved = Analysis(form.structure, progress=False).run([Stage("form")])["form"].largest_displacement
     moved /= np.ptp(form.points, axis=0).max()
-    error = form.steps[-1].stress_error
+    error = form.steps[-1].stress_error if form.steps else np.nan  # no step came nearer
     verdict = "found" if form.converged else "unsettled"
     line = f"{verdict:>10}{len(form.steps):6}{time:8.2f}{error:9.1e}{moved:9.1e}  {words}"
     if moved > STILL:
