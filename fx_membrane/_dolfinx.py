@@ -187,7 +187,7 @@ def packed(compiled: Any) -> Any:
 
     Forms whose functions are the first of this form take them, too: each column belongs to one function.
     """
-    return fem.assemble.pack_coefficients(compiled)
+    return cpp.fem.pack_coefficients(getattr(compiled, "_cpp_object", compiled))  # as in `coefficients`
 
 
 def cell_expression(expression: Any, msh: Any) -> Callable[..., NDArray[np.float64]]:

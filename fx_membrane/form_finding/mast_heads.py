@@ -28,8 +28,8 @@ Array = NDArray[np.float64]
 
 FIRST = 12  # steps of the rest of the form before the first move of the heads
 SETTLING = 3  # the same, after each
-NEAR = 1e-4  # reaction at a head, relative to the largest force of a mast, from which on a free step is tried
-DRIFT = 1e-3  # the same, below which it may come from the sliding of nodes, and no move is halved
+NEAR = 1e-5  # reaction at a head, relative to the largest force of a mast, from which on a free step is tried
+DRIFT = 1e-2  # the same, below which it may come from the sliding of nodes, and no move is halved
 SMALL = 1e-3  # move of a head for a difference quotient, relative to the shortest mast
 FAR = 0.2  # the same, of a move at most
 FALL = 0.1  # share by which a full move must reduce the reactions, or it is halved
@@ -110,7 +110,7 @@ def _search(
     pulse: Callable[[str], None],
     moves: int,
 ) -> Array | None:
-    """Move the heads until a shape fits, or after all moves is in balance at least; None without success.
+    """Move the heads until a shape fits, or after all moves is nearly in balance; None without success.
 
     The shape at the start is one in which the rest of the form has settled.
     """
@@ -143,13 +143,17 @@ def _search(
         taken = _shortened(settled, points, way, rest)
         if taken is not None:
             move, points, left = taken
-            slope = slope + np.outer(left - rest - slope @ move, move) / (move @ move)
-            rest, fresh = left, False
+            if np.abs(left).max() > DRIFT:  # below, the update would learn from the sliding
+                slope = slope + np.outer(left - rest - slope @ move, move) / (move @ move)
+                fresh = False
+            elif not fresh and np.linalg.norm(left) > np.linalg.norm(rest) / 2:
+                slope, fresh = slopes(points), True
+            rest = left
         elif fresh:
             break
         else:
             slope, fresh = slopes(points), True
-    return points if np.abs(rest).max() <= NEAR else None
+    return points if np.abs(rest).max() <= DRIFT else None
 
 
 def _shortened(
