@@ -27,6 +27,7 @@ from ..model.structure import Structure
 Array = NDArray[np.float64]
 
 ROUND = 0.35  # deviation of the distances from the centre, relative to the radius, up to which a loop counts as a ring
+ZERO = 1e-9  # coordinate of a centre over the radius, that counts as rounding
 NODES, WEIGHTS = roots_legendre(40)
 
 
@@ -109,5 +110,6 @@ def _rings(points: Array, triangles: NDArray[np.int64], stress: Array, held: NDA
         along /= lengths(along)[:, None]
         across = np.cross(normals(points, triangles[cells[loop == k]]), along)
         n_s, n_t = (np.einsum("ki,kij,kj->k", v, stress[cells[loop == k]], v).mean() for v in (across, along))
+        centre = np.where(np.abs(centre) > ZERO * distance.mean(), centre, 0.0)
         found.append(Ring(nodes, centre, axis, float(distance.mean()), float(n_s / n_t)))
     return found
