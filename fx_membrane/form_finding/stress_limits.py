@@ -75,7 +75,10 @@ def reason_of(
         return ""
     where = _worst(problem, state)
     if failure:
-        cause = weak[0].words(problem.structure.points) if weak else _neck(problem, state)
+        # A neck away from the edges stays with stronger cables: then both are named.
+        words = [weak[0].words(problem.structure.points)] if weak else []
+        words += [] if weak and _is_at_edge(problem, state) else [_neck(problem, state)]
+        cause = " Besides, ".join(words)
         return f"it is not that of the wish: {failure}. The reason: {cause} {where}"
     if weak:
         return f"{weak[0].words(problem.structure.points)} {where}"
@@ -90,8 +93,10 @@ def reason_of(
 def weak_edges(problem: NearestProblem) -> list[WeakEdge]:
     """Edge cables too weak for their span, the weakest first."""
     structure, found = problem.structure, []
+    bars = np.concatenate([np.zeros((0, 2), dtype=np.int64), *(block.cells for block in problem.bars.values())])
+    count = np.bincount(bars.ravel(), minlength=len(structure.points))
     for name, block in problem.bars.items():
-        for line in _lines(structure, block.cells):
+        for line in _lines(structure, block.cells, (count == 2) & ~structure.supported.any(axis=1)):
             cells, ends = block.cells[line], _ends(block.cells[line])
             stress = _pull(problem, cells)
             if stress is None or len(ends) != 2:
@@ -127,14 +132,26 @@ def remarks_of(problem: NearestProblem, state: State) -> tuple[str, ...]:
 
 def _worst(problem: NearestProblem, state: State) -> str:
     """Tell of the cell whose stress is farthest from the wish."""
-    sizes = {name: differences(ratio) for name, ratio in state.ratios.items()}
-    name = max(sizes, key=lambda name: float(sizes[name].max(initial=0.0)))
-    cell = int(sizes[name].argmax())
+    name, cell = _farthest(state)
     cells = problem.membranes[name].cells if name in problem.membranes else problem.bars[name].cells
     return (
         f"The stress is farthest from the wish in part {name!r}, cell {cell} at {place(state.points, cells, cell)}, by "
-        f"{100 * sizes[name][cell]:.3g} %; form.differences has all."
+        f"{100 * state.largest:.3g} %; form.differences has all."
     )
+
+
+def _is_at_edge(problem: NearestProblem, state: State) -> bool:
+    """Return True if the cell farthest from the wish has a node on a cable."""
+    name, cell = _farthest(state)
+    on = np.concatenate([np.zeros(0, dtype=np.int64), *(block.cells.ravel() for block in problem.bars.values())])
+    return name in problem.bars or bool(np.isin(problem.membranes[name].cells[cell], on).any())
+
+
+def _farthest(state: State) -> tuple[str, int]:
+    """Part and cell whose stress is farthest from the wish."""
+    sizes = {name: differences(ratio) for name, ratio in state.ratios.items()}
+    name = max(sizes, key=lambda name: float(sizes[name].max(initial=0.0)))
+    return name, int(sizes[name].argmax())
 
 
 def _neck(problem: NearestProblem, state: State) -> str:
@@ -148,7 +165,8 @@ def _neck(problem: NearestProblem, state: State) -> str:
             shrunk, where = float(ratio[cell]), f"part {name!r}, at {place(state.points, block.cells, cell)}"
     return (
         f"no surface of such stress spans the supports; it closes to a neck in {where}. Bring the rings nearer to each "
-        "other, make the ring larger, or wish for more stress from ring to ring than around them."
+        "other, make the ring larger, wish for more stress from ring to ring than around them, or give the stress in "
+        "plan, projected_stress."
     )
 
 
@@ -182,12 +200,9 @@ def _across(block: MembraneBlock, points: Array, edges: NDArray[np.int64]) -> tu
     return np.einsum("ea,eab,eb->e", local, triangles.wish[cell], local), size
 
 
-def _lines(structure: Structure, cells: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-    """Bars in lines between held nodes and ends, as numbers of their cells."""
-    held = structure.supported.any(axis=1)
+def _lines(structure: Structure, cells: NDArray[np.int64], inner: NDArray[np.bool_]) -> list[NDArray[np.int64]]:
+    """Bars in lines that end where nodes are held or other bars meet them, as numbers of their cells."""
     n = len(structure.points)
-    count = np.bincount(cells.ravel(), minlength=n)
-    inner = (count == 2) & ~held
     ends = [np.flatnonzero(inner[corner]) for corner in cells.T]
     rows = np.concatenate(ends)
     columns = np.concatenate([corner[at] for corner, at in zip(cells.T, ends, strict=True)])
