@@ -173,7 +173,7 @@ def rings(height, upper=10.0, n=8, stress=2.0):
 
 
 def test_ring_too_far_from_its_base_is_named_with_the_distance():
-    message = r"ring is too far from its base: .* around \(0, 0, \S+\), of radius 10, is 14 away from it, .*about 13\.[123]"
+    message = r"too far from its base: .* around \(0, 0, \S+\), of radius 10, is 14 away from it, .*about 13\.[123]"
     with pytest.raises(RuntimeError, match=message):
         updated_reference(rings(14.0))
     with pytest.raises(RuntimeError, match=r"of radius 1, is 8 away .*reaches about 3\."):
