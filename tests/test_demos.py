@@ -14,8 +14,12 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from fx_membrane import Analysis, Stage
+from fx_membrane.form_finding.ring_reach import reach
+
 DEMOS = Path(__file__).parent.parent / "demos"
 PICTURES: dict[str, list[str]] = {
+    "cone": ["plan.png", "prestress.png", "snow.png", "uplift.png", "wind.png"],
     "forms_alone": [],
     "own_energy": [],
     "own_law": [],
@@ -110,6 +114,23 @@ def test_readme_script(tmp_path, monkeypatch, capsys):
     exec(compile(script, "README.md", "exec"), {"__name__": "__main__"})
     assert "principal stress II" in capsys.readouterr().out
     assert Path("snow.png").exists()
+
+
+@pytest.mark.serial
+def test_readme_forms():
+    """The scripts from a plan to a shape run as printed there, and their forms are found and at rest."""
+    section = (DEMOS.parent / "README.md").read_text().split("## From a plan to a shape")[1].split("\n## ")[0]
+    found = {}
+    for block in section.split("```python\n")[1:]:
+        exec(compile(block.split("```")[0], "README.md", "exec"), found)
+    assert f"{reach(0.6, 6.0, 1.5):.1f} m" in section
+    for name in ("in_plan", "nearer", "soap_film", "wish", "sagging", "guyed"):
+        form = found[name]
+        assert form.steps[-1].stress_error < 0.1
+        state = Analysis(form.structure).run([Stage("form")])["form"]
+        assert state.largest_displacement < 1e-12 * 12
+    assert all(found[name].converged for name in ("in_plan", "soap_film", "sagging", "guyed"))
+    assert np.ptp(found["net"].points[:, 2]) == pytest.approx(3.0)
 
 
 if __name__ == "__main__":

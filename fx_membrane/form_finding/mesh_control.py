@@ -10,7 +10,8 @@ from scipy.sparse.linalg import splu
 from ..geometry.topology import boundary_edges
 from ..model.parts import Membrane
 from ..model.structure import Structure
-from .shape_change import line_tangents, nodal_normals
+from .line_tangents import line_tangents
+from .shape_change import nodal_normals
 
 Array = NDArray[np.float64]
 Segments = NDArray[np.int64]

@@ -31,9 +31,12 @@ from .constraints import Constraint
 from .form import Form, FormStep, refuse_terms
 from .hand_over import handed_over
 from .membrane_balance import collapse_of, stressed
+from .no_form import causes, forces_in
 from .plan import Field, Plan, place, plan_of
 from .shape_change import change_of_shape
+from .unheld import free_edge
 from .updated_reference import STRAY, UnsettledFormWarning
+from .weak_edges import weak_edges
 
 Array = NDArray[np.float64]
 
@@ -135,8 +138,9 @@ def projected_stress(
     plans = {name: plan_of(name, part, structure.points, axes, fields.get(name)) for name, part in membranes.items()}
     pulse = Pulse("form finding", MPI.COMM_WORLD.rank == 0)
     points, reactions, error, stray, steps = structure.points, np.zeros(0), np.inf, np.inf, list[FormStep]()
-    densities, following = {}, balance.start(plans)
-    collapse, accelerated, miss = "", balance.acceleration(), np.inf
+    first = balance.start(plans)
+    densities, following, kept = dict[str, Array](), first, None
+    collapse, accelerated, miss, fold = "", balance.acceleration(), np.inf, ""
     while (error > tolerance or miss > MET) and len(steps) < max_iterations:
         pulse(f"step {len(steps) + 1} towards the forces of cables")
         found = balance(points, plans, following, len(steps) + 1)
@@ -153,11 +157,17 @@ def projected_stress(
         area = float(sum(measures(points, plan.cells).sum() for plan in plans.values()))
         change = change_of_shape(structure, before, points - before)
         steps.append(FormStep(float(area), float(change), float(max(error, stray))))
+        fold = _fold(plans, points, axes)
+        kept = (points, reactions, densities, len(steps)) if not fold else kept
     if not steps:
         raise RuntimeError(f"Form finding has no form after its first step: {collapse}")
-    problem = collapse or _fold(plans, points, axes) or _excess(error, tolerance, len(steps), miss, words)
-    problem = problem or _motion(plans, points, axes)
+    if fold and kept is not None:
+        points, reactions, densities, count = kept
+        fold, steps = f"it is that of step {count}, and in later ones {fold}", steps[:count]
+    problem = collapse or fold or _excess(error, tolerance, len(steps), miss, words) or _motion(plans, points, axes)
     if problem:
+        unheld = "" if constraints else free_edge(structure, structure.points)
+        problem = " ".join(filter(None, (problem, causes(_weak_edges(structure, plans, axes, first), unheld))))
         warnings.warn(
             f"The form is in equilibrium with the stress it is handed over with, but {problem}",
             UnsettledFormWarning,
@@ -209,6 +219,15 @@ def _fold(plans: Mapping[str, Plan], points: Array, axes: Array) -> str:
                 "plan; give larger forces to the cables, or hold nodes."
             )
     return ""
+
+
+def _weak_edges(structure: Structure, plans: Mapping[str, Plan], axes: Array, densities: Mapping[str, Array]) -> str:
+    """Tell of the edge cable that lacks most force in plan, in words; empty if none is too weak."""
+    plane = axes[:, :2]
+    flat = structure.points @ plane @ plane.T
+    stresses = {name: plane @ plan.stress @ plane.T for name, plan in plans.items()}
+    forces = {name: densities[name] * measures(flat, structure.parts[name].cells) for name in forces_in(structure)}
+    return weak_edges(structure, flat, stresses, forces)
 
 
 def _excess(error: float, tolerance: float, steps: int, miss: float, words: str) -> str:

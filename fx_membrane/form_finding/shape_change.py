@@ -3,12 +3,14 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ..checks import validation
 from ..geometry.measures import measures, normals
 from ..geometry.topology import boundary_edges
-from ..model.parts import Bar
+from ..model.parts import Bar, Membrane
 from ..model.structure import Structure
+from .line_tangents import line_tangents, unit
+from .no_form import cause
 
-TURN = 0.6  # difference of the unit vectors of two segments, 35 degrees, above which a line has a corner
 # Fraction of its first length, or of the root of its first area, below which a cell counts as collapsed.
 GONE = 1e-3
 GONE_MAST = 1e-2  # no sliding of nodes makes a mast short
@@ -38,7 +40,7 @@ def change_of_shape(structure: Structure, points: NDArray[np.float64], displacem
     def along(unit: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.sum(displacement * unit, axis=1, keepdims=True) * unit
 
-    normal = _unit(nodal_normals(structure, points))
+    normal = unit(nodal_normals(structure, points))
     across = np.where(on_line[:, None], displacement - along(tangent), along(normal))
     largest = float(np.linalg.norm(across, axis=1).max() / np.concatenate(edges).mean())
     slides = np.any(tangent, axis=1)
@@ -73,10 +75,10 @@ def check_collapse(structure: Structure, points: NDArray[np.float64], step: int)
                 raise RuntimeError(_unbalanced(step, name, part, int(cell), force, first[cell], now[cell]))
         torn |= bool(gone.any())
     if torn:  # after the bars, a possible cause of it
-        raise RuntimeError(collapse(structure, step))
+        raise RuntimeError(collapse(structure, step, points))
 
 
-def collapse(structure: Structure, step: int) -> str:
+def collapse(structure: Structure, step: int, points: NDArray[np.float64] | None = None) -> str:
     """Sentences on a shape without equilibrium; free masts, a possible cause, come first."""
     for name, part in structure.parts.items():
         if part.is_strut:
@@ -89,12 +91,27 @@ def collapse(structure: Structure, step: int) -> str:
                     f"{name!r}, of the length {length:.4g} and the force {force[cell]:g}, has a free end, and no form "
                     f"was found that balances the forces there; {HOLD}"
                 )
-    return (
-        f"Form finding stopped at step {step}: the shape collapses. There is none where edge cables are too weak "
-        "(force over stress of the fabric below half their span), where rings are too far apart, where a fabric is "
-        "held at one point within it, or where an edge has neither cable nor support; change the prestress or the "
-        "supports."
+    reason = cause(structure, structure.points) or (
+        "There is none where edge cables are too weak (force over stress of the fabric below half their span), where "
+        "rings are too far apart, where a fabric is held at one point within it, or where an edge has neither cable "
+        "nor support."
     )
+    where = "" if points is None else _where(structure, points)
+    remedy = "Change the prestress or the supports."
+    return f"Form finding stopped at step {step}: the shape collapses{where}. {reason} {remedy}"
+
+
+def _where(structure: Structure, points: NDArray[np.float64]) -> str:
+    """Tell of the cell of a membrane that has shrunk most."""
+    least, words = np.inf, ""
+    for name, part in structure.parts.items():
+        if isinstance(part, Membrane) and np.isfinite(points).all():
+            share = measures(points, part.cells) / measures(structure.points, part.cells)
+            cell = int(share.argmin())
+            if share[cell] < least:
+                where = validation.format_point(points[part.cells[cell]].mean(axis=0))
+                least, words = share[cell], f" around cell {cell} of part {name!r}, {where}"
+    return words
 
 
 def _unbalanced(step: int, name: str, part: Bar, cell: int, force: float, first: float, now: float) -> str:
@@ -108,23 +125,6 @@ def _unbalanced(step: int, name: str, part: Bar, cell: int, force: float, first:
         f"{fate} (its length was {first:.4g} and is {now:.3g}): no length was found that balances the forces at its "
         f"ends; {remedy}"
     )
-
-
-def line_tangents(points: NDArray[np.float64], segments: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Tangents of lines, of unit length, at their inner nodes, shape (n, 3) [-]; zero at ends, corners and junctions.
-
-    Args:
-        points: Positions of the nodes, shape (n, 3) [m].
-        segments: Segments of the lines, each once, shape (k, 2).
-    """
-    direction = _unit(points[segments[:, 1]] - points[segments[:, 0]])
-    leaving, last = np.zeros_like(points), np.zeros_like(points)
-    for end, away in zip(segments.T, (direction, -direction), strict=True):
-        np.add.at(leaving, end, away)
-        last[end] = away
-    count = np.bincount(segments.ravel(), minlength=len(points))
-    slides = (count == 2) & (np.linalg.norm(leaving, axis=1) < TURN)
-    return np.where(slides[:, None], _unit(2 * last - leaving), 0.0)  # one direction less the other
 
 
 def nodal_normals(structure: Structure, points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -142,9 +142,3 @@ def nodal_normals(structure: Structure, points: NDArray[np.float64]) -> NDArray[
             turned = np.sum(normal * side[corner], axis=1, keepdims=True) < 0
             np.add.at(total, corner, np.where(turned, -normal, normal))
     return total
-
-
-def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Scale vectors of shape (n, 3) to length one; zero vectors stay zero."""
-    length = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.divide(vectors, length, where=length > 0, out=np.zeros_like(vectors))

@@ -235,9 +235,10 @@ def _check_prestress(structure: Structure) -> None:
         least = np.linalg.eigvalsh(stresses[name])[:, 0]
         if not part.is_strut and least.min() < 0:
             cell = int(np.argmin(least))
+            where = validation.format_point(structure.points[part.cells[cell]].mean(axis=0))
             raise ValueError(
-                f"Part {name!r}, cell {cell}: its prestress is compressive ({least[cell]:g}); no form of fabric or "
-                "cables holds that, give a tension."
+                f"Part {name!r}, cell {cell}: its prestress is compressive ({least[cell]:g}) at {where}; no form of "
+                "fabric or cables holds that, give a tension."
             )
 
 

@@ -61,6 +61,13 @@ def boundary_edges(triangles: ArrayLike) -> NDArray[np.int64]:
     return np.where(senses[outer, None] % 2, edges, edges[:, ::-1])
 
 
+def boundary_cells(triangles: NDArray[np.int64]) -> NDArray[np.intp]:
+    """Triangles of the boundary edges, in the order of `boundary_edges`, shape (edges,)."""
+    topology = _edges(triangles)
+    alone = topology.triangles[topology.number[topology.order]] == 1
+    return np.asarray(topology.order[alone] % len(triangles))
+
+
 def orientation(triangles: NDArray[np.int64]) -> NDArray[np.float64] | None:
     """Signs that turn all triangles of a connected piece to the sense of its first, shape (cells,); or None.
 

@@ -148,9 +148,10 @@ class Structure:
         tangent = projected(given, normal)
         bad = np.flatnonzero(~tangent.any(axis=1))
         if len(bad):
+            where = validation.format_point(self.points[membrane.cells[bad[0]]].mean(axis=0))
             raise ValueError(
-                f"Part {name!r}, cell {bad[0]}: its warp {given[bad[0]].tolist()} is zero or normal to the cell; "
-                "give a vector that lies roughly in the cell."
+                f"Part {name!r}, cell {bad[0]}: its warp {given[bad[0]].tolist()} is zero or normal to the cell, at "
+                f"{where}; give a vector that lies roughly in the cell."
             )
         return tangent
 

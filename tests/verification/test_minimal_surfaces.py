@@ -102,7 +102,7 @@ def test_area_converges_with_second_order(surface):
 def test_hand_over(surface):
     form = found(surface, 16)
     state = Analysis(form.structure).run([Stage("hand-over")])["hand-over"]
-    assert np.abs(state.displacement).max() < 1e-9 * np.ptp(form.structure.points)
+    assert np.abs(state.displacement).max() < 1e-12 * np.ptp(form.structure.points)
 
 
 @pytest.mark.parametrize(("height", "neck"), [(8.0, 9.10737994), (10.0, 8.48337939), (12.0, 7.45071090)])

@@ -36,7 +36,7 @@ def test_found_form_is_in_equilibrium_as_it_is(found):
     assert form.converged
     (result,) = Analysis(form.structure).run([Stage("form", loads)]).values()
     size = np.ptp(form.structure.points, axis=0).max()
-    assert np.abs(result.displacement).max() < 1e-9 * size
+    assert np.abs(result.displacement).max() < 1e-12 * size
     assert result.equilibrium.residual <= 1e-8 * np.abs(result.reactions).max()
 
 
@@ -46,7 +46,7 @@ def test_hanging_cable_is_in_equilibrium_as_it_is(others, tolerance):
     loads += others
     form = updated_reference(structure, loads, tolerance=tolerance, max_iterations=300)
     (result,) = Analysis(form.structure).run([Stage("form", loads)]).values()
-    assert np.abs(result.displacement).max() < 1e-9 * 10
+    assert np.abs(result.displacement).max() < 1e-12 * 10
     assert result.history[0][1].residual <= 1e-9 * np.abs(result.reactions).max()
 
 

@@ -6,7 +6,14 @@ from scipy.sparse.csgraph import connected_components
 
 from fx_membrane import boundary_edges, polyline, rectangle
 from fx_membrane.geometry.measures import measures, normals
-from fx_membrane.geometry.topology import connected, from_smallest, node_graph, orientation, with_one_sense
+from fx_membrane.geometry.topology import (
+    boundary_cells,
+    connected,
+    from_smallest,
+    node_graph,
+    orientation,
+    with_one_sense,
+)
 
 DIAGONALS = ["right", "left", "to centre"]
 
@@ -207,3 +214,12 @@ def test_pieces_are_those_of_the_node_graph_without_the_other_nodes(seed):
         for cell, piece in zip(cells, pieces, strict=True):
             assert set(found.nodes[cell[joining[cell]]]) <= {piece}
     assert len({*found.nodes, *found.cells[0], *found.cells[1]}) == found.pieces
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_boundary_cells_are_those_of_the_boundary_edges(seed):
+    triangles = np.random.default_rng(seed).permutation(rectangle(2.0, 1.0, 5, 4)[1])
+    edges, cells = boundary_edges(triangles), boundary_cells(triangles)
+    assert len(edges) == len(cells)
+    sides = np.stack([np.roll(triangles[cells], turned, axis=1)[:, :2] for turned in range(3)])
+    assert (sides == edges).all(axis=2).any(axis=0).all()  # with the sense of their triangle
