@@ -1,5 +1,6 @@
 """Run of a case: form finding, stages and the files that they leave."""
 
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -49,7 +50,8 @@ def run_case(case: Case, *, resume: bool = False, overwrite: bool = False, progr
             _prepare(folder, resume, overwrite)
     structure = _formed(case, folder, resume)
     series = None
-    if case.output.paraview:
+    wanted = case.output.paraview
+    if wanted or (wanted is None and find_spec("pyvista")):  # without a word in the file, where it can be written
         series = ParaViewSeries(folder / "paraview", resume, force_unit=case.force_unit, length_unit=case.length_unit)
     results = StageResults()
     try:

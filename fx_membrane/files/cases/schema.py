@@ -135,7 +135,7 @@ class OutputModel(Model):
     folder: str | None = None
     tables: bool = True
     archive: bool = True
-    paraview: bool = True
+    paraview: bool | None = None
     mesh: list[Literal["msh", "obj", "dxf"]] = []
 
 
