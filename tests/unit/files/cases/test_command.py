@@ -88,14 +88,9 @@ def test_ctrl_c_ends_with_130_and_the_run_goes_on(tmp_path):
     pytest.importorskip("pyvista")  # whose series shows how far the run is
     (tmp_path / "roof.toml").write_text(ROOF.replace("increments = 2", "increments = 20000"), encoding="utf-8")
     environment = dict(os.environ) | launch.ENVIRONMENT | {"PYTHONPATH": str(Path(__file__).parents[4])}
-    command = [sys.executable, *COMMAND, "run", "roof.toml"]
-
-    def heed_ctrl_c():  # which processes in the background of a shell ignore
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-
-    with subprocess.Popen(
-        command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True, preexec_fn=heed_ctrl_c
-    ) as process:
+    heed = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "  # a background shell ignores it
+    command = [sys.executable, "-c", heed + COMMAND[1], "run", "roof.toml"]
+    with subprocess.Popen(command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True) as process:
         try:
             while not _begun(tmp_path / "out"):
                 assert process.poll() is None
