@@ -75,7 +75,7 @@ class Checkpoint:
                         "on and keeps it in memory, and the file keeps what it had; make room, and the next increment "
                         "saves both.",
                         CheckpointWarning,
-                        stacklevel=4,
+                        stacklevel=5,
                     )
 
 

@@ -11,7 +11,6 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from ..geometry.topology import boundary_edges
-from ..model.parts import Bar, Membrane
 from ..model.structure import Structure
 
 Array = NDArray[np.float64]
@@ -58,7 +57,7 @@ def features(structure: Structure, keep: Integers) -> Features:
     fabric = _edges(np.concatenate([structure.parts[patch.part].cells[patch.rows] for patch in patches]))
     bars, loose = {}, {}
     for name, part in structure.parts.items():
-        if isinstance(part, Bar):
+        if part.dimension == 1:
             on = [edge in fabric for edge in _pairs(part.cells)]
             loose[name] = np.flatnonzero(~np.array(on))
             bars[name] = {edge: row for row, edge in enumerate(_pairs(part.cells)) if on[row]}
@@ -86,7 +85,7 @@ def _patches(structure: Structure) -> list[Patch]:
     """Pieces of membranes whose cells share edges."""
     found = []
     for name, part in structure.parts.items():
-        if not isinstance(part, Membrane):
+        if part.dimension != 2:
             continue
         n, cells = len(part.cells), part.cells
         sides = np.sort(np.concatenate([cells[:, [0, 1]], cells[:, [1, 2]], cells[:, [2, 0]]]), axis=1)
@@ -151,7 +150,7 @@ def _areas(structure: Structure, nodes: Integers) -> set[int]:
     """Nodes of cells that are held as a whole, within a membrane."""
     found: set[int] = set()
     for part in structure.parts.values():
-        if isinstance(part, Membrane):
+        if part.dimension == 2:
             whole = np.isin(part.cells, nodes).all(axis=1)
             inner = ~np.isin(part.cells, boundary_edges(part.cells)).all(axis=1)
             found |= set(part.cells[whole & inner].ravel().tolist())

@@ -107,7 +107,7 @@ def new_mesh(structure: Structure, size: Callable[[Array], Array], keep: Integer
         if membrane.warp is not None and np.ndim(membrane.warp) == 2:
             warp[name] = np.concatenate([piece.warp for piece in of_part])
     for name, part in structure.parts.items():
-        if isinstance(part, Bar):
+        if part.dimension == 1:
             cells[name], forces = _bar(structure.points, part, found, name, lines, number)
             if np.ndim(part.prestress):
                 prestress[name] = forces
@@ -149,7 +149,7 @@ def _supports(structure: Structure, nodes: _Nodes) -> list[Integers]:
     corners, shares = nodes.all()
     rim = np.zeros(len(structure.points), dtype=bool)
     for part in structure.parts.values():
-        if isinstance(part, Membrane):
+        if part.dimension == 2:
             rim[boundary_edges(part.cells)] = True
     within = (shares > 0).all(axis=1)  # of a triangle
     between_edges = within & rim[corners].all(axis=1)  # a corner of the rim, whose edges are held

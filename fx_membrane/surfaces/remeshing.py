@@ -98,7 +98,7 @@ def remeshed(
 
 def _checked_size(structure: Structure, size: Any) -> Callable[[Array], Array]:
     """Check the wanted size; return it as a function of places, shape (k, 3) to (k,)."""
-    membranes = [part for part in structure.parts.values() if isinstance(part, Membrane)]
+    membranes = list(structure.parts_of(Membrane).values())
     if not membranes:
         raise ValueError(f"The structure has no membrane to mesh anew; its parts are {list(structure.parts)}.")
     for name in structure.parts:

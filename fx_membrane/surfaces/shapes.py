@@ -62,7 +62,7 @@ def surface_of(what: str, shape: Any, part: str | None) -> Surface:
     points = structure.points + shape.displacement if isinstance(shape, StageResult) else structure.points
     if part is not None:
         return Surface(points, structure.part(part, Membrane).cells)
-    found = [member.cells for member in structure.parts.values() if isinstance(member, Membrane)]
+    found = [member.cells for member in structure.parts_of(Membrane).values()]
     if not found:
         raise ValueError(
             f"The structure has no membrane, of which {what} could ask; its parts are {list(structure.parts)}."

@@ -155,7 +155,7 @@ def _warp(shape: Any, part: str | None) -> tuple[Surface, Array]:
             f"warp_lines shape is {validation.short_repr(shape)}; give a Structure, Form or StageResult, with a warp."
         )
     structure = shape if isinstance(shape, Structure) else shape.structure
-    names = [name for name, member in structure.parts.items() if isinstance(member, Membrane)]
+    names = list(structure.parts_of(Membrane))
     if part is None and len(names) != 1:
         raise ValueError(f"The structure has the membranes {names}; name the one of the lines, part=...")
     name = names[0] if part is None else part

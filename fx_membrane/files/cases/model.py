@@ -166,7 +166,7 @@ class Builder:
 
     def _part(self, table: Any, cells: Nodes, materials: Mapping[str, Any]) -> Part:
         values = given(table, "kind", "group", "cells", "edges_of", "where", "material")
-        if isinstance(table, structure_schema.MembranePart):
+        if table.kind == "membrane":
             if table.material not in materials:
                 raise ValueError(
                     f"its material {table.material!r} is not among materials{nearest(table.material, materials)}"
