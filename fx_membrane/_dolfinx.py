@@ -15,6 +15,10 @@ from typing import Any
 
 from .runtime import petsc as _petsc  # noqa: F401  (before dolfinx is imported)
 
+with warnings.catch_warnings():
+    warnings.simplefilter("ignore", ImportWarning)  # 0.9 has one where numba is missing
+    import dolfinx  # noqa: F401
+
 # isort: split
 import basix
 import ffcx.codegeneration.jit

@@ -108,7 +108,7 @@ def _fault(form: ufl.Form, energy: bool, dimension: int) -> str:
         try:
             check_form_arity(expand_derivatives(form), (v,))
             linear = form.arguments() == (v,)
-        except ArityMismatch:
+        except (ArityMismatch, ValueError):  # some UFLs fail while they word the first
             linear = False
         return "" if linear else "has a virtual work that is not linear in v; each of its terms must have v once"
     if expand_derivatives(ufl.derivative(form, u, v)).empty():

@@ -17,6 +17,7 @@ PARTS = {
     "fabric": lambda cells: Membrane(cells, Fabric(Et=500e3, nu=0.3), prestress=1e3),
     "cable": lambda cells: Cable(cells, axial_stiffness=1e6, prestress=1e4),
 }
+SOURCES = str(Path(__file__).parents[3])  # where the package is not installed
 FORMATS = [(2.2, 0), (2.2, 1), (4.0, 0), (4.1, 0), (4.1, 1)]  # version, binary (gmsh writes no binary 4.0)
 WRITE = """
 import gmsh
@@ -74,7 +75,8 @@ read()
 
 def python(code, *arguments, **options):
     command = [sys.executable, "-c", code, *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False, **options)
+    environment = options.pop("env", os.environ) | {"PYTHONPATH": SOURCES}
+    return subprocess.run(command, capture_output=True, text=True, check=False, env=environment, **options)
 
 
 def script(folder):

@@ -1,9 +1,11 @@
 """Reports: order of chapters, numbers, names that are no markup, and a page that asks for nothing."""
 
+import os
 import re
 import subprocess
 import sys
 from html.parser import HTMLParser
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -116,11 +118,13 @@ def test_pdf(results, tmp_path):
 def test_command(results, tmp_path):
     save_results(results, tmp_path / "results.fxm")
     command = [sys.executable, "-c", "from fx_membrane.cli import main; main()"]
+    sources = str(Path(__file__).parents[4])  # where the package is not installed
+    options = {"cwd": tmp_path, "env": os.environ | {"PYTHONPATH": sources}}
     ended = subprocess.run(
-        [*command, "report", "results.fxm", "r.html"], cwd=tmp_path, capture_output=True, text=True, check=True
+        [*command, "report", "results.fxm", "r.html"], capture_output=True, text=True, check=True, **options
     )
     assert "r.html" in ended.stdout
-    shown = subprocess.run([*command, "show", "results.fxm"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    shown = subprocess.run([*command, "show", "results.fxm"], capture_output=True, text=True, check=True, **options)
     assert shown.stdout.count("PASS") >= 10
 
 
