@@ -73,7 +73,8 @@ def natural_force_density(
             shrinks to nothing, or the warp becomes normal to it.
 
     Warns:
-        UnsettledFormWarning: An iteration after the first would collapse; the form is that of the last one before it.
+        UnsettledFormWarning: An iteration after the first would collapse; the form is that of the one before it whose
+            stress is nearest to the prestress.
 
     Source:
         R. M. O. Pauletti, P. M. Pimenta, The natural force density method for the shape finding of taut structures,
@@ -109,6 +110,7 @@ def natural_force_density(
     )
     pulse = Pulse("form finding", MPI.COMM_WORLD.rank == 0)
     form, densities, collapse, steps = None, dict[str, Array](), "", tuple[FormStep, ...]()
+    best, error = 0, np.inf
     while not collapse and len(steps) < iterations and not (steps and steps[-1].stress_error <= tolerance):
         pulse(f"iteration {len(steps) + 1}")
         found = _step(balance, structure.points if form is None else form.points, densities, len(steps) + 1)
@@ -116,12 +118,15 @@ def natural_force_density(
             collapse = found
         else:
             (form, densities), steps = found, (*steps, *found[0].steps)
+            if steps[-1].stress_error < error:
+                nearest, best, error = form, len(steps), steps[-1].stress_error
     if form is None:
         raise RuntimeError(f"Form finding has no form after its first iteration: {collapse}")
     if collapse:
+        form, reached, steps = nearest, len(steps), steps[:best]
         warnings.warn(
-            f"The form is that of iteration {len(steps)}, in equilibrium with the stress it is handed over with; the "
-            f"next found none: {collapse}",
+            f"The form is that of iteration {best}, whose stress is nearest to the prestress, in equilibrium with the "
+            f"stress it is handed over with; iteration {reached + 1} found none: {collapse}",
             UnsettledFormWarning,
             stacklevel=2,
         )

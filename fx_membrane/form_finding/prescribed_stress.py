@@ -46,6 +46,7 @@ Array = NDArray[np.float64]
 WAY = 0.25  # first share of the way from an even stress to the wish
 LONGER = 1.5  # factor on it after a success
 WAYS = 14  # maximum number of shares tried
+SHORTEST = 0.02  # share, below which no further one is tried
 LOOSE = 1e-2  # tolerance of the states on the way
 ON_WAY = 12  # maximum number of steps of each
 DAMPING = 1e-2  # first factor of Levenberg's damping
@@ -152,6 +153,8 @@ def _nearest(problem: NearestProblem, pulse: Pulse, tolerance: float, most: int)
         reached = _reached(problem, start, state, following, pulse, tolerance, most)
         if reached is None:
             length /= 2
+            if length < SHORTEST:
+                break
         elif following == 1:
             return reached
         else:

@@ -14,6 +14,7 @@ by more than 1e-12 of its size, a form that is not what was asked for without a 
 word on it, and a plan without a flaw that stress in projection does not find.
 """
 
+import re
 import signal
 import sys
 import warnings
@@ -30,7 +31,7 @@ import fx_membrane
 from fx_membrane import Analysis, Form, Stage, UnsettledFormWarning, projected_stress, updated_reference
 
 PLANS, LIMIT, STILL = 40, 60, 1e-12
-WORDS = {"weak edges": "dge cables are too weak", "high ring": "ring is too far"}
+WORDS = {"weak edges": "dge cables? .*too weak", "high ring": "ring is too far"}  # regular expressions
 
 
 @contextmanager
@@ -94,9 +95,9 @@ def judged(case: Tent, method: str, find: Callable[[], Form]) -> tuple[str, str]
 
 def _unexpected(case: Tent, method: str, found: bool, words: str) -> str:
     """Tell of a result that does not fit a plan; high rings are no flaw in projection, nor in few steps from there."""
-    if case.flaw == "weak edges" and "natural" not in method and (found or WORDS[case.flaw] not in words):
+    if case.flaw == "weak edges" and "natural" not in method and (found or not re.search(WORDS[case.flaw], words)):
         return "weak edges without a word"
-    if case.flaw == "high ring" and method == "updated reference" and (found or WORDS[case.flaw] not in words):
+    if case.flaw == "high ring" and method == "updated reference" and (found or not re.search(WORDS[case.flaw], words)):
         return "high ring without a word"
     if method == "updated reference" and not (case.flaw or found) and " 1:1" in case.words:
         return "a soap film exists"
