@@ -139,21 +139,25 @@ def show(results: Path) -> None:
     if not isinstance(found, StageResults):
         raise ValueError(f"{results} holds a form, without stages; give results.fxm of a run.")
     for state in found.values():
-        click.echo(f"{told(state)}\n{table(checks(state))}")
+        shown = told(state, force_unit=found.force_unit, length_unit=found.length_unit)
+        click.echo(f"{shown}\n{table(checks(state))}")
 
 
 @main.command()
 @click.argument("results", type=CASE)
 @click.argument("target", type=CASE)
-@click.option("--title", default="Structural analysis", help="Title of the report.")
-@click.option("--force-unit", default="N", help="Name of the force unit of the results.")
-@click.option("--length-unit", default="m", help="Name of the length unit.")
-def report(results: Path, target: Path, title: str, force_unit: str, length_unit: str) -> None:
+@click.option("--title", help="Title of the report; that of the case if not given.")
+def report(results: Path, target: Path, title: str | None) -> None:
     """Write a report of saved results as .html or .pdf."""
     from .files.archive import load_results  # noqa: PLC0415
     from .files.report.write import write_report  # noqa: PLC0415
+    from .results.states import StageResults  # noqa: PLC0415
 
-    write_report(load_results(results), target, title=title, force_unit=force_unit, length_unit=length_unit)
+    found = load_results(results)
+    if not isinstance(found, StageResults):
+        raise ValueError(f"{results} holds a form, without stages; give results.fxm of a run.")
+    title = title or found.title or "Structural analysis"
+    write_report(found, target, title=title, force_unit=found.force_unit, length_unit=found.length_unit)
     click.echo(f"Wrote {target}")
 
 

@@ -24,7 +24,7 @@ class LoadedProblem(LoadedStructure):
     """Energy, residual and tangent of a structure under given actions; made by `Problem.under`.
 
     It is a frozen view: results depend on the displacement x alone, a PETSc vector in the numbering of the `Problem`.
-    Methods are collective. They refuse a vector or matrix of another problem, with a ValueError.
+    Methods are collective. They refuse a vector or matrix of another size, with a ValueError.
 
     Residual, tangent and derivatives are those of the structure without its constraints: rows of constrained components
     hold reactions and their derivatives. For a linear system, `constraints` replaces these rows: those of a right-hand

@@ -85,7 +85,7 @@ def save_results(results: StageResults | Form, path: str | Path) -> None:
     content = (
         encode(results)
         if isinstance(results, Form)
-        else {"results": encode(dict(results)), "stages": encode(results.stages)}
+        else {"results": encode(dict(results)), "stages": encode(results.stages), "names": _names(results)}
     )
     document = {
         "kind": KIND,
@@ -126,7 +126,9 @@ def load_results(path: str | Path, classes: Sequence[type] = ()) -> Any:
             content = document["content"]
             if "object" in content:
                 return decode(content)
-            return StageResults(decode(content["results"]), decode(content["stages"]))
+            found = StageResults(decode(content["results"]), decode(content["stages"]))
+            found.title, found.force_unit, found.length_unit = map(str, content["names"])
+            return found
         except FileNotFoundError:
             raise ValueError(f"path is {str(file)!r}, which does not exist; correct the name.") from None
         except OSError as error:
@@ -137,6 +139,10 @@ def load_results(path: str | Path, classes: Sequence[type] = ()) -> Any:
             raise ValueError(
                 f"{file} is no archive of results, or is damaged; give a file that `save_results` has written."
             ) from None
+
+
+def _names(results: StageResults) -> list[str]:
+    return [results.title, results.force_unit, results.length_unit]
 
 
 def _write(file: Path, document: str, arrays: dict[str, NDArray[Any]]) -> None:

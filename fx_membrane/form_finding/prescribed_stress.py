@@ -134,7 +134,8 @@ def prescribed_stress(
             UnsettledFormWarning,
             stacklevel=2,
         )
-    return problem.form(state, tuple(steps), not trouble, remarks_of(problem, state))
+    told = tuple(steps) or (FormStep(state.area, np.inf, state.largest),)  # a shape on the way to the wish
+    return problem.form(state, told, not trouble, remarks_of(problem, state))
 
 
 def _nearest(problem: NearestProblem, pulse: Pulse, tolerance: float, most: int) -> tuple[State, list[FormStep], str]:

@@ -159,7 +159,14 @@ def _size(name: str, part: Membrane, directed: bool, field: Field) -> Size:
         if value.shape in ((2,), (n, 2)):
             return np.broadcast_to(value.reshape(-1, 2, 1) * np.eye(2), (n, 2, 2))
         if value.shape in ((2, 2), (n, 2, 2)):
-            return np.broadcast_to((value + value.swapaxes(-1, -2)) / 2, (n, 2, 2))
+            skew = np.flatnonzero((value != value.swapaxes(-1, -2)).reshape(-1, 4).any(axis=1))
+            if len(skew):
+                tensor = value.reshape(-1, 2, 2)[skew[0]].tolist()
+                raise ValueError(
+                    f"stress of part {name!r} is {tensor} in cell {skew[0]}, which is not symmetric; give [[warp, "
+                    "shear], [shear, weft]]."
+                )
+            return np.broadcast_to(value, (n, 2, 2))
         raise ValueError(
             f"stress of part {name!r}, as a function of place, gives shape {value.shape}; give numbers, pairs along "
             f"warp and weft, or tensors, for each of the {n} cells: ({n},), ({n}, 2) or ({n}, 2, 2)."

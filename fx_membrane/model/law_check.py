@@ -40,6 +40,12 @@ def check(what: str, law: Any, dimension: int, own: bool) -> None:
             f"{what} is {validation.short_repr(law)}; give {with_article(kind)}{hint}, or a law of your own, an object "
             "with energy(E, sigma0, parameters) and stiffness."
         )
+    for name in ("prestress", "pressure"):
+        if own and name in getattr(law, "__dataclass_fields__", ()):
+            raise ValueError(
+                f"{what} {type(law).__name__} has a field {name!r}, which is the name of a parameter of its part; name "
+                "it otherwise."
+            )
     wanted = getattr(law, "dimension", dimension)
     if not isinstance(wanted, int) or wanted not in KINDS:
         raise ValueError(f"{what} is {validation.short_repr(law)}, whose dimension is {validation.short_repr(wanted)}; "

@@ -116,6 +116,7 @@ def _formed(case: Case, folder: Path, resume: bool) -> Any:
 def _write(case: Case, folder: Path, results: StageResults) -> None:
     if not results:
         return
+    results.title, results.force_unit, results.length_unit = case.title, case.force_unit, case.length_unit
     if case.output.archive:
         save_results(results, folder / RESULTS)
     if case.output.tables:

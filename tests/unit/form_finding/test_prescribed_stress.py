@@ -207,6 +207,7 @@ def on_axis():
         (canopy(prestress=(3e3, 0.0)), {}, r"'film', cell 0 at \(.*\): its stress is not positive"),
         (canopy(), {"stress": {"film": lambda x: -(x[0] ** 2)}}, "its stress is not positive"),
         (canopy(), {"stress": {"film": lambda x: np.zeros((3, 3, 3))}}, r"gives shape \(3, 3, 3\)"),
+        (canopy(), {"stress": {"film": lambda x: [[3e3, 500.0], [0.0, 2e3]]}}, "is not symmetric"),
         (canopy(), {"stress": {"roof": len}}, "stress names 'roof', which is no membrane"),
         (canopy(), {"stress": {"film": 3e3}}, "give a function of place"),
         (canopy(), {"warp": {"film": lambda x: np.zeros(3)}}, r"'film', cell 0 at \(.*\): its warp .* vanishes there"),
@@ -259,5 +260,6 @@ def test_cone_whose_edge_cables_are_too_weak_is_handed_over_with_the_force_that_
     with pytest.warns(UnsettledFormWarning, match=r"'edge' between .* span of 12: .* would do") as told:
         form = prescribed_stress(structure, warp={"film": RadialDirection()})
     assert not form.converged
+    assert form.steps[-1].stress_error > 0.1
     assert 14e3 < float(str(told[0].message).partition(" would do")[0].split()[-1]) < 18e3
     assert np.abs(state_of(form).displacement).max() < 1e-12 * 12
