@@ -86,6 +86,8 @@ def test_error_of_a_script_on_one_process_ends_the_others():
         "if MPI.COMM_WORLD.rank: raise ValueError('the words of one')\n"
         "MPI.COMM_WORLD.Barrier()"
     )
-    with pytest.raises(AssertionError, match="ValueError: the words of one") as told:
+    with pytest.raises(AssertionError) as told:
         launch.start(["-m", "mpi4py", "-c", script], 2, timeout=120)
     assert "did not end" not in str(told.value)
+    if launch.launcher().endswith("mpirun"):  # MPICH's launcher may cut them as it kills the others
+        assert "ValueError: the words of one" in str(told.value)
