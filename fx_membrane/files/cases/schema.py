@@ -15,8 +15,6 @@ from .fields import (
 )
 from .structure_schema import Box, Geometry, Material, Model, NodeChoice, Part, SupportModel, UnitNames
 
-FORMAT = 1
-
 
 class PointLoadModel(NodeChoice):
     """Equal force on each of some nodes, see `PointLoad`."""
