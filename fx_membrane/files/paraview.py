@@ -146,8 +146,8 @@ def _block(state: StageResult, name: str, units: tuple[str, str]) -> Any:
 
     force, length = units
     part, found = state.structure.parts[name], state.parts[name]
-    nodes, cells = np.unique(part.cells, return_inverse=True)
-    cells = cells.reshape(part.cells.shape)
+    nodes = np.unique(part.cells)
+    cells = np.searchsorted(nodes, part.cells)
     kind = np.full(len(cells), TRIANGLE if part.dimension == 2 else LINE, dtype=np.uint8)
     rows = np.column_stack([np.full(len(cells), cells.shape[1]), cells]).ravel()
     grid = pyvista.UnstructuredGrid(rows, kind, state.structure.points[nodes])

@@ -234,4 +234,4 @@ def _guided(coordinates: Array, supported: Mask) -> Array:
 
 def _carried(coordinates: Array) -> Array:
     """Return the derivative of the positions of nodes by origin and frame, shape (3 k, 3 (1 + r))."""
-    return np.kron(coordinates, np.eye(3))
+    return np.asarray(np.kron(coordinates, np.eye(3)), dtype=np.float64)

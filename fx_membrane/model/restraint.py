@@ -104,7 +104,7 @@ def free_motions(points: NDArray[np.float64], held: NDArray[np.bool_]) -> NDArra
     arm = points - points.mean(axis=0)
     arm = arm / max(np.abs(arm).max(), np.finfo(float).tiny)
     some = held.any(axis=1)
-    moves = np.broadcast_to(np.eye(3), (np.count_nonzero(some), 3, 3))
+    moves = np.broadcast_to(np.eye(3), (int(np.count_nonzero(some)), 3, 3))
     resisted = np.concatenate([moves, _turns(arm[some])], axis=2)[held[some]]
     stiffness, directions = np.linalg.eigh(resisted.T @ resisted)
     free = directions[:, stiffness <= 1e-12 * max(len(resisted), 1)]

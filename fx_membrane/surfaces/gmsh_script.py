@@ -35,10 +35,10 @@ def _draw(model: Any, plan: Any) -> None:
 
 def _set_sizes(gmsh: Any, plan: Any) -> None:
     """Take sizes from a field on triangles, or from the segments around."""
-    if len(plan["field triangles"]):
-        corners = plan["field points"][plan["field triangles"]]
+    if len(plan["field_triangles"]):
+        corners = plan["field_points"][plan["field_triangles"]]
         flat = np.concatenate([corners, np.zeros((len(corners), 3, 1))], axis=2).transpose(0, 2, 1).reshape(-1, 9)
-        values = plan["field sizes"][plan["field triangles"]]
+        values = plan["field_sizes"][plan["field_triangles"]]
         view = gmsh.view.add("size")
         gmsh.view.addListData(view, "ST", len(corners), np.column_stack([flat, values]).ravel())
         field = gmsh.model.mesh.field.add("PostView")  # of the first view

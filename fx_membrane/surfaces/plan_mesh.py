@@ -50,7 +50,6 @@ def triangulated(plan: PlanSegments) -> tuple[Array, Integers]:
     """
     with tempfile.TemporaryDirectory(prefix="fx_membrane-") as folder:
         field_points, field_triangles, field_sizes = plan.field
-        arrays = {"field points": field_points, "field triangles": field_triangles, "field sizes": field_sizes}
         np.savez(
             Path(folder, "plan.npz"),
             points=plan.points,
@@ -58,7 +57,9 @@ def triangulated(plan: PlanSegments) -> tuple[Array, Integers]:
             loops=plan.loops,
             sizes=plan.sizes,
             largest=plan.largest,
-            **arrays,
+            field_points=field_points,
+            field_triangles=field_triangles,
+            field_sizes=field_sizes,
         )
         code, words = run_script(
             gmsh_script.__file__, ["plan.npz", "mesh.npz"], Path(folder), SECONDS, "gmsh has meshed a plan"

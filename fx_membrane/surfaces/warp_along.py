@@ -73,7 +73,7 @@ def _of_lines(surface: Surface, lines: Sequence[SurfaceLine]) -> tuple[Array, ND
     count = len(surface.triangles)
     total, weight = np.zeros((count, 9)), np.zeros(count)
     for number, line in enumerate(lines):
-        stray = len(line.cells) == 0 or line.cells.max() >= count
+        stray = bool(len(line.cells) == 0 or line.cells.max() >= count)
         if not stray:
             centre = surface.points[surface.triangles[line.cells]].mean(axis=1)
             middle = (line.points[1:] + line.points[:-1]) / 2
