@@ -82,8 +82,8 @@ def test_every_demo_is_listed():
 @pytest.mark.parametrize(
     "pictures",
     [
-        pytest.param(True, marks=[pytest.mark.serial, pytest.mark.drawn], id="pictures"),
-        pytest.param(False, id="numbers"),
+        pytest.param(True, marks=pytest.mark.drawn, id="pictures"),
+        pytest.param(False, marks=pytest.mark.mpi, id="numbers"),
     ],
 )
 def test_demo(name, pictures, tmp_path, monkeypatch, capsys):

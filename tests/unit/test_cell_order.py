@@ -116,6 +116,7 @@ def test_turned_cells_keep_their_rows_and_data(seed):
         assert not cells.flags.writeable
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("seed", SEEDS)
 def test_results_of_stages(seed, expected):
     states = np.concatenate([part.state for part in expected["snow"].parts.values() if hasattr(part, "state")])
@@ -134,6 +135,7 @@ def test_report(seed, expected):
     assert table(Analysis(roof(seed)).run(STAGES)["snow"]) == table(expected["snow"])
 
 
+@pytest.mark.mpi
 def test_modes_and_stability(expected):
     found = Analysis(roof(1)).run(STAGES[:1])["air"]
     wanted = natural_frequencies(expected["air"], 3).frequencies

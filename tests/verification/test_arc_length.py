@@ -70,6 +70,7 @@ def counted_right(path, negative):
     return np.array_equal(np.delete(path.negative_pivots, path.limit_points), np.delete(negative, path.limit_points))
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("steps", [3, 10, 50])
 def test_snap_through(steps):
     path = equilibrium_path(truss(), Stage("push", [PointLoad(APEX, (0, 0, -1.5 * LIMIT))], increments=steps))
@@ -113,6 +114,7 @@ def test_snap_back_under_a_load():
     assert path.complete
 
 
+@pytest.mark.mpi
 def test_snap_back_of_a_driven_displacement():
     down = -2.5
     drive = Stage("drive", displacements=[PrescribedDisplacement(TOP, (0, 0, down))], increments=20)

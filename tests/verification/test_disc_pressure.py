@@ -132,6 +132,7 @@ def test_second_order(p, follower, rise, force):
     np.testing.assert_allclose((4 * values[-1] - values[-2]) / 3, reference, rtol=1e-5)
 
 
+@pytest.mark.mpi
 def test_load_is_pressure_times_area_within_the_edge():
     state = solve(100e3, True, 8)
     edges = boundary_edges(state.structure.parts["disc"].cells)

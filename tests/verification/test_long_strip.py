@@ -130,6 +130,7 @@ def test_second_order_to_the_closed_form(solve):
     np.testing.assert_allclose(extrapolate(values), reference, rtol=1e-7)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("n", [4, 16])
 @pytest.mark.parametrize("solve", [solve_cable, solve_strip])
 def test_every_mesh_is_the_midpoint_rule(solve, n):

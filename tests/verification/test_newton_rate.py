@@ -79,6 +79,7 @@ SADDLES = {
 }
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("name", SADDLES)
 @pytest.mark.parametrize(
     "load", [PointLoad(CENTRE, (4.0, 2.0, -15.0)), DistributedLoad((0.0, 0.0, -20.0), "sail")], ids=["point", "dead"]
@@ -144,6 +145,7 @@ def taylor(request):
     return np.array([first, second, third])
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     ("row", "order"), [(0, 2), (1, 3), (2, 2)], ids=["energy, residual", "energy, tangent", "residual, tangent"]
 )
@@ -152,6 +154,7 @@ def test_taylor_remainders(taylor, row, order):
     np.testing.assert_allclose(np.log2(remainder[:-1] / remainder[1:]), order, rtol=0, atol=0.05)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("name", SADDLES)
 def test_tangent_is_symmetric(name):
     """All forces have a potential here."""
@@ -176,6 +179,7 @@ LOADS = {
 }
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("name", SADDLES)
 def test_tangent_with_pressure_is_consistent_and_not_symmetric(name):
     structure, rng = SADDLES[name], np.random.default_rng(5)
@@ -263,6 +267,7 @@ def disturbed(problem, equilibrium, step, direction):
     return b.norm(PETSc.NormType.NORM_INFINITY)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("pressure", [20.0, *(pytest.param(p, marks=ALONE) for p in (60.0, -20.0, -60.0))])
 @pytest.mark.parametrize("name", SADDLES)
 def test_newton_under_pressure_is_quadratic(name, pressure):

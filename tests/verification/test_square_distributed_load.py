@@ -66,6 +66,7 @@ def extrapolate(values):
     return (4 * values[-1] - values[-2]) / 3
 
 
+@pytest.mark.mpi
 def test_series():
     centre, energy = linear_solution(1.0)
     assert centre == pytest.approx(0.0736714, abs=0.5e-7)

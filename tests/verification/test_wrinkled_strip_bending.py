@@ -94,6 +94,7 @@ def test_without_wrinkles(factor):
     np.testing.assert_allclose(bend(factor * FIRST, 8, share=1.0), values[0], rtol=1e-9)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("factor", [1.0, 2.0, 4.0])
 def test_with_wrinkles(factor):
     values = np.array([bend(factor * FIRST, n) for n in MESHES])

@@ -45,6 +45,7 @@ def pushed(failing, steps, retry=True):
     return tried, [increment.load_factor for increment in result.increments], result
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     ("steps", "failing", "tried", "found"),
     [
@@ -71,6 +72,7 @@ def test_history_is_that_of_the_increments_found():
     assert max(entry.residual for _, entry in result.history) < 1e3
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("steps", [1, 3])
 def test_gives_up_after_eight_halvings(analysis, steps):
     stubborn = Analysis(sheet())
@@ -102,6 +104,7 @@ def test_increment_that_no_length_helps_is_not_halved():
     assert len(tried) == 1
 
 
+@pytest.mark.mpi
 def test_hard_load_in_one_step_ends_where_many_steps_end(analysis):
     plain = Newton(max_iterations=4, line_search=False)
     short = Analysis(sheet(), plain).run([Stage("hard", POINT)])["hard"]

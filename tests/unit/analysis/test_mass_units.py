@@ -57,7 +57,7 @@ def first(structure):
     return natural_frequencies(Analysis(structure).run([Stage("rest")])["rest"], 1).frequencies[0]
 
 
-@pytest.mark.mpi
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("units", CONSISTENT)
 def test_consistent_units_give_one_frequency_without_a_word(units, recwarn):
     expected = first(roof(1.0, 1.0, 1.0))

@@ -108,6 +108,7 @@ def test_mesh_in_a_fresh_process(good):
     assert held == segments + 1  # the opposite side, of the same length
 
 
+@pytest.mark.mpi
 def test_all_formats_give_the_same(meshes):
     first, *others = (
         structure_from_gmsh(meshes / f"{version}-{binary}.msh", PARTS, {"fixed": "xyz"}) for version, binary in FORMATS
@@ -179,6 +180,7 @@ def test_no_model_is_open():
     assert all("No gmsh model is open" in line and "gmsh.initialize()" in line for line in words)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("share", [0.02, 0.2, 0.5, 0.8, 0.97])
 @pytest.mark.parametrize("name", ["2.2-0", "4.1-1"])
 def test_truncated_mesh(name, share, meshes, tmp_path):
@@ -189,6 +191,7 @@ def test_truncated_mesh(name, share, meshes, tmp_path):
         structure_from_gmsh(file, PARTS)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     ("ending", "words"),
     [
@@ -208,6 +211,7 @@ def test_reader_that_aborts_or_never_ends(ending, words, good, tmp_path, monkeyp
         structure_from_gmsh(good, PARTS)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     ("source", "message"),
     [

@@ -65,6 +65,7 @@ def newton(case):
     return Analysis(structure).run(stages)["end"]
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(("case", "solver"), [choose(case, solver) for case in CASES for solver in ALL])
 def test_same_state_as_newton(case, solver):
     structure, stages = CASES[case]
@@ -82,6 +83,7 @@ def test_same_state_as_newton(case, solver):
             assert (np.diff(energies) <= 1e-12 * np.abs(energies).max()).all()
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("case", ["snow", "no stiffness at the start"])
 def test_preconditioners_save_iterations(case):
     structure, stages = CASES[case]
@@ -94,6 +96,7 @@ def test_preconditioners_save_iterations(case):
         assert len({tuple(count) for count in counts}) == 3
 
 
+@pytest.mark.mpi
 def test_start_from_which_no_preconditioner_can_be_made(monkeypatch):
     monkeypatch.setattr(preconditioners, "SHIFTS", (0.0,))
     structure, stages = CASES["no stiffness at the start"]
@@ -102,6 +105,7 @@ def test_start_from_which_no_preconditioner_can_be_made(monkeypatch):
             Analysis(structure, ConjugateGradient("PR", kind)).run(stages)
 
 
+@pytest.mark.mpi
 def test_prescribed_displacements_are_there_from_the_first_iterate():
     stage = Stage("lift", displacements=[LIFT])
     first = Analysis(inclined_sheet(), ConjugateGradient()).run([stage])["lift"].history[0][1]
@@ -121,6 +125,7 @@ def test_steepest_descent_is_the_slowest():
     assert counts[0] < counts[1] < counts[2]
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     ("solver", "helpful"),
     [
@@ -156,12 +161,14 @@ def test_iterations_that_stand_still_at_rounding_are_not_called_slow(solver):
     assert "slow" not in str(error.value)
 
 
+@pytest.mark.mpi
 def test_tolerance_below_rounding_ends_at_rounding():
     solver = ConjugateGradient(preconditioner="tangent", rtol=1e-30)
     result = Analysis(inclined_sheet(), solver).run([Stage("snow", [SNOW])])["snow"]
     assert result.equilibrium.residual < 1e-14 * 1e5
 
 
+@pytest.mark.mpi
 def test_snapping_through_goes_downhill():
     """Beyond the limit load Newton's method fails with full steps; descent leads to the hanging shape."""
     load = PointLoad(1, (0, 0, -1.2e4))

@@ -54,6 +54,7 @@ def test_slack_cable_hangs(sag, load):
     assert force * direction[:, 0] == pytest.approx(np.full(20, result.reactions[-1, 0]), rel=1e-6)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("times", [1, 100])
 def test_flat_sheet_without_prestress_carries_snow(times):
     structure, stages = hard.sheet(0.0, times * 1e3)
@@ -67,6 +68,7 @@ def test_flat_sheet_without_prestress_carries_snow(times):
         assert eightfold.displacement[:, 2].min() == pytest.approx(2 * double.displacement[:, 2].min(), rel=1e-3)
 
 
+@pytest.mark.mpi
 def test_flat_cushion_without_prestress_is_blown_up():
     structure, stages = hard.cushion(0.0, 1e3)
     plain_fails(structure, stages)
@@ -76,6 +78,7 @@ def test_flat_cushion_without_prestress_is_blown_up():
     assert air.loads.sum(axis=0) == pytest.approx([0, 0, 36e3], abs=1e-9 * 36e3)
 
 
+@pytest.mark.mpi
 def test_ordinary_sail_finds_its_form_and_carries_snow_and_wind():
     structure, stages = hard.hypar(2e3, 20e3, 1.5, hard.service(300.0))
     prestress, snow, wind = solved(structure, stages)
@@ -92,6 +95,7 @@ def test_ordinary_sail_finds_its_form_and_carries_snow_and_wind():
     assert prestress.energy == pytest.approx(plain.energy, rel=1e-12)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("move", [0.05, 0.2])
 def test_slack_roof_hangs_by_its_own_weight(move):
     structure, stages = hard.slack_roof(move, 10.0)
@@ -168,6 +172,7 @@ ENERGY_CASES = {
 }
 
 
+@pytest.mark.mpi_once
 @pytest.mark.filterwarnings("ignore:.* moved by")  # the slack cable drops
 @pytest.mark.parametrize("name", ENERGY_CASES)
 def test_energy_falls_in_every_step(name):
@@ -183,6 +188,7 @@ def test_energy_falls_in_every_step(name):
             assert steps[-1] == 1
 
 
+@pytest.mark.mpi
 def test_tension_in_the_tangent_goes_with_the_residual():
     (snow,) = solved(*hard.sheet(0.0, 1e3))
     entries = [entry for _, entry in snow.history]

@@ -42,6 +42,7 @@ def test_lines_are_written_where_there_is_no_terminal(capfd):
     assert re.fullmatch(lines if MPI.COMM_WORLD.rank == 0 else "", err)
 
 
+@pytest.mark.mpi
 def test_iterations_are_those_of_the_report(capfd):
     """The start of an increment is none of them."""
     state = Analysis(sheet()).run([Stage("snow", [SNOW], increments=3)])["snow"]
@@ -52,6 +53,7 @@ def test_iterations_are_those_of_the_report(capfd):
     assert shown == (np.cumsum(counts).tolist() if MPI.COMM_WORLD.rank == 0 else [])
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("solver", [Newton(), ConjugateGradient()])
 def test_nothing_is_written_where_it_is_not_wanted(capfd, solver):
     Analysis(sheet(), solver, progress=False).run([Stage("snow", [SNOW], increments=3)])
@@ -84,6 +86,7 @@ class Gone:
         pass
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("stderr", [Gone(), None])
 def test_a_reader_of_the_lines_that_is_gone_ends_no_run(monkeypatch, stderr):
     analysis = Analysis(sheet())
