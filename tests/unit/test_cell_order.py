@@ -116,7 +116,7 @@ def test_turned_cells_keep_their_rows_and_data(seed):
         assert not cells.flags.writeable
 
 
-@pytest.mark.mpi
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("seed", SEEDS)
 def test_results_of_stages(seed, expected):
     states = np.concatenate([part.state for part in expected["snow"].parts.values() if hasattr(part, "state")])

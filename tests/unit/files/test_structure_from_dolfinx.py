@@ -210,7 +210,7 @@ def _square(cell=None):
     return mesh.create_unit_square(WORLD, 2, 2, *kinds)
 
 
-@pytest.mark.mpi_once
+@pytest.mark.mpi
 @pytest.mark.parametrize(
     ("change", "words"),
     [

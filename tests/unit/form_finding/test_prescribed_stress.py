@@ -178,6 +178,7 @@ def test_masts_between_held_nodes_are_taken():
     assert np.abs(state_of(form).displacement).max() < 1e-12 * 8
 
 
+@pytest.mark.mpi
 def test_edge_cable_too_weak_for_its_span_is_named_with_the_force_that_would_do():
     with pytest.warns(
         UnsettledFormWarning, match=r"edge cable 'edge' between .* too weak for its span of 8\.\d+.*R = T"
@@ -206,7 +207,7 @@ def on_axis():
     return Structure(points, {"film": film}, [Support(np.unique(boundary_edges(triangles)))])
 
 
-@pytest.mark.mpi_once
+@pytest.mark.mpi
 @pytest.mark.parametrize(
     ("structure", "given", "words"),
     [

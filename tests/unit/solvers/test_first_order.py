@@ -54,9 +54,9 @@ CASES = {
 
 
 def choose(case, solver):
-    """On several processes: one formula of conjugate gradients, and steepest descent where it takes few steps."""
-    few = case == "prescribed displacements" if isinstance(solver, SteepestDescent) else solver.beta == "PR"
-    return pytest.param(case, solver, id=f"{case}, {name(solver)}", marks=[] if few else [pytest.mark.serial])
+    """On several processes: the case with few steps, by one formula of conjugate gradients and by steepest descent."""
+    again = case == "prescribed displacements" and getattr(solver, "beta", "PR") == "PR"
+    return pytest.param(case, solver, id=f"{case}, {name(solver)}", marks=[pytest.mark.mpi] if again else [])
 
 
 @cache
@@ -65,7 +65,6 @@ def newton(case):
     return Analysis(structure).run(stages)["end"]
 
 
-@pytest.mark.mpi_once
 @pytest.mark.parametrize(("case", "solver"), [choose(case, solver) for case in CASES for solver in ALL])
 def test_same_state_as_newton(case, solver):
     structure, stages = CASES[case]
@@ -125,7 +124,7 @@ def test_steepest_descent_is_the_slowest():
     assert counts[0] < counts[1] < counts[2]
 
 
-@pytest.mark.mpi_once
+@pytest.mark.mpi
 @pytest.mark.parametrize(
     ("solver", "helpful"),
     [

@@ -202,6 +202,7 @@ def test_tension_in_the_tangent_goes_with_the_residual():
     assert entries[-1].residual < entries[-2].residual ** 1.5  # faster than in proportion, and both are below 1 N
 
 
+@pytest.mark.mpi
 def test_tension_in_the_structure_is_gone_after_the_solve(monkeypatch):
     monkeypatch.setattr(newton._Globalized, "patience", Patience(share=0.0, least=1))
     structure = sheet(prestress=0.0)
