@@ -53,7 +53,7 @@ def long_table(records):
 
 
 def bound_of(error):
-    """Bound above 1.5 times an error, of one digit; where the error is rounding, the power of ten above ten times it."""
+    """Bound of one digit above 1.5 times an error; the power of ten above ten times one that is rounding."""
     if error < 1e-8:
         return 10.0 ** math.ceil(math.log10(10 * max(error, 1e-16)))
     digit = 10.0 ** math.floor(math.log10(1.5 * error))

@@ -37,7 +37,9 @@ def names_by_folder():
 def directive(entry):
     """Documentation of a class, a function or a whole module, by autodoc."""
     value = pkgutil.resolve_name(f"fx_membrane.{entry}")
-    kind = "automodule" if isinstance(value, type(pkgutil)) else "autoclass" if isinstance(value, type) else "autofunction"
+    kind = (
+        "automodule" if isinstance(value, type(pkgutil)) else "autoclass" if isinstance(value, type) else "autofunction"
+    )
     heading = f"## {entry}\n\n" if kind == "automodule" else ""
     return f"{heading}```{{eval-rst}}\n.. {kind}:: fx_membrane.{entry}\n```\n"
 

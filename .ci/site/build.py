@@ -7,20 +7,20 @@ Records are reports of `pytest --junitxml tests/verification`, one for each plat
 """
 
 import argparse
+import os
 import re
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+import api_pages  # in the folder of this script, which Python puts on its path
+import case_file_page
+import gallery_pages
+
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 SOURCE, SITE = ROOT / "output" / "site-source", ROOT / "output" / "site"
-sys.path.insert(0, str(HERE))
-
-import api_pages
-import case_file_page
-import gallery_pages
 
 
 def readme():
@@ -53,15 +53,32 @@ def main():
     options = parser.parse_args()
     for name in ("how-to", "gallery", "api"):
         shutil.rmtree(SOURCE / name, ignore_errors=True)
-    shutil.copytree(HERE, SOURCE, dirs_exist_ok=True, ignore=shutil.ignore_patterns("__pycache__", "*_page*.py", "build.py"))
+    shutil.copytree(
+        HERE, SOURCE, dirs_exist_ok=True, ignore=shutil.ignore_patterns("__pycache__", "*_page*.py", "build.py")
+    )
     (SOURCE / "readme.md").write_text(readme())
     (SOURCE / "verification.md").write_text(verification([str(Path(name).resolve()) for name in options.records]))
     (SOURCE / "case-file.md").write_text(case_file_page.page())
     gallery_pages.write(ROOT / "demos", SOURCE / "gallery", run=not options.without_demos)
     api_pages.write(SOURCE / "api")
     print("Building the site", flush=True)
-    command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html", "-d", str(SITE.parent / "site-cache")]
-    sys.exit(subprocess.run([*command, str(SOURCE), str(SITE)], check=False).returncode)
+    cache = str(SITE.parent / "site-cache")
+    sphinx = [
+        sys.executable,
+        "-m",
+        "sphinx",
+        "-q",
+        "-W",
+        "--keep-going",
+        "-b",
+        "html",
+        "-d",
+        cache,
+        str(SOURCE),
+        str(SITE),
+    ]
+    path = os.pathsep.join(filter(None, [str(ROOT / "demos"), os.environ.get("PYTHONPATH")]))  # demos import each other
+    sys.exit(subprocess.run(sphinx, check=False, env={**os.environ, "PYTHONPATH": path}).returncode)
 
 
 if __name__ == "__main__":

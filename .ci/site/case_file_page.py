@@ -13,17 +13,12 @@ def link(reference):
 
 def kind(entry):
     """Values that a key takes, in words."""
-    if "$ref" in entry:
-        return link(entry["$ref"])
-    for choice in ("anyOf", "oneOf"):
-        if choice in entry:
-            return " or ".join(dict.fromkeys(kind(one) for one in entry[choice] if one.get("type") != "null"))
-    if "const" in entry:
-        return f"`{json.dumps(entry['const'])}`"
-    if "enum" in entry:
-        return ", ".join(f"`{json.dumps(value)}`" for value in entry["enum"])
-    if "prefixItems" in entry:
-        return "[" + ", ".join(kind(one) for one in entry["prefixItems"]) + "]"
+    form = next((name for name in WORDS if name in entry), "type")
+    return WORDS[form](entry)
+
+
+def typed(entry):
+    """Words for a plain type, a list, or a table by name."""
     if entry.get("type") == "array":
         return f"list of {kind(entry.get('items', {}))}"
     if entry.get("type") == "object" and isinstance(entry.get("additionalProperties"), dict):
@@ -31,6 +26,22 @@ def kind(entry):
     words = entry.get("type", "any value")
     examples = ", ".join(f"`{json.dumps(value)}`" for value in entry.get("examples", []))
     return (words if isinstance(words, str) else " or ".join(words)) + (f", as {examples}" if examples else "")
+
+
+def one_of(choices):
+    """Words for several choices; null is only the default of optional keys."""
+    return " or ".join(dict.fromkeys(kind(one) for one in choices if one.get("type") != "null"))
+
+
+WORDS = {
+    "$ref": lambda entry: link(entry["$ref"]),
+    "anyOf": lambda entry: one_of(entry["anyOf"]),
+    "oneOf": lambda entry: one_of(entry["oneOf"]),
+    "const": lambda entry: f"`{json.dumps(entry['const'])}`",
+    "enum": lambda entry: ", ".join(f"`{json.dumps(value)}`" for value in entry["enum"]),
+    "prefixItems": lambda entry: "[" + ", ".join(kind(one) for one in entry["prefixItems"]) + "]",
+    "type": typed,
+}
 
 
 def table(model):
@@ -53,7 +64,7 @@ def page():
     whole = json_schema()
     blocks = [
         "# Case file\n\nA case file is TOML. `fx-membrane schema` prints the JSON schema from which this page is made; "
-        "`fx-membrane init` writes a small case to begin with. Numbers with units are texts, as `\"2 kN/m\"`; plain "
+        '`fx-membrane init` writes a small case to begin with. Numbers with units are texts, as `"2 kN/m"`; plain '
         "numbers are in the units of the table `units`.\n",
         f"## Tables of the file\n\n{table(whole)}\n",
     ]

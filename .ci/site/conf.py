@@ -10,7 +10,8 @@ extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ex
 exclude_patterns = ["jupyter_execute"]
 html_theme = "furo"
 html_title = f"fx_membrane {release}"
-html_static_path = []
+html_static_path = ["style.css"]
+html_css_files = ["style.css"]
 
 myst_enable_extensions = ["colon_fence", "dollarmath"]
 myst_heading_anchors = 3
@@ -20,9 +21,9 @@ nb_execution_raise_on_error = True
 nb_execution_in_temp = True
 nb_merge_streams = True
 
-autodoc_default_options = {"members": True, "show-inheritance": False}
+autodoc_default_options = {"members": True}
 autodoc_member_order = "bysource"
-autodoc_typehints = "signature"
-autodoc_typehints_format = "short"
+autodoc_typehints = "none"  # docstrings give shapes and units
 napoleon_google_docstring = True
 napoleon_use_ivar = True
+napoleon_attr_annotations = False  # numpy.bool_ would be taken for a link

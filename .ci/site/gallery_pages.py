@@ -30,4 +30,6 @@ def write(demos, folder, run=True):
     for name in names:
         nbformat.write(page(demos / f"{name}.py", run), folder / f"{name}.ipynb")
     entries = "\n".join(names)
-    (folder / "index.md").write_text(f"# Gallery\n\nThe scripts in `demos/`, as they run.\n\n```{{toctree}}\n:maxdepth: 1\n\n{entries}\n```\n")
+    (folder / "index.md").write_text(
+        f"# Gallery\n\nThe scripts in `demos/`, as they run.\n\n```{{toctree}}\n:maxdepth: 1\n\n{entries}\n```\n"
+    )

@@ -36,8 +36,8 @@ def structure_from_file(
 ) -> Structure:
     """Structure of a mesh file of another program: DXF, OBJ, STL, PLY, COMPAS JSON or gmsh's msh, by its ending.
 
-    - .dxf: a group is a layer. Faces are 3DFACE, MESH and polyface meshes; lines are LINE and polylines; points are POINT;
-      blocks are taken, too.
+    - .dxf: a group is a layer. Faces are 3DFACE, MESH and polyface meshes, lines are LINE and polylines, points are
+      POINT; blocks are taken, too.
     - .obj: a group is a group or an object, of faces or lines.
     - .stl, .ply: the group of all faces has the name of the file without its ending.
     - .json: the groups "edges", "faces" and "supports" are those of a network, graph or mesh, by `is_support`.
