@@ -25,6 +25,8 @@ the coarsest mesh, with elements eight times as long as the finest; the h^4 term
 there and 8^4 times less at the end, 2e-8, four times that after the extrapolation: 1e-7.
 """
 
+from functools import cache
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -140,6 +142,7 @@ def test_every_mesh_is_the_midpoint_rule(solve, n):
     np.testing.assert_allclose(solve(n), midpoint_rule(LOADED, n), rtol=1e-9)
 
 
+@cache
 def hang_cable(n, s0=1.002):
     """Sag and horizontal force of the hanging cable, whose reference shape is stretched by s0 and then let in.
 

@@ -11,6 +11,8 @@ Tolerance: orders within 0.1 of 2 over the last two refinements; extrapolated ar
     left over on these meshes is.
 """
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -80,6 +82,7 @@ EXACT = {
 }
 
 
+@cache
 def found(surface, n, tolerance=1e-3):
     points, triangles, edge = surface(n)
     film = Membrane(triangles, Fabric(1e3, 0.3), prestress=STRESS)
