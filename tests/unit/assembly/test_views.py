@@ -62,6 +62,7 @@ def test_view_does_not_depend_on_other_views(problem):
     assert not same(alone[1], alone[0])
 
 
+@pytest.mark.mpi
 def test_view_keeps_the_actions_that_it_got(problem):
     actions = end(problem, Pressure(3e3, "fabric"))
     actions = Actions(actions.loads.copy(), actions.held.copy(), actions.displacement.copy(), actions.pressures)

@@ -87,6 +87,7 @@ def test_a_copy_has_no_problem_until_it_is_asked(states, made, kind):
         np.testing.assert_allclose(one.stiffnesses, expected.stiffnesses, rtol=1e-9)
 
 
+@pytest.mark.mpi
 def test_results_of_stages_and_paths_are_copied(states):
     path = equilibrium_path(states[1]["rest"], STAGES[1], max_points=2)
     for copied in (copy.deepcopy(path), pickle.loads(pickle.dumps(path))):
