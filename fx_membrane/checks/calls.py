@@ -1,0 +1,24 @@
+"""Arguments that functions of a user take."""
+
+import inspect
+from collections.abc import Callable
+from typing import Any
+
+
+def takes(function: Callable[..., Any], count: int) -> bool:
+    """Return True if a function can be called with so many arguments."""
+    try:
+        inspect.signature(function).bind(*range(count))
+    except TypeError:
+        return False
+    except ValueError:  # without a signature, as of C
+        return True
+    return True
+
+
+def parameters_of(function: Callable[..., Any]) -> str:
+    """Names of the arguments of a function, in a message."""
+    return ", ".join(
+        str(entry.replace(annotation=inspect.Parameter.empty))
+        for entry in inspect.signature(function).parameters.values()
+    )
