@@ -114,7 +114,7 @@ class Analysis:
         with together(comm):
             validation.instance("Analysis structure", structure, Structure)
             own.check(solver)
-            validation.instance("Analysis limit", limit, WorkLimit)
+            validation.plain("Analysis limit", limit, WorkLimit)
             progress = validation.truth("Analysis progress", progress)
         refuse_differences(comm, lambda: {"solver": fingerprint(own.settings(solver)), "limit": fingerprint(limit)})
         self._limit, self._progress = limit, progress

@@ -133,6 +133,7 @@ def _direction(name: str, part: Membrane, field: Field | None) -> Callable[[Arra
         vectors = np.broadcast_to(np.asarray(part.warp, dtype=np.float64), (len(part.cells), 3))
         return lambda x: vectors
     if isinstance(field, RadialDirection):
+        validation.plain(f"warp of part {name!r}", field, RadialDirection)
         return field
 
     def vectors_at(x: Array) -> Array:

@@ -52,10 +52,10 @@ class Structure:
 
     Raises:
         ValueError: A cell names a node that does not exist; it has no area or no length, or is normal to its warp; a
-            triangle is more than 1e7 times as long as it is high; a part is of a class derived from `Membrane`, `Cable`
-            or `Mast`; a support is on a node that does not exist or that no part uses; a value is not finite; a
-            membrane without two sides has one prestress tensor with shear; separate names a part that is not there; a
-            term does not fit, see `EnergyTerm`.
+            triangle is more than 1e7 times as long as it is high; the structure or a part is of a class derived from
+            `Structure`, `Membrane`, `Cable` or `Mast`; a support is on a node that does not exist or that no part uses;
+            a value is not finite; a membrane without two sides has one prestress tensor with shear; separate names a
+            part that is not there; a term does not fit, see `EnergyTerm`.
 
     Warns:
         CoincidentNodesWarning: Nodes of the parts are closer than 1e-9 of the size of the structure, not all of them
@@ -80,6 +80,7 @@ class Structure:
     _no_sides: dict[str, str] = field(init=False, repr=False, default_factory=dict)  # membrane: reason
 
     def __post_init__(self) -> None:
+        validation.plain("The structure", self, Structure)
         object.__setattr__(self, "points", validation.positions("points", self.points))
         if not isinstance(self.parts, Mapping):
             raise ValueError(f'parts is a {type(self.parts).__name__}; give a dictionary, {{"name": Membrane(...)}}.')
