@@ -59,7 +59,8 @@ class Solution:
     Attributes:
         outcome: Outcome.
         reason: Sentence on why the solve stopped and, after a failure, on the remedy.
-        iterations: The iterates, the start first.
+        iterations: The iterates, the start first. Of several attempts, those of the one that gives the outcome: the one
+            after the homotopy if it converged, or else the first.
         extra_iterations: Number of iterates missing from `iterations`: those of rejected attempts and of the homotopy.
         lost_stability: True if the start was stable, but negative curvature appeared during the iteration, beyond that
             of wrinkled and slack cells: that of masts or a pressure. Iterates can be far off, so smaller load
