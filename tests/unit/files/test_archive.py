@@ -14,9 +14,7 @@ from ufl import inner
 
 from fx_membrane import (
     Analysis,
-    Cable,
     Fabric,
-    Mast,
     Membrane,
     OrthotropicFabric,
     PointLoad,
@@ -34,33 +32,23 @@ from fx_membrane import (
     updated_reference,
 )
 from fx_membrane.files import archive
+from models import HEAD, POINTS, masted_roof
 
 
 @pytest.fixture(scope="module")
 def results():
-    points, triangles = rectangle(2.0, 2.0, 4, 4)
-    points = np.vstack([points, (1.0, 1.0, -2.0)])
-    rim = boundary_edges(triangles)
-    middle = int(np.abs(points[:-1] - (1, 1, 0)).sum(axis=1).argmin())
-    parts = {
-        "roof": Membrane(triangles, OrthotropicFabric(6e5, 4e5, 0.3, 2e4), (2e3, 1e3), warp=(1, 0.2, 0), mass=1.0),
-        "edge": Cable(rim, 1e6, np.linspace(1e2, 2e2, len(rim))),
-        'mäst, "=1"': Mast([(middle, len(points) - 1)], 1e7),
-    }
-    structure = Structure(
-        points, parts, [Support(np.unique(rim)), Support(len(points) - 1, "xy")], separate=[("roof", "edge")]
+    structure = masted_roof(
+        ("roof", "edge", 'mäst, "=1"'),
+        foot="xy",
+        edge_prestress=np.linspace(1e2, 2e2, 16),
+        separate=[("roof", "edge")],
+        material=OrthotropicFabric(6e5, 4e5, 0.3, 2e4),
+        warp=(1, 0.2, 0),
+        mass=1.0,
     )
-    return Analysis(structure).run(
-        [
-            Stage("lift", displacements=[PrescribedDisplacement(len(points) - 1, (0, 0, 0.01))]),
-            Stage(
-                "wind",
-                [Pressure(50.0, "roof", cells=[0, 3]), PointLoad(middle, (0, 0, -5))],
-                after="lift",
-                increments=2,
-            ),
-        ]
-    )
+    lift = Stage("lift", displacements=[PrescribedDisplacement(len(POINTS), (0, 0, 0.01))])
+    loads = [Pressure(50.0, "roof", cells=[0, 3]), PointLoad(HEAD, (0, 0, -5))]
+    return Analysis(structure).run([lift, Stage("wind", loads, after="lift", increments=2)])
 
 
 def same(one, other):
