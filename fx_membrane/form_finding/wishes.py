@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
 from ..geometry.measures import normals, projected
+from ..model.by_value import ByValue
 from ..model.parts import Membrane
 from ..model.structure import Structure
 from .cell_reference import check_tension, tangents
@@ -18,8 +19,8 @@ Array = NDArray[np.float64]
 Size = Callable[[Array], Array]
 
 
-@dataclass(frozen=True)
-class RadialDirection:
+@dataclass(frozen=True, eq=False)
+class RadialDirection(ByValue):
     """Direction away from an axis, as a function of place: the warp of cones and domes about it.
 
     Args:

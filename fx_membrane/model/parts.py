@@ -11,12 +11,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
 from . import laws, materials
+from .by_value import ByValue
 from .laws import Law
 from .materials import Axial
 
 
 @dataclass(frozen=True, eq=False)
-class Membrane:
+class Membrane(ByValue):
     """Three-node membrane elements of one fabric.
 
     Args:
@@ -111,7 +112,7 @@ class Membrane:
 
 
 @dataclass(frozen=True, eq=False)
-class Bar:
+class Bar(ByValue):
     """Common fields of cables and masts: straight elements with axial force only.
 
     `is_strut` tells those that stand by compression, and fall where nothing holds them.

@@ -16,6 +16,7 @@ from ..checks.values import counted
 from ..geometry.measures import SLENDER, SLIVER, aspects, normals, projected
 from ..geometry.topology import with_one_sense
 from . import energy_terms
+from .by_value import ByValue
 from .coincidence import CoincidentNodesWarning, coincident_nodes
 from .energy_terms import Term
 from .parts import Bar, Cable, Kind, Mast, Membrane, Part
@@ -27,7 +28,7 @@ class SliverWarning(UserWarning):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Structure:
+class Structure(ByValue):
     """Points, parts and supports: everything that stays the same from stage to stage.
 
     The nodes of a triangle may be in either order. The structure turns all cells of a connected membrane, open or

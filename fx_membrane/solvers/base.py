@@ -11,6 +11,7 @@ from petsc4py import PETSc
 
 from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
+from ..model.by_value import ByValue
 from .outcome import Outcome
 
 
@@ -52,8 +53,8 @@ class Iteration(NamedTuple):
     shift: float = 0.0
 
 
-@dataclass(frozen=True)
-class Solution:
+@dataclass(frozen=True, eq=False)
+class Solution(ByValue):
     """End of a solve; the state itself is in the vector given to it.
 
     Attributes:
