@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -79,6 +79,17 @@ class Structure(ByValue):
     separate: Sequence[tuple[str, str]] = ()
     terms: Sequence[Term] = ()
     _no_sides: dict[str, str] = field(init=False, repr=False, default_factory=dict)  # membrane: reason
+
+    if TYPE_CHECKING:  # the field holds an array, but lists may be given
+
+        def __init__(
+            self,
+            points: ArrayLike,
+            parts: Mapping[str, Part],
+            supports: Sequence[Support] = ...,
+            separate: Sequence[tuple[str, str]] = ...,
+            terms: Sequence[Term] = ...,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         validation.plain("The structure", self, Structure)

@@ -1,9 +1,9 @@
 """The solver interface: a problem and a start go in, a state with its history and reason comes out."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,6 +76,18 @@ class Solution(ByValue):
     lost_stability: bool = False
     motion: NDArray[np.float64] | None = None
 
+    if TYPE_CHECKING:  # the field is a tuple, but a list may be given
+
+        def __init__(
+            self,
+            outcome: Outcome,
+            reason: str,
+            iterations: Sequence[Iteration],
+            extra_iterations: int = ...,
+            lost_stability: bool = ...,
+            motion: NDArray[np.float64] | None = ...,
+        ) -> None: ...
+
     @property
     def converged(self) -> bool:
         """True if the state is an equilibrium."""
@@ -88,9 +100,7 @@ Monitor = Callable[[int, Iteration], None]
 class Solve(Protocol):
     """Function that brings a vector to equilibrium and reports each iterate to the monitor."""
 
-    def __call__(
-        self, problem: LoadedProblem, x: PETSc.Vec, monitor: Monitor = ..., thorough: bool = ..., /
-    ) -> Solution:
+    def __call__(self, problem: LoadedProblem, x: PETSc.Vec, monitor: Monitor, thorough: bool, /) -> Solution:
         """Return the outcome; the state is in x.
 
         Args:

@@ -18,7 +18,7 @@ from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from ..checks import validation
 from . import factorization, petsc_options
-from .base import LIMITS, Iteration, Monitor, Solution, Solve, max_norm, no_monitor
+from .base import LIMITS, Iteration, Monitor, Solution, max_norm, no_monitor
 from .convergence import Patience, nearer
 from .curvature import negative_between
 from .diagnosis import collapsed, mechanism, mechanism_or_too_few, slack_mechanism, unlikely_units
@@ -70,7 +70,7 @@ class Newton:
         validation.store(self, validation.positive_integer, "max_iterations")
         validation.store(self, validation.truth, "line_search")
 
-    def prepare(self, problem: Problem) -> Solve:
+    def prepare(self, problem: Problem) -> "_Globalized":
         """Return a function that brings a vector to equilibrium; it keeps matrix and symbolic factorization.
 
         Raises:

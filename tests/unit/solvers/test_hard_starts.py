@@ -211,7 +211,7 @@ def test_tension_in_the_structure_is_gone_after_the_solve(monkeypatch):
     solution = solve(loaded, problem.create_vector())
     assert solution.converged
     assert solution.outcome is Outcome.STABILIZED  # impossible in one step
-    assert solve.loop.problem is loaded  # type: ignore[attr-defined]
+    assert solve.loop.problem is loaded
 
 
 @pytest.mark.parametrize("name", ["cable net, prestress 0, load 100", "cone, prestress 0, lift 0.5"])
