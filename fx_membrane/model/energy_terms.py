@@ -51,6 +51,8 @@ class EnergyTerm(Protocol):
 
     It need not be derived from this class. The module `fx_membrane.model.energy_terms` says what else it may have::
 
+        from dataclasses import dataclass
+
         @dataclass(frozen=True)
         class ElasticBed:
             part: str
@@ -77,6 +79,9 @@ class ForceTerm(Protocol):
     """Term of your own that has no potential: like `EnergyTerm`, with the virtual work of its forces.
 
     An example is a pressure that grows with depth, on a surface with a free edge::
+
+        from dataclasses import dataclass
+        from ufl import conditional, dot, gt
 
         @dataclass(frozen=True)
         class Water:

@@ -48,6 +48,9 @@ class Law(Protocol):
 
     A law of your own is a frozen dataclass, derived from this class or from none::
 
+        from dataclasses import dataclass
+        from ufl import inner
+
         @dataclass(frozen=True)
         class Stiffening:
             EA: float  # [N]

@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,7 +19,7 @@ from . import energy_terms
 from .by_value import ByValue
 from .coincidence import CoincidentNodesWarning, coincident_nodes
 from .energy_terms import Term
-from .parts import Bar, Cable, Kind, Mast, Membrane, Part
+from .parts import Bar, Kind, Membrane, Part
 from .supports import Support
 
 
@@ -224,7 +224,7 @@ class Structure(ByValue):
         Raises:
             ValueError: The kind is none of these.
         """
-        if not isinstance(kind, type) or kind not in (Membrane, Bar, Cable, Mast):
+        if not isinstance(kind, type) or kind not in (Bar, *get_args(Part)):
             raise ValueError(f"The kind of a part is {validation.short_repr(kind)}; give Membrane, Cable or Mast.")
         return {name: part for name, part in self.parts.items() if isinstance(part, kind)}
 
