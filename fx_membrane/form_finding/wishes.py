@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
+from ..checks.calls import unfit
 from ..geometry.measures import normals, projected
 from ..model.by_value import ByValue
 from ..model.parts import Membrane
@@ -119,11 +120,8 @@ def _functions(structure: Structure, what: str, given: Any) -> dict[str, Field]:
     for name, field in (given or {}).items():
         if not isinstance(structure.parts.get(name) if isinstance(name, str) else None, Membrane):
             raise ValueError(f"{what} names {validation.short_repr(name)}, which is no membrane of the structure.")
-        if not callable(field):
-            raise ValueError(
-                f"{what} of part {name!r} is {validation.short_repr(field)}; give a function of place, or the value in "
-                "the part."
-            )
+        if shown := unfit(field, 1):
+            raise ValueError(f"{what} of part {name!r} is {shown}; give a function of place, or the value in the part.")
     return dict(given or {})
 
 

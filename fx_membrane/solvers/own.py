@@ -100,7 +100,7 @@ class _Checked:
         self, problem: LoadedProblem, x: PETSc.Vec, monitor: Monitor = no_monitor, thorough: bool = True, /
     ) -> Solution:
         try:
-            solution: Any = self.solve(problem, x, monitor, thorough)
+            solution: Any = self.solve(problem, x, _telling(self.name, monitor), thorough)
         except PETSc.Error as error:  # PETSc 3.25 wraps exceptions of callbacks
             raise (error.__cause__ or error) from None
         solution = _plain(self.name, solution, problem)
@@ -125,6 +125,22 @@ class _Checked:
             f"{calls}in which a constrained component is {error:.3g} from its place; let it call "
             "problem.constraints.impose(x) first."
         )
+
+
+def _telling(name: str, monitor: Monitor) -> Monitor:
+    """Monitor that refuses data that are no `Iteration`."""
+
+    def tell(number: Any = None, entry: Any = None) -> None:
+        remedy = "let it call monitor(number, fx_membrane.Iteration(energy, residual, step))"
+        try:
+            iteration = Iteration(*map(float, entry))
+        except (TypeError, ValueError):
+            raise ValueError(
+                f"{name} calls its monitor with {short_repr(number)} and {short_repr(entry)}; {remedy}."
+            ) from None
+        monitor(integer(f"{name}: the first argument of its monitor", number), iteration)
+
+    return tell
 
 
 def _plain(name: str, answer: Any, problem: LoadedProblem) -> Solution:
@@ -154,7 +170,7 @@ def _plain(name: str, answer: Any, problem: LoadedProblem) -> Solution:
             raise ValueError(f"{what} motion has the shape {motion.shape}; give {shape}, or None.")
     return replace(
         answer,
-        reason=str.__str__(answer.reason),
+        reason=str.__str__(answer.reason) or answer.outcome.value,
         iterations=iterations,
         extra_iterations=integer(f"{what} extra_iterations", answer.extra_iterations),
         lost_stability=truth(f"{what} lost_stability", answer.lost_stability),

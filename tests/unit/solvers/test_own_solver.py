@@ -174,6 +174,23 @@ def test_answer_with_a_field_of_another_kind(answer, words):
         Analysis(inclined_sheet(), answering(answer)).run([SNOW])
 
 
+@pytest.mark.parametrize("told", [(0,), (0, 5.0), (0, (1.0, 2.0)), (0, None), ("first", (1.0, 2.0, 1.0))])
+def test_monitor_told_of_something_else(told):
+    class Teller:
+        def prepare(self, problem):
+            return lambda loaded, x, monitor, thorough: monitor(*told)
+
+    with pytest.raises(
+        ValueError, match=r"^Teller( calls its monitor with 0 and .*monitor\(number, .*Iteration\(|: .* 'first')"
+    ):
+        Analysis(inclined_sheet(), Teller()).run([SNOW])
+
+
+def test_failure_without_a_reason_has_that_of_its_outcome():
+    with pytest.raises(ConvergenceError, match=r"the iteration diverged\."):
+        Analysis(inclined_sheet(), answering(Solution(Outcome.DIVERGED, "", ()))).run([SNOW])
+
+
 class NoArgument:
     def prepare(self):
         pass
