@@ -12,6 +12,7 @@ from ..checks.calls import parameters_of, takes
 from ..checks.validation import finite, integer, short_repr, truth
 from ..checks.values import with_article
 from ..model.own_classes import home
+from ..runtime.processes import together
 from .base import Iteration, Monitor, Solution, Solve, Solver, iterate, max_norm, no_monitor
 from .conjugate_gradient import ConjugateGradient, SteepestDescent
 from .newton import Newton
@@ -103,7 +104,8 @@ class _Checked:
             solution: Any = self.solve(problem, x, _telling(self.name, monitor), thorough)
         except PETSc.Error as error:  # PETSc 3.25 wraps exceptions of callbacks
             raise (error.__cause__ or error) from None
-        solution = _plain(self.name, solution, problem)
+        with together(problem.comm):
+            solution = _plain(self.name, solution, problem)
         if not solution.iterations:
             solution = replace(solution, iterations=(iterate(problem, x),))
         fault = self.fault(problem, x) if solution.converged else ""

@@ -228,3 +228,12 @@ def test_settings_of_one_process_alone_are_refused():
     kind = "newtontr" if PETSc.COMM_WORLD.rank == 1 else "newtonls"
     with pytest.raises(ValueError, match=r"process 1 differs.*process 0.*solver"):
         Analysis(inclined_sheet(), BySnes(kind))
+
+
+@pytest.mark.mpi
+@pytest.mark.skipif(PETSc.COMM_WORLD.size == 1, reason="compares processes")
+def test_answer_of_one_process_alone_is_refused_on_all():
+    wrong = PETSc.COMM_WORLD.rank == 1
+    answer = Solution(True if wrong else Outcome.MAX_ITERATIONS, "", ())
+    with pytest.raises(ValueError, match=r"^Answer returns a Solution whose outcome is True"):
+        Analysis(inclined_sheet(), answering(answer)).run([SNOW])
