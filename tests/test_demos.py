@@ -106,7 +106,6 @@ def test_demo(name, pictures, tmp_path, monkeypatch, capsys):
         check_pictures(name)
 
 
-@pytest.mark.serial
 @pytest.mark.skipif(not HAS_PYVISTA, reason="draws pictures")
 def test_readme_script(tmp_path, monkeypatch, capsys):
     """The script in the README runs as printed there."""
@@ -117,7 +116,6 @@ def test_readme_script(tmp_path, monkeypatch, capsys):
     assert Path("snow.png").exists()
 
 
-@pytest.mark.serial
 def test_readme_forms():
     """The scripts from a plan to a shape run as printed there, and their forms are found and at rest."""
     section = (DEMOS.parent / "README.md").read_text().split("## From a plan to a shape")[1].split("\n## ")[0]

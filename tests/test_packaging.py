@@ -17,10 +17,7 @@ import pytest
 
 import fx_membrane
 
-pytestmark = [
-    pytest.mark.serial,
-    pytest.mark.skipif(not importlib.util.find_spec("pip"), reason="needs pip to build and install"),
-]
+pytestmark = pytest.mark.skipif(not importlib.util.find_spec("pip"), reason="needs pip to build and install")
 ROOT = Path(__file__).parent.parent
 FORMS = {path.name for path in (ROOT / "forms").glob("*.py")}
 

@@ -106,7 +106,6 @@ def is_factored(ksp):
 BOUND = 1.0  # MB; forms left 2.1 behind and conjugate gradients 31, when PETSc kept vectors that Python drops
 
 
-@pytest.mark.serial
 @pytest.mark.parametrize("processes", [1, 2])
 def test_repeated_work_leaves_no_memory_behind(processes):
     output = launch.start([launch.SCRIPTS / "memory_use.py", BOUND], processes)

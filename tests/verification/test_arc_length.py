@@ -160,7 +160,6 @@ def star_dome():
     return Structure(points, {"bars": Mast(bars, 1e4)}, [Support(range(7, 13))])
 
 
-@pytest.mark.serial  # 500 points, after those of the shorter paths
 def test_loops_of_a_star_dome():
     """The dome upside down is the same, with opposite loads: its path loops from the one to the other."""
     dome = star_dome()

@@ -45,7 +45,6 @@ from taylor import remainders
 
 SOURCE = "Taylor's theorem"
 
-ALONE = pytest.mark.serial  # other numbers for what is collective already
 N = 6
 CENTRE = (N + 1) * (N // 2) + N // 2
 STEPS = 2e-3 / 2.0 ** np.arange(4)
@@ -226,7 +225,7 @@ def after_one_step(problem, equilibrium, step, direction, stiffness=None):
     return b.norm(PETSc.NormType.NORM_INFINITY)
 
 
-@pytest.mark.parametrize("share", [pytest.param(1.0, marks=ALONE), 1e-4], ids=["full", "wrinkling"])
+@pytest.mark.parametrize("share", [1e-4, 1.0], ids=["wrinkling", "full"])
 @pytest.mark.parametrize("load", LOADS)
 @pytest.mark.parametrize("name", SADDLES)
 def test_one_step_squares_the_error(name, load, share):
@@ -273,7 +272,7 @@ def disturbed(problem, equilibrium, step, direction):
 
 
 @pytest.mark.mpi_once
-@pytest.mark.parametrize("pressure", [20.0, *(pytest.param(p, marks=ALONE) for p in (60.0, -20.0, -60.0))])
+@pytest.mark.parametrize("pressure", [20.0, 60.0, -20.0, -60.0])
 @pytest.mark.parametrize("name", SADDLES)
 def test_newton_under_pressure_is_quadratic(name, pressure):
     """Below 1e-4 of the largest reaction a residual r is followed by less than c r^2.

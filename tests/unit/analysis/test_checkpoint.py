@@ -172,7 +172,6 @@ analysis.run(model.stages(), sys.argv[2])
 """
 
 
-@pytest.mark.serial
 def test_process_that_is_killed_goes_on(path, expected):
     command = [sys.executable, "-c", KILLED, str(Path(interrupted.__file__).parent), str(path), "4"]
     assert subprocess.run(command, timeout=120, check=False).returncode == 7

@@ -179,7 +179,6 @@ def test_stage_of_any_name_is_saved(tmp_path, name):
     assert list(loaded(path)) == [name]
 
 
-@pytest.mark.serial
 def test_increment_costs_its_own_state_however_many_came_before(tmp_path):
     def written():
         return int(re.search(r"wchar: (\d+)", Path("/proc/self/io").read_text())[1])

@@ -85,7 +85,6 @@ def test_mixed_units_are_remarked_on(units, kind, size):
         warn_of_mass_units(roof(*MIXED[units], size, kind), stacklevel=2)
 
 
-@pytest.mark.serial
 def test_frequencies_are_remarked_on_where_they_are_asked_for():
     with pytest.warns(MassUnitWarning) as found:
         frequency = first(roof(*MIXED["kN m kg"]))

@@ -248,7 +248,6 @@ print(*counts)
 """
 
 
-@pytest.mark.serial
 def test_mass_matrix_is_compiled_once_and_when_asked_for(own_cache):
     command = [sys.executable, "-c", COMPILED]
     run = subprocess.run(command, env=own_cache, capture_output=True, text=True, check=True, timeout=120)

@@ -168,7 +168,6 @@ def test_a_state_that_smaller_increments_do_not_reach_is_kept(monkeypatch):
     assert result.equilibrium.residual < 1e-9 * LIMIT
 
 
-@pytest.mark.serial
 @pytest.mark.filterwarnings("ignore::fx_membrane.UnstableStateWarning")
 @pytest.mark.parametrize("saves", [1, 3, 5])
 def test_run_that_is_killed_goes_on_to_the_same_snap(saves, tmp_path, monkeypatch):

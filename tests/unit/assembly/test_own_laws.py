@@ -243,7 +243,6 @@ for n in (1, 2, 3):
 """
 
 
-@pytest.mark.serial
 def test_compiled_once_in_a_script(own_cache, tmp_path):
     """With cold and warm cache: the same forms for any numbers, and none more in a second process."""
     script = tmp_path / "script.py"

@@ -93,12 +93,9 @@ FOILS = [
 
 # On several processes one of each kind: constants and fields, of membranes, bars and foils.
 KINDS = [("fabric", "Et"), ("edge", "axial_stiffness"), ("woven", "prestress"), ("edge", "prestress"), ("foil", "C10t")]
-ALL = [
-    pytest.param(*given, marks=[] if given[:2] in KINDS else [pytest.mark.serial]) for given in [*PARAMETERS, *FOILS]
-]
+ALL = [pytest.param(*given, marks=[pytest.mark.mpi] if given[:2] in KINDS else []) for given in [*PARAMETERS, *FOILS]]
 
 
-@pytest.mark.mpi_once
 @pytest.mark.parametrize(("part", "parameter", "direction"), ALL)
 def test_derivative_by_a_parameter_of_a_part(part, parameter, direction):
     """Random shape, with cells in all states."""

@@ -109,7 +109,6 @@ def test_a_tighter_tolerance_leads_to_the_same_place():
     assert near.points[heads] == pytest.approx(nearer.points[heads], abs=5e-3)
 
 
-@pytest.mark.serial  # only one process warns, for all
 def test_too_few_moves_leave_a_form_in_equilibrium():
     structure, _ = guyed_sail(0.98)
     with pytest.warns(UnsettledFormWarning, match="max_iterations"):

@@ -261,7 +261,6 @@ def test_sheet_that_is_let_in_has_lost_its_prestress():
         Analysis(structure).run([Stage("let in", [DistributedLoad((0, 0, -0.01), "fabric")], [let_in])])
 
 
-@pytest.mark.serial  # it writes a file
 def test_remarks_are_the_same_from_a_checkpoint_and_on_a_path(tmp_path):
     stages = [push(-3000, 0, 0)]
     whole = Analysis(guyed()).run(stages, tmp_path / "push")["push"]

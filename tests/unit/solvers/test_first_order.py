@@ -114,7 +114,6 @@ def test_prescribed_displacements_are_there_from_the_first_iterate():
     assert first.energy == pytest.approx(there.energy(there.discretization.to_petsc(moved)), rel=1e-12)
 
 
-@pytest.mark.serial
 def test_steepest_descent_is_the_slowest():
     stage = Stage("push", [PointLoad(CENTRE, (0, 0, -300.0))])
     counts = [

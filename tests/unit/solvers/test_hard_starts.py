@@ -109,7 +109,6 @@ def test_slack_roof_hangs_by_its_own_weight(move):
     assert weight.energy == pytest.approx(plain.energy, rel=1e-10)
 
 
-@pytest.mark.serial  # hundreds of iterations
 def test_sail_that_crumples_is_given_more_iterations_once_it_was_stabilized(monkeypatch):
     monkeypatch.setattr(newton._Globalized, "patience", Patience(share=0.0, least=30))
     structure, stages = hard.hypar(2e3, 1e4, 2.0, [Stage("prestress")], 24)
@@ -130,7 +129,6 @@ def iterates(monkeypatch):
     return found
 
 
-@pytest.mark.serial  # hundreds of iterations
 def test_increment_tells_that_the_structure_was_stabilized(iterates):
     structure, stages = hard.pulled(-0.1, 0.6, 0.0, hard.FABRIC)
     (twisted,) = solved(structure, stages)

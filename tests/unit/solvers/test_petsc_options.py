@@ -216,7 +216,6 @@ def test_options_of_one_process_alone_are_refused(options):
         Analysis(sheet())
 
 
-@pytest.mark.serial
 def test_environment():
     """A program of its own with PETSC_OPTIONS."""
     script = (

@@ -104,7 +104,6 @@ analysis.run([Stage("prestress"), Stage("snow on the roof", [snow], increments=4
 """
 
 
-@pytest.mark.serial
 @pytest.mark.parametrize("columns", [120, 80, 0], ids=["wide", "usual", "no size told"])
 def test_terminal_shows_stage_and_load_factor(columns):
     terminal, process_end = pty.openpty()
@@ -128,7 +127,6 @@ def test_terminal_shows_stage_and_load_factor(columns):
     assert text.count("\n") == 2  # one line for each stage
 
 
-@pytest.mark.serial
 def test_closed_pipe_is_an_exception_and_no_crash():
     script = "import fx_membrane\nwhile True:\n    print('table')"
     process = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
@@ -140,7 +138,6 @@ def test_closed_pipe_is_an_exception_and_no_crash():
     assert b"PETSC" not in errors
 
 
-@pytest.mark.serial
 def test_form_finding_and_paths_are_not_silent_for_long(capfd, monkeypatch):
     monkeypatch.setattr(progress, "monotonic", itertools.count(0.0, 6.0).__next__)
     updated_reference(sheet())

@@ -171,7 +171,6 @@ print(len(mesh.points))
 """
 
 
-@pytest.mark.serial
 def test_open_model_is_left_alone():
     code = USER.replace("MODELS", "models").replace("before =", "models = gmsh.model.list()\nbefore =")
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
