@@ -13,6 +13,7 @@ from typing import Any
 import click
 
 CASE = click.Path(dir_okay=False, path_type=Path)
+RESULTS = click.Path(path_type=Path)  # a folder, or the archive in it
 TEMPLATE = """\
 #:schema fx-membrane.schema.json
 format = 1
@@ -86,10 +87,11 @@ def init(case: Path) -> None:
 @click.argument("case", type=CASE)
 def check(case: Path) -> None:
     """Check a case file without computing: all faults at once, each with its line."""
-    from .files.cases.case import read_case  # noqa: PLC0415  (the others must not wait for dolfinx)
+    from .checks.values import counted  # noqa: PLC0415  (the others must not wait for dolfinx)
+    from .files.cases.case import read_case  # noqa: PLC0415
 
     found = read_case(case)
-    click.echo(f"{case}: {found.structure!r}, {len(found.stages)} stages; no faults")
+    click.echo(f"{case}: {found.structure!r}, {counted(len(found.stages), 'stage')}; no faults")
 
 
 @main.command()
@@ -118,44 +120,39 @@ def run(case: Path, resume: bool, overwrite: bool, quiet: bool, log: Path | None
 @main.command()
 @click.argument("source", type=CASE)
 @click.argument("target", type=CASE)
-def convert(source: Path, target: Path) -> None:
+@click.option("--unit", help="Unit of length of the target, as m or mm; for a source that names its own, as DXF.")
+def convert(source: Path, target: Path, unit: str | None) -> None:
     """Convert a mesh file: from dxf, obj, stl, ply, json or msh to msh, obj or dxf, group by group."""
     from .files.convert import convert as converted  # noqa: PLC0415
 
-    converted(source, target)
+    converted(source, target, unit)
     click.echo(f"Wrote {target}")
 
 
 @main.command()
-@click.argument("results", type=CASE)
+@click.argument("results", type=RESULTS)
 def show(results: Path) -> None:
-    """Print the checks and extremes of saved results: results.fxm of a run."""
-    from .files.archive import load_results  # noqa: PLC0415
+    """Print the checks and extremes of saved results: the folder of a run, or its results.fxm."""
+    from .files.run_results import results_of  # noqa: PLC0415
     from .results.checks import checks, table  # noqa: PLC0415
     from .results.report import report as told  # noqa: PLC0415
-    from .results.states import StageResults  # noqa: PLC0415
 
-    found = load_results(results)
-    if not isinstance(found, StageResults):
-        raise ValueError(f"{results} holds a form, without stages; give results.fxm of a run.")
+    found = results_of(results)
     for state in found.values():
         shown = told(state, force_unit=found.force_unit, length_unit=found.length_unit)
         click.echo(f"{shown}\n{table(checks(state))}")
 
 
 @main.command()
-@click.argument("results", type=CASE)
+@click.argument("results", type=RESULTS)
 @click.argument("target", type=CASE)
 @click.option("--title", help="Title of the report; that of the case if not given.")
 def report(results: Path, target: Path, title: str | None) -> None:
-    """Write a report of saved results as .html or .pdf."""
-    from .files.archive import load_results  # noqa: PLC0415
+    """Write a report of saved results, the folder of a run or its results.fxm, as .html or .pdf."""
     from .files.report.write import write_report  # noqa: PLC0415
-    from .results.states import StageResults  # noqa: PLC0415
+    from .files.run_results import results_of  # noqa: PLC0415
 
-    found = load_results(results)
-    if not isinstance(found, StageResults):
-        raise ValueError(f"{results} holds a form, without stages; give results.fxm of a run.")
+    found = results_of(results)
     title = title or found.title or "Structural analysis"
     write_report(found, target, title=title, force_unit=found.force_unit, length_unit=found.length_unit)
     click.echo(f"Wrote {target}")

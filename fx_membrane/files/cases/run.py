@@ -16,10 +16,11 @@ from ...runtime.processes import together
 from ..archive import load_results, save_results
 from ..mesh_writer import write_mesh
 from ..paraview import ParaViewSeries
+from ..run_results import RESULTS
 from ..tables import write_tables
 from .case import Case
 
-CHECKPOINT, RESULTS, FORM = "checkpoint.sqlite", "results.fxm", "form.fxm"
+CHECKPOINT, FORM = "checkpoint.sqlite", "form.fxm"
 
 
 def folder_of(case: Case) -> Path:
