@@ -9,6 +9,7 @@ from typing import Self
 from tqdm import tqdm
 
 from ..checks.values import counted
+from ..runtime.messages import silent
 from .base import Iteration
 
 SILENCE = 10.0  # longest time without a line [s]
@@ -23,7 +24,7 @@ class Pulse:
     """
 
     def __init__(self, name: str, shown: bool):
-        self._name, self._shown = name, shown and sys.stderr is not None
+        self._name, self._shown = name, shown and sys.stderr is not None and not silent()
         self._began = self._told = self._heard = monotonic()
 
     def __call__(self, words: str) -> None:

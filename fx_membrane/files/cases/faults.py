@@ -3,7 +3,8 @@
 import difflib
 import json
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,10 +20,30 @@ class Fault(NamedTuple):
     Attributes:
         path: Keys and rows from the top of the file.
         words: What is wrong, and the remedy.
+        missing: True if a key is not there.
     """
 
     path: tuple[str | int, ...]
     words: str
+    missing: bool = False
+
+
+class Unknown(Exception):  # noqa: N818  (no error of its own: the other table has one)
+    """An object depends on a table that has a fault, so that nothing can be said about it."""
+
+
+class Faults(list[Fault]):
+    """Faults found so far."""
+
+    @contextmanager
+    def at(self, *trail: str | int) -> Iterator[None]:
+        """Keep an error of the package as a fault of a table."""
+        try:
+            yield
+        except Unknown:
+            pass
+        except (ValueError, TypeError, OSError, ImportError) as error:
+            self.append(Fault(trail, str(error)))
 
 
 class CaseError(ValueError):
@@ -46,7 +67,11 @@ def case_error(file: Path, text: str, faults: Iterable[Fault]) -> CaseError:
 
 def faults_of_validation(error: Any, data: Any, keys: Iterable[str]) -> list[Fault]:
     """Faults of a `pydantic.ValidationError`, in words of ours; keys are those that the schema has anywhere."""
-    return [Fault(*_told(entry, data, list(keys))) for entry in error.errors(include_url=False)]
+    known = list(keys)
+    return [
+        Fault(*_told(entry, data, known), entry["type"] in ("missing", "union_tag_not_found"))
+        for entry in error.errors(include_url=False)
+    ]
 
 
 def nearest(word: Any, known: Iterable[str]) -> str:
@@ -56,7 +81,7 @@ def nearest(word: Any, known: Iterable[str]) -> str:
 
 
 def _told(entry: dict[str, Any], data: Any, keys: Sequence[str]) -> tuple[tuple[str | int, ...], str]:
-    path = _without_tags(entry["loc"], data)
+    path = _without_tags(entry["loc"], data, entry["type"] == "missing")
     kind, given, context = entry["type"], short_repr(entry["input"]), entry.get("ctx", {})
     if kind == "extra_forbidden":
         return path, "there is no key of that name here" + (nearest(path[-1], keys) or "; correct or remove it")
@@ -75,8 +100,8 @@ def _told(entry: dict[str, Any], data: Any, keys: Sequence[str]) -> tuple[tuple[
     return path, f"{given}: {entry['msg'][0].lower()}{entry['msg'][1:]}"
 
 
-def _without_tags(loc: Sequence[str | int], data: Any) -> tuple[str | int, ...]:
-    """Path in the file: pydantic puts the kind of a union after its key."""
+def _without_tags(loc: Sequence[str | int], data: Any, missing: bool) -> tuple[str | int, ...]:
+    """Path in the file: pydantic puts the kind of a union after its key; only a missing key is not in the file."""
     path: list[str | int] = []
     fresh = True  # at a table whose tag has not been passed
     for number, key in enumerate(loc):
@@ -87,7 +112,7 @@ def _without_tags(loc: Sequence[str | int], data: Any) -> tuple[str | int, ...]:
         try:
             data = data[key]
         except (KeyError, IndexError, TypeError):
-            if not last:  # the name of a type
+            if not (last and missing):  # the name of a type
                 continue
         path.append(key)
         fresh = True

@@ -1,17 +1,22 @@
 """Run of a case: form finding, stages and the files that they leave."""
 
+from collections.abc import Sequence
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from mpi4py import MPI
 
+from ... import Form
 from ...analysis.convergence_error import ConvergenceError
 from ...analysis.stages import Analysis
 from ...checks import paths
-from ...results.checks import checks, table
-from ...results.states import StageResult, StageResults
-from ...runtime.messages import say
+from ...checks.values import counted
+from ...model.stages import Stage
+from ...model.structure import Structure
+from ...results.states import StageResults
+from ...runtime.messages import say, silence
 from ...runtime.processes import together
 from ..archive import load_results, save_results
 from ..mesh_writer import write_mesh
@@ -19,6 +24,7 @@ from ..paraview import ParaViewSeries
 from ..run_results import RESULTS
 from ..tables import write_tables
 from .case import Case
+from .pictures import check_drawing, draw
 
 CHECKPOINT, FORM = "checkpoint.sqlite", "form.fxm"
 
@@ -44,47 +50,36 @@ def run_case(case: Case, *, resume: bool = False, overwrite: bool = False, progr
             written; the stages do not fit the structure.
         ConvergenceError: A stage found no equilibrium.
         RuntimeError: Form finding found no shape.
+        ImportError: A package that an output needs is not installed.
     """
     folder = folder_of(case)
     with together(MPI.COMM_WORLD):
+        check_drawing(case.output)
         if MPI.COMM_WORLD.rank == 0:
             _prepare(folder, resume, overwrite)
-    structure = _formed(case, folder, resume)
+    with silence(not progress):
+        say(f"Results go to {folder}")
+        structure, stages = _formed(case, folder, resume)
+        return _analysed(case, folder, structure, stages, resume, progress)
+
+
+def _analysed(
+    case: Case, folder: Path, structure: Structure, stages: Sequence[Stage], resume: bool, progress: bool
+) -> StageResults:
     series = None
     wanted = case.output.paraview
     if wanted or (wanted is None and find_spec("pyvista")):  # without a word in the file, where it can be written
         series = ParaViewSeries(folder / "paraview", resume, force_unit=case.force_unit, length_unit=case.length_unit)
     results = StageResults()
     try:
-        results = Analysis(structure, case.solver, progress=progress).run(case.stages, folder / CHECKPOINT, series)
+        analysis = Analysis(structure, case.solver, limit=case.limit, progress=progress)
+        results = analysis.run(stages, folder / CHECKPOINT, series)
     except ConvergenceError as error:
         results = error.results
         raise
     finally:
         _write(case, folder, results)
     return results
-
-
-def shown(case: Case, results: StageResults) -> str:
-    """Table of all stages, and the checks of each, to print."""
-    return "\n".join(line for state in results.values() for line in _shown(case, state))
-
-
-def _shown(case: Case, state: StageResult) -> list[str]:
-    iterations = sum(len(entry.iterations) - 1 + entry.extra_iterations for entry in state.increments)
-    largest = f"{state.largest_displacement:.4g} {case.length_unit}"
-    head = f"Stage {state.name!r}: {len(state.increments)} increments, {iterations} iterations, moves up to {largest}"
-    return [head, *_parts(case, state), table(checks(state))]
-
-
-def _parts(case: Case, state: StageResult) -> list[str]:
-    width = max(map(len, state.parts)) + 2
-    lines = []
-    for name, found in state.parts.items():
-        values = found.principal
-        per = "" if found.dimension == 1 else f"/{case.length_unit}"
-        lines.append(f"  {name:{width}}{values.min():12.5g} to {values.max():12.5g} {case.force_unit}{per}")
-    return lines
 
 
 def _prepare(folder: Path, resume: bool, overwrite: bool) -> None:
@@ -101,17 +96,24 @@ def _prepare(folder: Path, resume: bool, overwrite: bool) -> None:
     folder.mkdir(parents=True, exist_ok=True)
 
 
-def _formed(case: Case, folder: Path, resume: bool) -> Any:
-    """Structure in its found form, that of an earlier run if it goes on."""
-    if case.form_method is None:
-        return case.structure
+def _formed(case: Case, folder: Path, resume: bool) -> tuple[Structure, Sequence[Stage]]:
+    """Structure in its found form, that of an earlier run if it goes on, and its stages."""
+    if not case.steps:
+        return case.structure, case.stages
+    found: Any = None
     if resume and (folder / FORM).exists():
-        return load_results(folder / FORM).structure
-    form = case.form()
-    assert form is not None
-    say(f"Form found in {len(form.steps)} steps, converged: {form.converged}")
-    save_results(form, folder / FORM)
-    return form.structure
+        found = load_results(folder / FORM)
+    else:
+        found = case.form(partial(_tell, case))
+        save_results(found, folder / FORM)
+    return found.structure, case.stages_of(found.structure)
+
+
+def _tell(case: Case, number: int, form: Form) -> None:
+    """Report a step of form finding."""
+    of = f" {number + 1} of {len(case.steps)}" if len(case.steps) > 1 else ""
+    steps = f"{counted(len(form.steps), 'step')}, " if form.steps else ""
+    say(f"form finding{of}: {case.methods[number]}, {steps}{'' if form.converged else 'not '}converged")
 
 
 def _write(case: Case, folder: Path, results: StageResults) -> None:
@@ -125,3 +127,4 @@ def _write(case: Case, folder: Path, results: StageResults) -> None:
     for ending in case.output.mesh:
         for number, state in enumerate(results.values()):
             write_mesh(state, folder / f"{number:02d}.{ending}")
+    draw(case.output, results, folder)

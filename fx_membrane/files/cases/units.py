@@ -14,6 +14,7 @@ UNIT = re.compile(r"[A-Za-zµ23*/^()·²³ ]{1,40}")
 EXAMPLES = {
     "F": "12 kN",
     "L": "3.5 m",
+    "L^2": "4 cm2",
     "F/L": "2 kN/m",
     "F/L^2": "0.6 kN/m2",
     "F T^2/L^3": "1.1 kg/m2",
