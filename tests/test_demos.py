@@ -17,7 +17,7 @@ from mpi4py import MPI
 from demo_cases import CASES, check_case, has_cases
 from fx_membrane import Analysis, Stage
 from fx_membrane.files.demo_cases import SCRIPTS
-from fx_membrane.form_finding.ring_reach import reach
+from fx_membrane.form_finding.reasons.ring_reach import reach
 
 DEMOS = Path(__file__).parent.parent / "demos"
 PICTURES: dict[str, list[str]] = {

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ..checks import validation
-from ..model.structure import Structure
-from .constraints import NodeConstraint, RigidBody, Ring, Slide
+from ...checks import validation
+from ...model.structure import Structure
+from .kinds import NodeConstraint, RigidBody, Ring, Slide
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

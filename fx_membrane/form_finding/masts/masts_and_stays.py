@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..checks import validation
-from ..model.parts import Cable, Mast
-from ..model.structure import Structure
-from ..model.supports import Support
+from ...checks import validation
+from ...model.parts import Cable, Mast
+from ...model.structure import Structure
+from ...model.supports import Support
+from ..form import Form, refuse_terms
 from .bar_frame import BarFrame, checked_parts
-from .form import Form, refuse_terms
 
 Array = NDArray[np.float64]
 Nodes = NDArray[np.int64]

@@ -5,9 +5,9 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.measures import normals, projected
-from ..model.parts import Membrane
-from ..model.structure import Structure
+from ...geometry.measures import normals, projected
+from ...model.parts import Membrane
+from ...model.structure import Structure
 from .ring_reach import far_ring
 from .unheld import free_edge, lone_point
 from .weak_edges import weak_edges

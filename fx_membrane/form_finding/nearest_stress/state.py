@@ -7,17 +7,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.measures import measures, normals
-from ..model.loads import PointLoad
-from ..model.parts import Bar
-from ..model.structure import Structure
-from .cell_reference import reference_of, warp_at
-from .form import Form, FormStep, relative_difference
-from .membrane_balance import balanced, collapse_of, loaded_cells, nodal_loads, stressed
+from ...geometry.measures import measures, normals
+from ...model.loads import PointLoad
+from ...model.parts import Bar
+from ...model.structure import Structure
+from ..balance.membrane_balance import balanced, collapse_of, loaded_cells, nodal_loads, stressed
+from ..cell_reference import reference_of, warp_at
+from ..form import Form, FormStep, relative_difference
+from ..plan import Plan, cauchy
+from ..wishes import Wish
+from .cells import BarBlock, Block, LoadBlock, MembraneBlock, square_root
 from .mesh_control import MeshControl
-from .nearest_cells import BarBlock, Block, LoadBlock, MembraneBlock, square_root
-from .plan import Plan, cauchy
-from .wishes import Wish
 
 Array = NDArray[np.float64]
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..checks import validation
+from ...checks import validation
 
 RIGHT_ANGLE = 90.0
 

@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..checks import validation
-from ..geometry.topology import boundary_edges
-from ..model.parts import Bar, Membrane
-from ..model.structure import Structure
+from ...checks import validation
+from ...geometry.topology import boundary_edges
+from ...model.parts import Bar, Membrane
+from ...model.structure import Structure
 
 Array = NDArray[np.float64]
 

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.measures import SLIVER, aspects, measures, normals
-from ..model.loads import PlanLoad, PointLoad, Pressure
-from ..model.parts import Membrane, Part
-from ..model.structure import Structure
+from ...geometry.measures import SLIVER, aspects, measures, normals
+from ...model.loads import PlanLoad, PointLoad, Pressure
+from ...model.parts import Membrane, Part
+from ...model.structure import Structure
+from ..constraints.motions import Motions
+from ..plan import Plan, cauchy, place
 from .linear_balance import LinearBalance
-from .motions import Motions
-from .plan import Plan, cauchy, place
 
 Array = NDArray[np.float64]
 

@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 from ufl import inner, sqrt
 
-from ..checks import validation
-from ..geometry.measures import measures
-from ..model.parts import Part
-from ..model.structure import Structure
+from ...checks import validation
+from ...geometry.measures import measures
+from ...model.parts import Part
+from ...model.structure import Structure
 from .bar_balance import is_standing
 from .bar_frame import format_force
 

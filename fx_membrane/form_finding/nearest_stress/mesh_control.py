@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from ..geometry.topology import boundary_edges
-from ..model.parts import Membrane
-from ..model.structure import Structure
-from .line_tangents import line_tangents
-from .shape_change import nodal_normals
+from ...geometry.topology import boundary_edges
+from ...model.parts import Membrane
+from ...model.structure import Structure
+from ..reasons.line_tangents import line_tangents
+from ..shape_change import nodal_normals
 
 Array = NDArray[np.float64]
 Segments = NDArray[np.int64]

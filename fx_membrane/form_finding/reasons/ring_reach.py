@@ -19,10 +19,10 @@ from scipy.optimize import minimize_scalar
 from scipy.sparse.csgraph import connected_components
 from scipy.special import roots_legendre
 
-from ..checks import validation
-from ..geometry.measures import lengths, normals
-from ..geometry.topology import boundary_cells, boundary_edges
-from ..model.structure import Structure
+from ...checks import validation
+from ...geometry.measures import lengths, normals
+from ...geometry.topology import boundary_cells, boundary_edges
+from ...model.structure import Structure
 
 Array = NDArray[np.float64]
 

@@ -5,10 +5,10 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.measures import measures
-from ..model.parts import Bar, Mast, Part
-from ..model.structure import Structure
-from .plan import UPRIGHT, place
+from ...geometry.measures import measures
+from ...model.parts import Bar, Mast, Part
+from ...model.structure import Structure
+from ..plan import UPRIGHT, place
 
 Array = NDArray[np.float64]
 Measures = NDArray[np.str_]

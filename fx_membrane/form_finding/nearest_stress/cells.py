@@ -12,8 +12,8 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from .membrane_balance import cell_loads
-from .wishes import Wish
+from ..balance.membrane_balance import cell_loads
+from ..wishes import Wish
 
 Array = NDArray[np.float64]
 Cells = NDArray[np.int64]

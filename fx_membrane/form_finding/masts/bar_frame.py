@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..checks import validation
-from ..geometry.measures import measures
-from ..model.parts import Cable, Mast
+from ...checks import validation
+from ...geometry.measures import measures
+from ...model.parts import Cable, Mast
 from .bar_forces import RANK, nearest, signed
 
 Array = NDArray[np.float64]

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from ..model.structure import Structure
-from .motions import Motions
+from ...model.structure import Structure
+from ..constraints.motions import Motions
 
 Array = NDArray[np.float64]
 

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 from scipy import sparse
 
-from ..geometry.measures import measures
-from ..solvers import factorization
+from ...geometry.measures import measures
+from ...solvers import factorization
+from .cells import Block
 from .mesh_control import MeshControl, Ways
-from .nearest_cells import Block
 
 Array = NDArray[np.float64]
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
-from ..geometry.measures import lengths
+from ...geometry.measures import lengths
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]

@@ -11,14 +11,14 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..checks import validation
-from ..geometry.measures import measures
-from ..model.parts import Cable, Mast
-from ..model.structure import Structure
-from .cable_forces import densities_of, measured_lengths
+from ...checks import validation
+from ...geometry.measures import measures
+from ...model.parts import Cable, Mast
+from ...model.structure import Structure
+from ..balance.cable_forces import densities_of, measured_lengths
+from ..plan import place as place_of
 from .cable_geometry import STRAIGHT, Target, along_of, factor, named, noun, targets_of, value
-from .constraints import CableConstraint, CableDensity, CableForce, EdgeAngle
-from .plan import place as place_of
+from .kinds import CableConstraint, CableDensity, CableForce, EdgeAngle
 
 Array = NDArray[np.float64]
 

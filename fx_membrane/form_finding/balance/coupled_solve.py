@@ -4,10 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ..model.structure import Structure
-from .bodies import settled
+from ...model.structure import Structure
+from ..constraints.bodies import settled
+from ..constraints.motions import Motions
 from .component_solve import factorized
-from .motions import Motions
 
 Array = NDArray[np.float64]
 

@@ -7,11 +7,11 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from ..checks import validation
-from ..model.structure import Structure
+from ...checks import validation
+from ...model.structure import Structure
+from ..constraints.motions import Motions, motions_of
 from .component_solve import ComponentSolve
 from .coupled_solve import CoupledSolve
-from .motions import Motions, motions_of
 
 Array = NDArray[np.float64]
 Cells = NDArray[np.int64]

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from ..checks import validation
-from ..geometry.measures import normals
-from ..geometry.topology import boundary_cells, boundary_edges
-from ..model.structure import Structure
-from .cable_lines import lines_of
+from ...checks import validation
+from ...geometry.measures import normals
+from ...geometry.topology import boundary_cells, boundary_edges
+from ...model.structure import Structure
+from ..constraints.cable_lines import lines_of
 from .line_tangents import line_tangents
 
 Array = NDArray[np.float64]

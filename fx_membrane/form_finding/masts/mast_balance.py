@@ -9,14 +9,14 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ..assembly.problem import Problem
-from ..model.loads import PointLoad
-from ..model.stages import Stage
-from ..model.structure import Structure
-from ..model.supports import Support
-from ..results.states import StageResult
-from ..runtime.processes import together
-from ..solvers.progress import Pulse
+from ...assembly.problem import Problem
+from ...model.loads import PointLoad
+from ...model.stages import Stage
+from ...model.structure import Structure
+from ...model.supports import Support
+from ...results.states import StageResult
+from ...runtime.processes import together
+from ...solvers.progress import Pulse
 from .bar_balance import balanced_points, has_free_masts
 from .mast_heads import balanced_heads, free_heads, with_thrusts
 

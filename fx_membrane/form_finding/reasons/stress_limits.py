@@ -8,16 +8,16 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from ..checks import validation
-from ..geometry.measures import measures, normals
-from ..geometry.topology import boundary_edges
-from ..model.parts import Bar, Membrane
-from ..model.structure import Structure
-from .form import FormStep
-from .nearest_cells import MembraneBlock
-from .nearest_state import NearestProblem, State, differences
-from .plan import place
-from .wishes import RadialDirection
+from ...checks import validation
+from ...geometry.measures import measures, normals
+from ...geometry.topology import boundary_edges
+from ...model.parts import Bar, Membrane
+from ...model.structure import Structure
+from ..form import FormStep
+from ..nearest_stress.cells import MembraneBlock
+from ..nearest_stress.state import NearestProblem, State, differences
+from ..plan import place
+from ..wishes import RadialDirection
 
 Array = NDArray[np.float64]
 

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..model.parts import Bar, Cable, Part
-from ..model.structure import Structure
-from ..model.supports import Support
-from .form import Form, FormStep
+from ...model.parts import Bar, Cable, Part
+from ...model.structure import Structure
+from ...model.supports import Support
+from ..form import Form, FormStep
 from .motions import Body, Motions
 
 Array = NDArray[np.float64]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.sparse import csr_matrix
 
-from ..model.structure import Structure
+from ...model.structure import Structure
 
 Array = NDArray[np.float64]
 

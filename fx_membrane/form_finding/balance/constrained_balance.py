@@ -6,14 +6,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..checks import validation
-from ..model.structure import Structure
+from ...checks import validation
+from ...model.structure import Structure
+from ..constraints.cable_targets import MET, CableTargets
+from ..constraints.kinds import CableConstraint, Constraint, NodeConstraint
+from ..constraints.motions import motions_of
+from ..plan import Plan
 from .cable_forces import Acceleration, difference
-from .cable_targets import MET, CableTargets
-from .constraints import CableConstraint, Constraint, NodeConstraint
 from .membrane_balance import balanced, nodal_loads
-from .motions import motions_of
-from .plan import Plan
 
 Array = NDArray[np.float64]
 

@@ -3,11 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..solvers.progress import Pulse
-from .membrane_balance import balanced
-from .nearest_state import NearestProblem, State
-from .nearest_system import tangential_multipliers
-from .plan import Plan
+from ...solvers.progress import Pulse
+from ..balance.membrane_balance import balanced
+from ..plan import Plan
+from .state import NearestProblem, State
+from .system import tangential_multipliers
 
 Array = NDArray[np.float64]
 

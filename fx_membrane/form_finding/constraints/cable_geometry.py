@@ -5,11 +5,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..checks import validation
-from ..model.parts import Membrane
-from ..model.structure import Structure
+from ...checks import validation
+from ...model.parts import Membrane
+from ...model.structure import Structure
 from .cable_lines import Line, lines_of
-from .constraints import CableLength, CableSag, EdgeAngle
+from .kinds import CableLength, CableSag, EdgeAngle
 
 Array = NDArray[np.float64]
 
