@@ -52,7 +52,7 @@ def assembled(file: Path, text: str, data: Mapping[str, Any], partial: bool) -> 
         steps, outline = builder.form_finding(structure)
         stages = builder.stages(outline)
     solver, limit = _solver(builder, tables), _limit(builder, tables)
-    faults += in_file(builder.faults, data)
+    faults += _independent(in_file(builder.faults, data), faults)
     if structure is None or faults:
         return None, faults
 
@@ -76,6 +76,16 @@ def in_file(faults: Sequence[Fault], data: Mapping[str, Any]) -> list[Fault]:
     return [
         fault._replace(path=("form_finding", *fault.path[2:])) if fault.path[:1] == ("form_finding",) else fault
         for fault in faults
+    ]
+
+
+def _independent(later: Sequence[Fault], earlier: Sequence[Fault]) -> list[Fault]:
+    """Faults of the model apart from those of a table that has lost keys to a fault of its schema."""
+    lists = {("materials",), ("parts",), ("supports",), ("stages",)}
+    return [
+        fault
+        for fault in later
+        if fault.path in lists or not any(entry.path[: len(fault.path)] == fault.path for entry in earlier)
     ]
 
 

@@ -67,7 +67,7 @@ class Choices:
         if table.nodes is not None:
             if not self.whole:
                 raise Unknown
-            return np.array(table.nodes, dtype=np.int64)
+            return self._numbers(table.nodes, len(structure.points), "nodes")
         if table.group is not None:
             rows = self.rows[nodes_of(self.drawing, table.group)]
             return self.needed(rows[rows >= 0], f"no part uses a node of group {table.group!r}")
@@ -90,7 +90,7 @@ class Choices:
         if table.cells is not None:
             if outline.renumbered:
                 raise ValueError(NUMBERED)
-            return np.array(table.cells, dtype=np.int64)
+            return self._numbers(table.cells, len(structure.parts[table.part].cells), "cells")
         if table.where is None:
             return None
         centres = structure.points[structure.parts[table.part].cells].mean(axis=1)
@@ -144,6 +144,13 @@ class Choices:
             if name in self._names:
                 raise Unknown
             raise ValueError(f"there is no part {name!r}{nearest(name, structure.parts)}")
+
+    @staticmethod
+    def _numbers(given: list[int], count: int, what: str) -> Nodes:
+        wrong = [number for number in given if not 0 <= number < count]
+        if wrong:
+            raise ValueError(f"{what} has {wrong[0]}; the numbers go from 0 to {count - 1}")
+        return np.array(given, dtype=np.int64)
 
     @staticmethod
     def needed(found: Nodes, words: str) -> Nodes:

@@ -14,6 +14,21 @@ from .lines import line_of
 BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
+ASKED = {  # by the type of an error of pydantic
+    "int_type": "a whole number (an integer)",
+    "int_from_float": "a whole number (an integer)",
+    "int_parsing": "a whole number (an integer), without quotes",
+    "bool_type": "true or false",
+    "bool_parsing": "true or false, without quotes",
+    "string_type": "a text, in quotes",
+    "list_type": "a list, in []",
+    "tuple_type": "a list, in []",
+    "dict_type": "a table, in {}",
+    "model_type": "a table, in {}",
+    "model_attributes_type": "a table, in {}",
+}
+
+
 class Fault(NamedTuple):
     """One fault.
 
@@ -82,22 +97,32 @@ def nearest(word: Any, known: Iterable[str]) -> str:
 
 def _told(entry: dict[str, Any], data: Any, keys: Sequence[str]) -> tuple[tuple[str | int, ...], str]:
     path = _without_tags(entry["loc"], data, entry["type"] == "missing")
-    kind, given, context = entry["type"], short_repr(entry["input"]), entry.get("ctx", {})
+    kind, context = entry["type"], entry.get("ctx", {})
+    tag = context.get("discriminator", "").strip("'")
     if kind == "extra_forbidden":
         return path, "there is no key of that name here" + (nearest(path[-1], keys) or "; correct or remove it")
     if kind == "missing":
         return path, "the key is missing; add it"
     if kind == "union_tag_not_found":
-        tag = context["discriminator"].strip("'")
         return path, f"the key {tag!r} is missing; add it"
     if kind == "union_tag_invalid":
         expected = context["expected_tags"].replace("'", "").split(", ")
-        tag = context["discriminator"].strip("'")
         words = f"{context['tag']!r} is not one of {', '.join(map(repr, expected))}"
         return (*path, tag), words + nearest(context["tag"], expected)
+    return path, f"{short_repr(entry['input'])}: {_asked(entry, context)}"
+
+
+def _asked(entry: dict[str, Any], context: dict[str, Any]) -> str:
+    """Clause on a value of another kind."""
+    kind = entry["type"]
+    if kind in ASKED:
+        return f"give {ASKED[kind]}"
+    if kind == "literal_error":
+        known = [word.strip("'") for word in re.split(", | or ", context["expected"])]
+        return f"give one of {context['expected']}{nearest(entry['input'], known)}"
     if kind == "value_error":
-        return path, f"{given}: {context['error']}"
-    return path, f"{given}: {entry['msg'][0].lower()}{entry['msg'][1:]}"
+        return str(context["error"])
+    return f"{entry['msg'][0].lower()}{entry['msg'][1:]}"
 
 
 def _without_tags(loc: Sequence[str | int], data: Any, missing: bool) -> tuple[str | int, ...]:

@@ -69,6 +69,7 @@ if TYPE_CHECKING:
     Number: TypeAlias = float
     Length: TypeAlias = float
     Area: TypeAlias = float
+    Time: TypeAlias = float
     Force: TypeAlias = float
     ForcePerLength: TypeAlias = float
     Pressure: TypeAlias = float
@@ -91,7 +92,7 @@ if TYPE_CHECKING:
     LinePoint: TypeAlias = Any
 else:
     Number, Length, Force, ForcePerLength = _quantity("1"), _quantity("L"), _quantity("F"), _quantity("F/L")
-    Area = _quantity("L^2")
+    Area, Time = _quantity("L^2"), _quantity("T")
     Pressure, AreaMass, LineMass = _quantity("F/L^2"), _quantity("F T^2/L^3"), _quantity("F T^2/L^2")
     Stress, Forces, Directions = _quantities("F/L"), _quantities("F"), _quantities("1")
     Point, Displacement, ForceVector = _vector("L"), _vector("L"), _vector("F")

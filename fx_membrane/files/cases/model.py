@@ -14,7 +14,7 @@ from ...model.structure import Structure
 from ...model.supports import Support
 from ..drawing import Drawing
 from .choices import CHOICES, Choices, Nodes, Outline, given, one_of, sound
-from .faults import Faults, nearest
+from .faults import Faults, Unknown, nearest
 from .form_schema import ForceDensity, MastsAndStays, MethodModel, NewMesh
 from .forms import Step, check_constraints, density_step, masts_step, mesh_step, method_step
 from .geometry import drawing_from
@@ -70,9 +70,10 @@ class Builder:
                     moves.append(displacement_of(self._choices, outline, entry))
             with self.faults.at(*trail):
                 stages.append(Stage(loads=loads, displacements=moves, **given(table, "loads", "displacements")))
-        if not self.faults and len(stages) == len(self._case.stages):
+        if len(stages) == len(self._case.stages):
+            alone = [replace(stage, loads=(), displacements=()) for stage in stages]
             with self.faults.at("stages"):
-                check_stages(outline.structure, stages)
+                check_stages(outline.structure, alone if self.faults else stages)
         return stages
 
     def form_finding(self, structure: Structure) -> tuple[list[Step], Outline]:
@@ -149,6 +150,8 @@ class Builder:
         trail = ("form_finding", number)
         loads = self._loads(outline, table.loads, *trail)
         check_constraints(table)
+        for name in getattr(table, "stress", {}):
+            self._choices.check_part(outline.structure, name)
         constraints = []
         for row, entry in sound(table.constraints):
             with self.faults.at(*trail, "constraints", row):
@@ -167,6 +170,8 @@ class Builder:
         for row, entry in sound(table.net):
             with self.faults.at("form_finding", number, "net", row):
                 branches.append(self._branches(outline, entry))
+        if len(branches) < len(table.net):
+            raise Unknown
         supports: Sequence[Support] = outline.structure.supports
         if table.supports is not None:
             supports = self._supports(outline, table.supports, "form_finding", number, "supports")
@@ -198,13 +203,22 @@ class Builder:
             with self.faults.at("form_finding", number, "bars", name):
                 one_of(entry, "cells", "lines", needed=True)
                 bars[name] = bar_of(entry, self._choices.lines(outline, entry.model_copy(update={"group": None})))
-        heads = self._choices.nodes(outline, table.heads) if table.heads else None
+        heads = self._heads(outline, table, len(places))
         given_points = [tuple(point) for point in points.tolist()]
         feet = np.setdiff1d(np.arange(n, len(places)), [] if heads is None else heads)
         held = [*outline.structure.supports, *([Support(feet)] if len(feet) else [])]
         parts = {**outline.structure.parts, **bars}
         made = replace(outline.structure, points=places, parts=parts, supports=held)
         return masts_step(bars, given_points, heads, table.components), outline._replace(structure=made)
+
+    def _heads(self, outline: Outline, table: MastsAndStays, count: int) -> Nodes | None:
+        """Heads of masts, which may be new points."""
+        if table.heads is None or table.heads.nodes is None:
+            return self._choices.nodes(outline, table.heads) if table.heads else None
+        one_of(table.heads, *CHOICES)
+        if not all(0 <= node < count for node in table.heads.nodes):
+            raise ValueError(f"heads are nodes from 0 to {count - 1}; correct them")
+        return np.array(table.heads.nodes, dtype=np.int64)
 
     def _mesh(self, outline: Outline, table: NewMesh) -> Step:
         keep = self._choices.nodes(outline, table.keep) if table.keep else np.zeros(0, dtype=np.int64)

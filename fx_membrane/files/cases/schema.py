@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from .fields import Number
+from .fields import Number, Time
 from .form_schema import Steps
 from .load_schema import Displacement, Load
 from .structure_schema import Geometry, Kept, Material, Model, Part, SupportModel, UnitNames
@@ -49,7 +49,7 @@ class LimitModel(Model):
     """Largest work of each stage, see `WorkLimit`."""
 
     iterations: int | None = None
-    seconds: Number | None = None
+    seconds: Time | None = None
 
 
 class StageModel(Model):

@@ -45,13 +45,17 @@ BROKEN: Any = Broken()
 def _kept(value: Any, handler: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
     try:
         return handler(value)
-    except ValidationError:
-        if info.context and info.context.get("lenient"):
-            return BROKEN
-        raise
+    except ValidationError as error:
+        if not (info.context and info.context.get("lenient")):
+            raise
+        faulty = {key for entry in error.errors(include_url=False) for key in entry["loc"][:2]}
+    try:
+        return handler({key: entry for key, entry in value.items() if key not in faulty})
+    except (ValidationError, AttributeError):
+        return BROKEN
 
 
-Kept = WrapValidator(_kept)  # with context["lenient"] a table that is not valid becomes BROKEN
+Kept = WrapValidator(_kept)  # with context["lenient"] a table goes on without its faulty keys, or becomes BROKEN
 
 
 class Model(BaseModel):
