@@ -3,13 +3,12 @@
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..checks.values import counted
 from ..geometry.extremes import first_largest
 from ..geometry.measures import measures
-from ..model.structure import Structure
 from .checks import checks, table
+from .places import cell_place, node_place
 from .states import StageResult, StageResults
 
 
@@ -25,8 +24,7 @@ def _lines(state: StageResult, force: str, length: str) -> Iterator[str]:
     size = np.linalg.norm(state.displacement, axis=1)
     node = first_largest(size)
     yield f"Stage {state.name!r}: {work}"
-    place = place_of(state.structure, state.structure.points[node])
-    yield f"  largest displacement {size[node]:.4g} {length}, at node {node} at {place}"
+    yield f"  largest displacement {size[node]:.4g} {length}, {node_place(state.structure, node)}"
     width = max(map(len, state.parts)) + 2
     for name, found in state.parts.items():
         per = "" if found.dimension == 1 else f"/{length}"
@@ -37,18 +35,9 @@ def _lines(state: StageResult, force: str, length: str) -> Iterator[str]:
 def _extremes(state: StageResult, name: str) -> str:
     """Least and largest force, or principal stress, of a part, each with its cell and place."""
     values = state.parts[name].principal
-    ends: list[str] = []
-    for cell in (first_largest(-values.min(axis=-1)), first_largest(values.max(axis=-1))) if values.size else ():
-        number = values[cell].min() if not ends else values[cell].max()
-        place = place_of(state.structure, state.structure.points[state.structure.parts[name].cells[cell]].mean(axis=0))
-        ends.append(f"{number:.5g} (cell {cell} at {place})")
-    return " to ".join(ends)
-
-
-def place_of(structure: Structure, point: NDArray[np.float64]) -> str:
-    """Show a place to a millionth of the size of the structure."""
-    unit = 10.0 ** np.floor(np.log10(1e-6 * structure.size))
-    return f"({', '.join(f'{np.round(value / unit) * unit + 0.0:.5g}' for value in point)})"
+    least, largest = values.min(axis=-1), values.max(axis=-1)
+    ends = [(least, first_largest(-least)), (largest, first_largest(largest))]
+    return " to ".join(f"{numbers[cell]:.5g} ({cell_place(state.structure, name, cell)})" for numbers, cell in ends)
 
 
 def _share(state: StageResult, name: str) -> str:
