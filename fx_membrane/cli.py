@@ -144,6 +144,7 @@ def check(case: Path) -> None:
 @click.option("--log", type=CASE, help="File for a copy of the table of results.")
 def run(case: Path, resume: bool, overwrite: bool, quiet: bool, log: Path | None) -> None:
     """Run a case file: form finding, stages, and the files that it asks for."""
+    from .analysis.convergence_error import ConvergenceError  # noqa: PLC0415
     from .checks import paths  # noqa: PLC0415
     from .files.cases.case import read_case  # noqa: PLC0415
     from .files.cases.run import folder_of, run_case  # noqa: PLC0415
@@ -153,18 +154,23 @@ def run(case: Path, resume: bool, overwrite: bool, quiet: bool, log: Path | None
     if log:
         paths.check_writable("--log", log)
     found = read_case(case)
-    results = run_case(found, resume=resume, overwrite=overwrite, progress=not quiet)
-    folder = folder_of(found)
+    failure = None
+    try:
+        results = run_case(found, resume=resume, overwrite=overwrite, progress=not quiet)
+    except ConvergenceError as error:
+        results, failure = error.results, error
 
     @by_the_first
     def tell() -> None:
         text = overview(results)
-        if not quiet:
-            _say(f"{text}\n{_after(folder)}")
+        if results and not quiet:
+            _say(f"{text}\n{_after(folder_of(found))}")
         if log:
-            log.write_text(text + "\n", encoding="utf-8")
+            log.write_text("\n".join(filter(None, (text, str(failure or "")))) + "\n", encoding="utf-8")
 
     tell()
+    if failure:
+        raise failure
 
 
 def _after(folder: Path) -> str:

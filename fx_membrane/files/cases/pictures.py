@@ -1,5 +1,7 @@
 """Pictures and reports that a case asks for."""
 
+from collections.abc import Callable, Iterator
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -24,16 +26,16 @@ def check_drawing(output: Any) -> None:
         raise ImportError("output.report as pdf needs the package weasyprint: pip install 'fx-membrane[report]'.")
 
 
-def draw(output: Any, results: StageResults, folder: Path) -> None:
-    """Draw a picture of each stage, and write the reports."""
-    for number, state in enumerate(results.values()):
-        if output.pictures:
-            fields = _fields(state, output.pictures, results.force_unit, results.length_unit)
-            plot.contours(state, fields, folder / f"{number:02d}.png")
+def drawings(output: Any, results: StageResults, folder: Path) -> Iterator[Callable[[], None]]:
+    """Writers of a picture of each stage, and of the reports."""
+    force, length = results.force_unit, results.length_unit
+    if output.pictures:
+        for number, state in enumerate(results.values()):
+            fields = _fields(state, output.pictures, force, length)
+            yield partial(plot.contours, state, fields, folder / f"{number:02d}.png")
     for ending in output.report:
-        title = results.title or "Structural analysis"
-        file = folder / f"report.{ending}"
-        write_report(results, file, title=title, force_unit=results.force_unit, length_unit=results.length_unit)
+        title, file = results.title or "Structural analysis", folder / f"report.{ending}"
+        yield partial(write_report, results, file, title=title, force_unit=force, length_unit=length)
 
 
 def _fields(state: StageResult, names: list[str], force: str, length: str) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """Run of a case: form finding, stages and the files that they leave."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -24,7 +24,7 @@ from ..paraview import ParaViewSeries
 from ..run_results import RESULTS
 from ..tables import write_tables
 from .case import Case
-from .pictures import check_drawing, draw
+from .pictures import check_drawing, drawings
 
 CHECKPOINT, FORM = "checkpoint.sqlite", "form.fxm"
 
@@ -70,15 +70,16 @@ def _analysed(
     wanted = case.output.paraview
     if wanted or (wanted is None and find_spec("pyvista")):  # without a word in the file, where it can be written
         series = ParaViewSeries(folder / "paraview", resume, force_unit=case.force_unit, length_unit=case.length_unit)
-    results = StageResults()
+    analysis = Analysis(structure, case.solver, limit=case.limit, progress=progress)
     try:
-        analysis = Analysis(structure, case.solver, limit=case.limit, progress=progress)
         results = analysis.run(stages, folder / CHECKPOINT, series)
     except ConvergenceError as error:
-        results = error.results
+        if failed := _write(case, folder, error.results):
+            say(failed)
         raise
-    finally:
-        _write(case, folder, results)
+    failed = _write(case, folder, results)
+    if failed:
+        raise ValueError(f"{failed}\nThe checkpoint has the states: mend this, then run with --resume.")
     return results
 
 
@@ -116,15 +117,27 @@ def _tell(case: Case, number: int, form: Form) -> None:
     say(f"form finding{of}: {case.methods[number]}, {steps}{'' if form.converged else 'not '}converged")
 
 
-def _write(case: Case, folder: Path, results: StageResults) -> None:
+def _write(case: Case, folder: Path, results: StageResults) -> str:
+    """Write the files that a case asks for, each although another fails; return what failed, empty if none."""
     if not results:
-        return
+        return ""
     results.title, results.force_unit, results.length_unit = case.title, case.force_unit, case.length_unit
+    failed = []
+    for write in _writers(case, folder, results):
+        try:
+            write()
+        except (ValueError, ImportError, OSError) as error:
+            failed.append(str(error))
+    return "\n".join(failed)
+
+
+def _writers(case: Case, folder: Path, results: StageResults) -> Iterator[Callable[[], None]]:
+    units = {"force_unit": case.force_unit, "length_unit": case.length_unit}
     if case.output.archive:
-        save_results(results, folder / RESULTS)
+        yield partial(save_results, results, folder / RESULTS)
     if case.output.tables:
-        write_tables(results, folder, force_unit=case.force_unit, length_unit=case.length_unit)
+        yield partial(write_tables, results, folder, **units)
     for ending in case.output.mesh:
         for number, state in enumerate(results.values()):
-            write_mesh(state, folder / f"{number:02d}.{ending}")
-    draw(case.output, results, folder)
+            yield partial(write_mesh, state, folder / f"{number:02d}.{ending}")
+    yield from drawings(case.output, results, folder)
