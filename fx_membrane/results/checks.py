@@ -129,7 +129,7 @@ def _strain(result: StageResult) -> Iterator[Check]:
     if largest:
         sentences = [str(remark) for remark in result.remarks if remark.category is LargeStrainWarning]
         place = f"{largest.part!r}, {cell_place(result.structure, largest.part, largest.cell)}"
-        found, limit = f"{100 * largest.strain:.2g} %", f"{100 * largest.limit:g} %"
+        found, limit = f"{100 * largest.strain + 0.0:.2g} %", f"{100 * largest.limit:g} %"
         yield _noted("largest strain", found, limit, sentences[0] if sentences else "", place)
 
 
