@@ -1,5 +1,6 @@
 """Case from the data of its file: validated, then made; faults of both phases come together."""
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from .faults import Fault, case_error, faults_of_validation
 from .form_schema import NewMesh
 from .model import Builder
 from .schema import CaseModel, keys
-from .structure_schema import BROKEN, UnitNames
+from .structure_schema import BROKEN, FileGeometry, UnitNames
 from .units import Units
 
 SOLVERS: dict[str, Any] = {
@@ -65,8 +66,8 @@ def assembled(file: Path, text: str, data: Mapping[str, Any], partial: bool) -> 
     names = tables.units or UnitNames()
     anew = remade if any(isinstance(step, NewMesh) for step in tables.form_finding) else None
     heads = file, tables.title, names.force, names.length
-    methods = [step.method for step in tables.form_finding]
-    return Case(*heads, structure, stages, solver, limit, tables.output, steps, methods, anew), faults
+    methods, key = [step.method for step in tables.form_finding], _form_key(tables, file.parent)
+    return Case(*heads, structure, stages, solver, limit, tables.output, steps, methods, key, anew), faults
 
 
 def in_file(faults: Sequence[Fault], data: Mapping[str, Any]) -> list[Fault]:
@@ -77,6 +78,16 @@ def in_file(faults: Sequence[Fault], data: Mapping[str, Any]) -> list[Fault]:
         fault._replace(path=("form_finding", *fault.path[2:])) if fault.path[:1] == ("form_finding",) else fault
         for fault in faults
     ]
+
+
+def _form_key(tables: CaseModel, folder: Path) -> str:
+    """Digest of the tables on which the form depends, and of the mesh file."""
+    digest = hashlib.sha256()
+    for name in ("units", "geometry", "materials", "parts", "supports", "separate", "form_finding"):
+        digest.update(repr(getattr(tables, name)).encode())
+    if isinstance(tables.geometry, FileGeometry):
+        digest.update((folder / tables.geometry.file).read_bytes())
+    return digest.hexdigest()
 
 
 def _independent(later: Sequence[Fault], earlier: Sequence[Fault]) -> list[Fault]:

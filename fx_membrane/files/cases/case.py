@@ -31,6 +31,7 @@ class Case:
         output: Table of the files that a run writes.
         steps: Steps of form finding, each a function of an `Outline`.
         methods: Their names.
+        form_key: Digest of all that the form depends on.
         remade: Function that makes the stages anew for the structure found, on another mesh; None if it keeps its own.
     """
 
@@ -45,6 +46,7 @@ class Case:
     output: Any
     steps: Sequence[Callable[[Any], Any]]
     methods: Sequence[str]
+    form_key: str
     remade: Callable[[Structure], Sequence[Stage]] | None = None
 
     def form(self, observe: Callable[[int, Form], None] | None = None) -> Form | None:

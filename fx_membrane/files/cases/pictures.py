@@ -18,6 +18,8 @@ def check_drawing(output: Any) -> None:
     Raises:
         ImportError: One is not installed.
     """
+    if output.paraview and not find_spec("pyvista"):
+        raise ImportError("output.paraview needs the package pyvista: pip install 'fx-membrane[plot]'.")
     if output.pictures and not find_spec("pyvista"):
         raise ImportError("output.pictures needs the package pyvista: pip install 'fx-membrane[plot]'.")
     if output.report and not find_spec("jinja2"):

@@ -17,16 +17,17 @@ from ...model.stages import Stage
 from ...model.structure import Structure
 from ...results.states import StageResults
 from ...runtime.messages import say, silence
-from ...runtime.processes import together
+from ...runtime.processes import by_the_first, together
 from ..archive import load_results, save_results
 from ..mesh_writer import write_mesh
 from ..paraview import ParaViewSeries
 from ..run_results import RESULTS
 from ..tables import write_tables
+from ..whole_file import writing
 from .case import Case
 from .pictures import check_drawing, drawings
 
-CHECKPOINT, FORM = "checkpoint.sqlite", "form.fxm"
+CHECKPOINT, FORM, FORM_KEY = "checkpoint.sqlite", "form.fxm", "form.sha256"
 
 
 def folder_of(case: Case) -> Path:
@@ -92,7 +93,7 @@ def _prepare(folder: Path, resume: bool, overwrite: bool) -> None:
             "--overwrite."
         )
     if overwrite and not resume:
-        for name in (CHECKPOINT, CHECKPOINT + "-journal", RESULTS, FORM):
+        for name in (CHECKPOINT, CHECKPOINT + "-journal", RESULTS, FORM, FORM_KEY):
             (folder / name).unlink(missing_ok=True)
     folder.mkdir(parents=True, exist_ok=True)
 
@@ -103,11 +104,30 @@ def _formed(case: Case, folder: Path, resume: bool) -> tuple[Structure, Sequence
         return case.structure, case.stages
     found: Any = None
     if resume and (folder / FORM).exists():
+        with together(MPI.COMM_WORLD):
+            _check_key(case, folder)
         found = load_results(folder / FORM)
     else:
         found = case.form(partial(_tell, case))
         save_results(found, folder / FORM)
+        _write_key(case, folder)
     return found.structure, case.stages_of(found.structure)
+
+
+def _check_key(case: Case, folder: Path) -> None:
+    """Refuse to go on with the form of another case."""
+    key = folder / FORM_KEY
+    if not key.exists() or key.read_text(encoding="utf-8") != case.form_key:
+        raise ValueError(
+            f"{folder / FORM} is the form of another case: geometry, parts or form finding have changed since; give "
+            "--overwrite to find it anew."
+        )
+
+
+@by_the_first
+def _write_key(case: Case, folder: Path) -> None:
+    with writing(folder / FORM_KEY, encoding="utf-8") as stream:
+        stream.write(case.form_key)
 
 
 def _tell(case: Case, number: int, form: Form) -> None:

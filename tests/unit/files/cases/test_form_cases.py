@@ -320,3 +320,26 @@ def test_numbers_of_materials_are_whole(material, words, tmp_path):
     (line,) = refused(tmp_path, "", head)
     assert "materials.pvc: " in line
     assert words in line
+
+
+def test_radial_warp_and_stress_reach_the_method_as_functions_of_place(tmp_path, monkeypatch):
+    seen = {}
+
+    def method(structure, loads, stress=None, warp=None):
+        seen.update(stress=stress, warp=warp)
+        return projected_stress(structure, cables="force density")
+
+    monkeypatch.setitem(forms.METHODS, "prescribed stress", method)
+    head = TENT.replace("prestress = 2 }", "prestress = 2, warp = { origin = [-9, 0, 0], axis = [0, 0, 2] } }")
+    text = """
+        [form_finding]
+        method = "prescribed stress"
+        [form_finding.stress.film]
+        origin = [-9, 0, 0]
+        terms = [{ values = [3, 2], at = 2, power = -1 }, { values = [1, 1], at = 1, power = 0 }]
+    """
+    case_of(tmp_path, text, head).form()
+    places = np.array([[-5.0, -8.0], [0.0, 1.0], [3.0, 0.0]])
+    assert np.allclose(seen["warp"]["film"](places), [[1, 0, 0], [np.sqrt(0.5), np.sqrt(0.5), 0]], rtol=0, atol=1e-15)
+    expected = [[3 * 2 / 4 + 1, 2 * 2 / 4 + 1], [3 * np.sqrt(2) + 1, 2 * np.sqrt(2) + 1]]
+    assert np.allclose(seen["stress"]["film"](places), expected, rtol=1e-14)

@@ -159,3 +159,20 @@ def test_unwritable_folder_is_refused(roof, monkeypatch):
     code, words = said("run", "roof.toml")
     assert code == 2
     assert "nothing may be written" in words
+
+
+def test_form_of_another_case_is_not_taken_over(roof):
+    formed = PLAIN.replace("[solver]", '[form_finding]\nmethod = "natural force density"\n[solver]')
+    (roof / "roof.toml").write_text(formed)
+    assert said("run", "roof.toml", "--quiet")[0] == 0
+    found = load_results("out/form.fxm").points
+    (roof / "roof.toml").write_text(formed.replace("rtol = 1e-11", "rtol = 1e-10"))
+    code, words = said("run", "roof.toml", "--resume")
+    assert code == 0
+    assert "form finding" not in words
+    (roof / "roof.toml").write_text(formed.replace("1500e-3", "3500e-3"))
+    code, words = said("run", "roof.toml", "--resume")
+    assert code == 2
+    assert "--overwrite" in words
+    assert said("run", "roof.toml", "--overwrite", "--quiet")[0] == 0
+    assert load_results("out/form.fxm").points.shape == found.shape
