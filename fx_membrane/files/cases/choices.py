@@ -1,5 +1,6 @@
 """Nodes and cells that tables of a case choose: by number, by group of the geometry, by place, or by a rim."""
 
+from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -67,7 +68,8 @@ class Choices:
         if table.nodes is not None:
             if not self.whole:
                 raise Unknown
-            return self._numbers(table.nodes, len(structure.points), "nodes")
+            numbers = [self.node(entry, self.rows) for entry in table.nodes]
+            return self._numbers(numbers, len(structure.points), "nodes")
         if table.group is not None:
             rows = self.rows[nodes_of(self.drawing, table.group)]
             return self.needed(rows[rows >= 0], f"no part uses a node of group {table.group!r}")
@@ -105,14 +107,57 @@ class Choices:
         """
         if outline.renumbered:
             raise ValueError(NUMBERED)
+        if not self.whole:
+            raise Unknown
         if table.group is None:
-            return cells_by_hand(table)
+            return self.by_hand(table, self.rows)
         rows = self.rows[self.of_groups(table.group, split=False)]
         if rows.shape[1] != 2:
             raise ValueError(f"group {table.group!r} has faces; give one of lines")
         if (rows < 0).any():
             raise ValueError(f"group {table.group!r} has lines to nodes that no part uses; make a part of them")
         return rows
+
+    def node(self, entry: int | str, rows: Nodes, names: Mapping[str, int] | None = None) -> int:
+        """Find the number of a node: a number as it is; a name, of those given or of a group of one point.
+
+        Args:
+            entry: Number or name.
+            rows: Number of each point of the drawing.
+            names: Further names.
+
+        Raises:
+            ValueError: There is no node of that name, or the group has several.
+        """
+        if not isinstance(entry, str):
+            return entry
+        if names and entry in names:
+            return names[entry]
+        found = rows[nodes_of(self.drawing, entry)]
+        if len(found) != 1 or found[0] < 0:
+            raise ValueError(f"{entry!r} is the name of {len(found)} nodes, or of one that no part uses; name one node")
+        return int(found[0])
+
+    def by_hand(self, table: Any, rows: Nodes, names: Mapping[str, int] | None = None) -> Nodes:
+        """Rows of nodes of a table that gives them as cells, or as lines of nodes.
+
+        Args:
+            table: The table.
+            rows: Number of each point of the drawing.
+            names: Further names of nodes, with their numbers.
+
+        Raises:
+            ValueError: Rows are empty or of different lengths; a name is that of no node.
+        """
+        given_rows = table.lines if table.lines is not None else table.cells or []
+        found = [[self.node(entry, rows, names) for entry in row] for row in given_rows]
+        if table.lines is not None:
+            found = [list(pair) for line in found for pair in pairwise(line)]
+            if not found:
+                raise ValueError("lines are rows of at least two nodes; correct them")
+        if not found or len(set(map(len, found))) != 1 or not found[0]:
+            raise ValueError("cells are rows of nodes, all of one length; correct them")
+        return np.array(found, dtype=np.int64)
 
     def of_groups(self, names: str | list[str], split: bool) -> Nodes:
         """Cells of a group, or of several one after the other, as rows of points of the drawing.
@@ -162,22 +207,6 @@ class Choices:
         if not len(found):
             raise ValueError(words)
         return found
-
-
-def cells_by_hand(table: Any) -> Nodes:
-    """Rows of nodes of a table that gives them as cells, or as lines of nodes.
-
-    Raises:
-        ValueError: Rows are empty or of different lengths.
-    """
-    if table.lines is not None:
-        pairs = [pair for line in table.lines for pair in pairwise(line)]
-        if not pairs:
-            raise ValueError("lines are rows of at least two nodes; correct them")
-        return np.array(pairs, dtype=np.int64)
-    if not table.cells or len(set(map(len, table.cells))) != 1 or not table.cells[0]:
-        raise ValueError("cells are rows of nodes, all of one length; correct them")
-    return np.array(table.cells, dtype=np.int64)
 
 
 def given(table: Model, *without: str) -> dict[str, Any]:

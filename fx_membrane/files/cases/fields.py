@@ -10,6 +10,8 @@ from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema
 
 from .units import EXAMPLES, NUMBER, Units
 
+LARGEST = 2**53  # whole number of a node
+
 
 def _number(dimension: str, value: Any, info: ValidationInfo) -> float:
     units = info.context["units"] if info.context else None
@@ -23,6 +25,14 @@ def _range(value: Any, info: ValidationInfo) -> tuple[float, float]:
     if len(ends) != 2:
         raise ValueError("give a place, or a range as [0, 3]")
     return _number("L", ends[0], info), _number("L", ends[1], info)
+
+
+def _node(value: Any) -> int | str:
+    if isinstance(value, bool) or not isinstance(value, int | str) or value == "":
+        raise ValueError("give the number of a node (an integer), or its name in quotes")
+    if isinstance(value, int) and abs(value) > LARGEST:
+        raise ValueError("no node has that number")
+    return value
 
 
 def _nested(dimension: str, value: Any, info: ValidationInfo) -> Any:
@@ -90,6 +100,7 @@ if TYPE_CHECKING:
     Places: TypeAlias = Any
     Shares: TypeAlias = Any
     LinePoint: TypeAlias = Any
+    Node: TypeAlias = int | str
 else:
     Number, Length, Force, ForcePerLength = _quantity("1"), _quantity("L"), _quantity("F"), _quantity("F/L")
     Area, Time = _quantity("L^2"), _quantity("T")
@@ -98,5 +109,6 @@ else:
     Point, Displacement, ForceVector = _vector("L"), _vector("L"), _vector("F")
     LineLoad, AreaLoad, Direction = _vector("F/L"), _vector("F/L^2"), _vector("1")
     Densities, Places, Shares = _quantities("F/L"), _nested_quantities("L"), _nested_quantities("1")
+    Node = Annotated[Any, BeforeValidator(_node), WithJsonSchema({"type": ["integer", "string"]})]
     LinePoint = Annotated[Any, BeforeValidator(_drawn), WithJsonSchema({"type": ["string", "array"]})]
     Range = Annotated[Any, BeforeValidator(_range), WithJsonSchema({"type": ["number", "string", "array"]})]

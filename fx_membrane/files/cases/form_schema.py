@@ -2,11 +2,11 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Discriminator, Field, Tag
 
-from .fields import Densities, Direction, Directions, Force, ForcePerLength, Length, Number, Point, Stress
+from .fields import Densities, Direction, Directions, Force, ForcePerLength, Length, Node, Number, Point, Stress
 from .load_schema import CellChoice, Load
-from .structure_schema import CablePart, Kept, MastPart, Model, Names, NodeChoice, SupportModel
+from .structure_schema import CablePart, Kept, MastPart, Model, Names, NodeChoice, SupportModel, shape_of
 
 
 class CableForceModel(CellChoice):
@@ -136,8 +136,8 @@ class NetModel(Model):
     density: Densities
     part: str | None = None
     group: Names | None = None
-    cells: list[list[int]] | None = None
-    lines: list[list[int]] | None = None
+    cells: list[list[Node]] | None = None
+    lines: list[list[Node]] | None = None
 
 
 class ForceDensity(MethodModel):
@@ -149,11 +149,16 @@ class ForceDensity(MethodModel):
 
 
 class MastsAndStays(Model):
-    """See `masts_and_stays`; points get the numbers after the last node."""
+    """See `masts_and_stays`; points, a list or a table by name, get the numbers after the last node."""
 
     method: Literal["masts and stays"]
     bars: dict[str, Annotated[CablePart | MastPart, Field(discriminator="kind"), Kept]]
-    points: list[Point] = []
+    points: Annotated[
+        Annotated[list[Point], Tag("list")]
+        | Annotated[dict[str, Point], Tag("table")]
+        | Annotated[list[Point], Tag("value")],
+        Discriminator(shape_of),
+    ] = []
     heads: NodeChoice | None = None
     components: str | None = None
 

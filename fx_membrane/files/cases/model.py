@@ -1,6 +1,6 @@
 """Objects of the package from the tables of a case file; faults are collected, each with the path of its table."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,7 @@ from ...model.stages import Stage, check_stages
 from ...model.structure import Structure
 from ...model.supports import Support
 from ..drawing import Drawing
-from .choices import CHOICES, Choices, Nodes, Outline, given, one_of, sound
+from .choices import CHOICES, NUMBERED, Choices, Nodes, Outline, given, one_of, sound
 from .faults import Faults, Unknown, nearest
 from .form_schema import ForceDensity, MastsAndStays, MethodModel, NewMesh
 from .forms import Step, check_constraints, density_step, masts_step, mesh_step, method_step
@@ -196,14 +196,20 @@ class Builder:
         """Step of masts and stays, and the structure with them, their forces unknown."""
         if not formed:
             raise ValueError("masts and stays need a form; put a method of form finding before them")
+        if not self._choices.whole:
+            raise Unknown
         n = len(outline.structure.points)
-        points = np.array(table.points, dtype=np.float64).reshape(-1, 3)
+        named = table.points if isinstance(table.points, dict) else dict(enumerate(table.points))
+        points = np.array(list(named.values()), dtype=np.float64).reshape(-1, 3)
+        names = {name: n + row for row, name in enumerate(named) if isinstance(name, str)}
         places, bars = np.concatenate([outline.structure.points, points]), dict[str, Any]()
         for name, entry in sound(table.bars):
             with self.faults.at("form_finding", number, "bars", name):
                 one_of(entry, "cells", "lines", needed=True)
-                bars[name] = bar_of(entry, self._choices.lines(outline, entry.model_copy(update={"group": None})))
-        heads = self._heads(outline, table, len(places))
+                if outline.renumbered:
+                    raise ValueError(NUMBERED)
+                bars[name] = bar_of(entry, self._choices.by_hand(entry, self._choices.rows, names))
+        heads = self._heads(outline, table, names, len(places))
         given_points = [tuple(point) for point in points.tolist()]
         feet = np.setdiff1d(np.arange(n, len(places)), [] if heads is None else heads)
         held = [*outline.structure.supports, *([Support(feet)] if len(feet) else [])]
@@ -211,14 +217,15 @@ class Builder:
         made = replace(outline.structure, points=places, parts=parts, supports=held)
         return masts_step(bars, given_points, heads, table.components), outline._replace(structure=made)
 
-    def _heads(self, outline: Outline, table: MastsAndStays, count: int) -> Nodes | None:
+    def _heads(self, outline: Outline, table: MastsAndStays, names: Mapping[str, int], count: int) -> Nodes | None:
         """Heads of masts, which may be new points."""
         if table.heads is None or table.heads.nodes is None:
             return self._choices.nodes(outline, table.heads) if table.heads else None
         one_of(table.heads, *CHOICES)
-        if not all(0 <= node < count for node in table.heads.nodes):
+        heads = [self._choices.node(entry, self._choices.rows, names) for entry in table.heads.nodes]
+        if not all(0 <= node < count for node in heads):
             raise ValueError(f"heads are nodes from 0 to {count - 1}; correct them")
-        return np.array(table.heads.nodes, dtype=np.int64)
+        return np.array(heads, dtype=np.int64)
 
     def _mesh(self, outline: Outline, table: NewMesh) -> Step:
         keep = self._choices.nodes(outline, table.keep) if table.keep else np.zeros(0, dtype=np.int64)

@@ -11,7 +11,7 @@ from ...geometry.topology import boundary_edges
 from ...model.laws import Law
 from ...model.materials import Fabric, MooneyRivlin, NeoHooke, OrthotropicFabric
 from ...model.parts import Cable, Mast, Membrane, Part
-from .choices import Choices, Nodes, cells_by_hand, given, one_of
+from .choices import Choices, Nodes, given, one_of
 from .faults import Unknown, nearest
 from .structure_schema import BROKEN, AxisModel, BarPart, PartModel
 
@@ -99,7 +99,7 @@ def cells_of(name: str, table: PartModel, cells: Mapping[str, Any], choices: Cho
     one_of(table, "group", "cells", "lines", "edges_of")
     points = choices.drawing.points
     if table.cells is not None or table.lines is not None:
-        rows = cells_by_hand(table)
+        rows = choices.by_hand(table, np.arange(len(points)))
         if rows.min() < 0 or rows.max() >= len(points):
             raise ValueError(f"cells are rows of nodes from 0 to {len(points) - 1}; correct them")
         return rows

@@ -25,6 +25,7 @@ from .fields import (
     Length,
     LineMass,
     LinePoint,
+    Node,
     Number,
     Places,
     Point,
@@ -99,7 +100,8 @@ class FileGeometry(Model):
     split_quadrilaterals: bool | None = None
 
 
-def _shape(value: Any) -> str:
+def shape_of(value: Any) -> str:
+    """Tell a table, a list and another value apart."""
     return "table" if isinstance(value, dict) else "list" if isinstance(value, list) else "value"
 
 
@@ -112,11 +114,11 @@ class HoleModel(Model):
 
 Hole = Annotated[
     Annotated[HoleModel, Tag("table")] | Annotated[Places, Tag("list")] | Annotated[Places, Tag("value")],
-    Discriminator(_shape),
+    Discriminator(shape_of),
 ]
 Names = Annotated[
     Annotated[str, Tag("value")] | Annotated[list[str], Tag("list")] | Annotated[str, Tag("table")],
-    Discriminator(_shape),
+    Discriminator(shape_of),
 ]
 
 
@@ -187,8 +189,8 @@ class PartModel(Model):
     """Cells of a part: groups of the geometry, by default that of its name; cells or lines of nodes; membrane edges."""
 
     group: Names | None = None
-    cells: list[list[int]] | None = None
-    lines: list[list[int]] | None = None
+    cells: list[list[Node]] | None = None
+    lines: list[list[Node]] | None = None
     edges_of: str | None = None
     where: Box | None = None
 
@@ -202,7 +204,7 @@ class AxisModel(Model):
 
 Warp = Annotated[
     Annotated[AxisModel, Tag("table")] | Annotated[Directions, Tag("list")] | Annotated[Directions, Tag("value")],
-    Discriminator(_shape),
+    Discriminator(shape_of),
 ]
 
 
@@ -241,9 +243,9 @@ class MastPart(BarPart):
 
 
 class NodeChoice(Model):
-    """Nodes by number, by group of the geometry, by place, or the rim of a membrane; one of these."""
+    """Nodes by number or name, by group of the geometry, by place, or the rim of a membrane; one of these."""
 
-    nodes: list[int] | None = None
+    nodes: list[Node] | None = None
     group: str | None = None
     where: Box | None = None
     rim_of: str | None = None
