@@ -134,8 +134,10 @@ class Choices:
         if names and entry in names:
             return names[entry]
         found = rows[nodes_of(self.drawing, entry)]
-        if len(found) != 1 or found[0] < 0:
-            raise ValueError(f"{entry!r} is the name of {len(found)} nodes, or of one that no part uses; name one node")
+        if len(found) != 1:
+            raise ValueError(f"{entry!r} is the name of {len(found)} nodes; name a single one, or give the group")
+        if found[0] < 0:
+            raise ValueError(f"{entry!r} is a node that no part uses; name another")
         return int(found[0])
 
     def by_hand(self, table: Any, rows: Nodes, names: Mapping[str, int] | None = None) -> Nodes:

@@ -186,6 +186,22 @@ def test_sail_drawn_in_plan_with_a_radial_warp(tmp_path):
     assert found.parts["sail"].material.Gt == pytest.approx(500 / 3, rel=1e-14)
 
 
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ('["Z"]', "'Z'"),
+        ('["A-B"]', "'A-B' is the name of"),
+        ('[""]', "its name in quotes"),
+        ("[true]", "number"),
+    ],
+)
+def test_names_of_nodes_are_those_of_points(wrong, words, tmp_path):
+    pytest.importorskip("gmsh")
+    (line,) = refused(tmp_path, "", SAIL.replace('{ group = "A" }', f"{{ nodes = {wrong} }}"))
+    assert "supports.0" in line
+    assert words in line
+
+
 def edge_of(mesh):
     return lambda corner: mesh.lines[f"{corner}-{'ABCDA'['ABCD'.index(corner) + 1]}"]
 
