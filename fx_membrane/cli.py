@@ -200,12 +200,14 @@ def show(results: Path) -> None:
     """Print the checks and extremes of saved results: the folder of a run, or its results.fxm."""
     from .files.run_results import results_of  # noqa: PLC0415
     from .results.checks import checks, table  # noqa: PLC0415
+    from .results.limits import Limits  # noqa: PLC0415
     from .results.report import report as told  # noqa: PLC0415
 
     found = results_of(results)
+    limits = found.limits or Limits()
     for state in found.values():
         shown = told(state, force_unit=found.force_unit, length_unit=found.length_unit)
-        _say(f"{shown}\n{table(checks(state))}")
+        _say(f"{shown}\n{table(checks(state, limits))}")
 
 
 @main.command()

@@ -27,7 +27,7 @@ def check_case(name, expected):
     case = read_case(CASES / f"{name}.toml")
     form = case.form()
     structure = form.structure if form else case.structure
-    found = Analysis(structure, case.solver, limit=case.limit, progress=False).run(case.stages_of(structure))
+    found = Analysis(structure, case.solver, limit=case.work, progress=False).run(case.stages_of(structure))
     assert list(found) == list(expected)
     for stage, state in expected.items():
         near(found[stage].structure.points, state.structure.points)

@@ -74,7 +74,12 @@ method = "conjugate gradient"
 beta = "PR"
 preconditioner = "jacobi"
 
-[limit]
+[limits]
+displacement = "30 cm"
+stress = { film = "20 kN/m" }
+force = { edge = "60 kN", mast = 100 }
+
+[work]
 iterations = 100
 seconds = 60
 

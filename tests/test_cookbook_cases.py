@@ -28,6 +28,6 @@ def test_case_gives_the_numbers_of_the_script(name, tmp_path, monkeypatch):
         from fx_membrane.files.cases import assembled  # noqa: PLC0415
         from fx_membrane.files.cases.case import read_case  # noqa: PLC0415
 
-        assert read_case(CASES / "cookbook_restart.toml").limit.iterations == 14
+        assert read_case(CASES / "cookbook_restart.toml").work.iterations == 14
         monkeypatch.setattr(assembled, "WorkLimit", lambda **_: WorkLimit())  # the run that goes on has none
     check_case(f"cookbook_{name}", found["direct" if name == "restart" else "results"])

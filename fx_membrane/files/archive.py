@@ -25,6 +25,7 @@ from ..model.stages import PrescribedDisplacement, Stage
 from ..model.structure import Structure
 from ..model.supports import Support
 from ..results.balance import UnbalancedStateWarning
+from ..results.limits import Limits
 from ..results.part_results import BarResult, MembraneResult
 from ..results.states import (
     Equilibrium,
@@ -47,7 +48,7 @@ KIND = "results of fx_membrane"
 DOCUMENT = "document.json"
 MODEL = (Structure, Membrane, Cable, Mast, Support, *materials.SHIPPED)
 STAGES = (Stage, PrescribedDisplacement, PointLoad, DistributedLoad, PlanLoad, Pressure)
-STATES = (StageResult, Actions, Acting, Equilibrium, MembraneResult, BarResult, TermResult)
+STATES = (StageResult, Limits, Actions, Acting, Equilibrium, MembraneResult, BarResult, TermResult)
 HISTORY = (Increment, Iteration, Outcome)
 FORMS = (Form, FormStep)
 REMARKS = (UnstableStateWarning, LostPrestressWarning, UnbalancedStateWarning, LargeStrainWarning)
@@ -86,6 +87,7 @@ def save_results(results: StageResults | Form, path: str | Path) -> None:
         encode(results)
         if isinstance(results, Form)
         else {"results": encode(dict(results)), "stages": encode(results.stages), "names": _names(results)}
+        | ({"limits": encode(results.limits)} if results.limits else {})
     )
     document = {
         "kind": KIND,
@@ -128,6 +130,7 @@ def load_results(path: str | Path, classes: Sequence[type] = ()) -> Any:
                 return decode(content)
             found = StageResults(decode(content["results"]), decode(content["stages"]))
             found.title, found.force_unit, found.length_unit = map(str, content["names"])
+            found.limits = decode(content["limits"]) if "limits" in content else None
             return found
         except FileNotFoundError:
             raise ValueError(f"path is {str(file)!r}, which does not exist; correct the name.") from None

@@ -1,8 +1,6 @@
 """Checks of a state, each with its number, its limit and a verdict: a table to read before any other number."""
 
 from collections.abc import Iterator
-from enum import Enum
-from typing import NamedTuple
 
 import numpy as np
 
@@ -11,6 +9,8 @@ from ..geometry.measures import measures
 from ..model.restraint import loose_ends
 from ..solvers.outcome import Outcome
 from .balance import UNBALANCED, UnbalancedStateWarning
+from .check import Check, Verdict
+from .limits import Limits, limit_checks
 from .places import cell_place, node_place
 from .states import StageResult, UnstableStateWarning
 from .strain_limits import LargeStrainWarning, largest_strain
@@ -19,46 +19,14 @@ BALANCED = 1e-8  # relative difference of sums of forces and moments
 WRINKLED = 0.05  # share of the area of a membrane that may wrinkle or go slack without a word
 
 
-class Verdict(Enum):
-    """Verdict of a check."""
-
-    PASS = "PASS"
-    WARN = "WARN"
-    FAIL = "FAIL"
-
-
-class Check(NamedTuple):
-    """One check of a state.
-
-    Attributes:
-        name: The fact that is checked.
-        found: Its number, as text.
-        limit: The limit, as text; empty without one.
-        verdict: The verdict.
-        remedy: What to do about it; empty if it passes.
-        place: Place of the worst node or cell; empty if it passes or has none.
-    """
-
-    name: str
-    found: str
-    limit: str
-    verdict: Verdict
-    remedy: str = ""
-    place: str = ""
-
-    @property
-    def advice(self) -> str:
-        """Place and remedy in one text."""
-        return ": ".join(filter(None, (self.place, self.remedy)))
-
-
-def checks(result: StageResult) -> list[Check]:
-    """Make the checks of a state: balance, convergence, stability, strains, slack and wrinkled parts, masts, ends."""
+def checks(result: StageResult, limits: Limits = Limits()) -> list[Check]:
+    """Make the checks of a state: balance, convergence, stability, strains, limits, slack parts, masts, loose ends."""
     return [
         *_balance(result),
         *_convergence(result),
         _stable(result),
         *_strain(result),
+        *limit_checks(result, limits),
         *_slack(result),
         *_masts(result),
         *_ends(result),

@@ -8,6 +8,7 @@ from ..checks.values import counted
 from ..geometry.extremes import first_largest
 from ..geometry.measures import measures
 from .checks import checks, table
+from .limits import Limits
 from .places import cell_place, node_place
 from .states import StageResult, StageResults
 
@@ -15,10 +16,11 @@ from .states import StageResult, StageResults
 def overview(results: StageResults) -> str:
     """Lines on each stage: its work, its largest displacement, extremes of each part, and its checks."""
     units = results.force_unit, results.length_unit
-    return "\n".join(line for state in results.values() for line in _lines(state, *units))
+    limits = results.limits or Limits()
+    return "\n".join(line for state in results.values() for line in _lines(state, limits, *units))
 
 
-def _lines(state: StageResult, force: str, length: str) -> Iterator[str]:
+def _lines(state: StageResult, limits: Limits, force: str, length: str) -> Iterator[str]:
     iterations = sum(len(entry.iterations) - 1 + entry.extra_iterations for entry in state.increments)
     work = f"{counted(len(state.increments), 'increment')}, {counted(iterations, 'iteration')}"
     size = np.linalg.norm(state.displacement, axis=1)
@@ -29,7 +31,7 @@ def _lines(state: StageResult, force: str, length: str) -> Iterator[str]:
     for name, found in state.parts.items():
         per = "" if found.dimension == 1 else f"/{length}"
         yield f"  {name:{width}}{_extremes(state, name)} {force}{per}{_share(state, name)}"
-    yield table(checks(state))
+    yield table(checks(state, limits))
 
 
 def _extremes(state: StageResult, name: str) -> str:

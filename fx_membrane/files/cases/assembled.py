@@ -10,6 +10,7 @@ from pydantic import ValidationError
 from ...analysis.work import WorkLimit
 from ...model.stages import Stage
 from ...model.structure import Structure
+from ...results.limits import Limits
 from ...solvers.base import Solver
 from ...solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
 from ...solvers.newton import Newton
@@ -48,11 +49,12 @@ def assembled(file: Path, text: str, data: Mapping[str, Any], partial: bool) -> 
         return None, [fault for fault in faults if not (partial and fault.missing)]
     builder = Builder(tables, file.parent)
     structure = builder.structure()
-    stages, steps = list[Stage](), list[Any]()
+    stages, steps, outline = list[Stage](), list[Any](), None
     if structure:
         steps, outline = builder.form_finding(structure)
         stages = builder.stages(outline)
-    solver, limit = _solver(builder, tables), _limit(builder, tables)
+    solver, work = _solver(builder, tables), _work(builder, tables)
+    limits = _limits(builder, tables, outline.structure if outline else None)
     faults += _independent(in_file(builder.faults, data), faults)
     if structure is None or faults:
         return None, faults
@@ -67,7 +69,7 @@ def assembled(file: Path, text: str, data: Mapping[str, Any], partial: bool) -> 
     anew = remade if any(isinstance(step, NewMesh) for step in tables.form_finding) else None
     heads = file, tables.title, names.force, names.length
     methods, key = [step.method for step in tables.form_finding], _form_key(tables, file.parent)
-    return Case(*heads, structure, stages, solver, limit, tables.output, steps, methods, key, anew), faults
+    return Case(*heads, structure, stages, solver, work, limits, tables.output, steps, methods, key, anew), faults
 
 
 def in_file(faults: Sequence[Fault], data: Mapping[str, Any]) -> list[Fault]:
@@ -143,9 +145,23 @@ def _solver(builder: Builder, tables: CaseModel) -> Solver:
     return found
 
 
-def _limit(builder: Builder, tables: CaseModel) -> WorkLimit:
+def _work(builder: Builder, tables: CaseModel) -> WorkLimit:
     found = WorkLimit()
-    with builder.faults.at("limit"):
-        if tables.limit is not None and tables.limit is not BROKEN:
-            found = WorkLimit(**given(tables.limit))
+    with builder.faults.at("work"):
+        if tables.work is not None and tables.work is not BROKEN:
+            found = WorkLimit(**given(tables.work))
+    return found
+
+
+def _limits(builder: Builder, tables: CaseModel, structure: Structure | None) -> Limits:
+    found = Limits()
+    with builder.faults.at("limits"):
+        if tables.limits is not None and tables.limits is not BROKEN:
+            found = Limits(**given(tables.limits))
+    if structure is None:
+        return found
+    for kind, dimension in (("stress", 2), ("force", 1)):
+        for name in getattr(found, kind):
+            with builder.faults.at("limits", kind, name):
+                builder.check_part(structure, name, dimension)
     return found

@@ -10,6 +10,7 @@ from ...analysis.work import WorkLimit
 from ...checks import paths
 from ...model.stages import Stage
 from ...model.structure import Structure
+from ...results.limits import Limits
 from ...solvers.base import Solver
 from .faults import CaseError, case_error
 from .toml import parsed
@@ -27,7 +28,8 @@ class Case:
         structure: The structure, before form finding.
         stages: The stages, for the structure and the bars that form finding adds.
         solver: The solver.
-        limit: Largest work of each stage.
+        work: Largest work of each stage.
+        limits: Limits of the checks.
         output: Table of the files that a run writes.
         steps: Steps of form finding, each a function of an `Outline`.
         methods: Their names.
@@ -42,7 +44,8 @@ class Case:
     structure: Structure
     stages: Sequence[Stage]
     solver: Solver
-    limit: WorkLimit
+    work: WorkLimit
+    limits: Limits
     output: Any
     steps: Sequence[Callable[[Any], Any]]
     methods: Sequence[str]

@@ -90,6 +90,17 @@ class Builder:
                 steps.append(step)
         return steps, outline
 
+    def check_part(self, structure: Structure, name: str, dimension: int) -> None:
+        """Refuse a part that does not exist, or of another dimension.
+
+        Raises:
+            ValueError: The file has no part of that name, or one of another dimension.
+            Unknown: It has one, with a fault.
+        """
+        self._choices.check_part(structure, name)
+        if structure.parts[name].dimension != dimension:
+            raise ValueError(f"part {name!r} is {'no membrane' if dimension == 2 else 'no cable or mast'}; name one")
+
     def _parts(self, materials: dict[str, Any]) -> dict[str, Part]:
         """Parts without a fault, in the numbers of the structure."""
         cells = self._cells()

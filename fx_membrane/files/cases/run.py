@@ -71,7 +71,7 @@ def _analysed(
     wanted = case.output.paraview
     if wanted or (wanted is None and find_spec("pyvista")):  # without a word in the file, where it can be written
         series = ParaViewSeries(folder / "paraview", resume, force_unit=case.force_unit, length_unit=case.length_unit)
-    analysis = Analysis(structure, case.solver, limit=case.limit, progress=progress)
+    analysis = Analysis(structure, case.solver, limit=case.work, progress=progress)
     try:
         results = analysis.run(stages, folder / CHECKPOINT, series)
     except ConvergenceError as error:
@@ -142,6 +142,7 @@ def _write(case: Case, folder: Path, results: StageResults) -> str:
     if not results:
         return ""
     results.title, results.force_unit, results.length_unit = case.title, case.force_unit, case.length_unit
+    results.limits = case.limits
     failed = []
     for write in _writers(case, folder, results):
         try:

@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from .fields import Number, Time
+from .fields import Force, ForcePerLength, Length, Number, Time
 from .form_schema import Steps
 from .load_schema import Displacement, Load
 from .structure_schema import Geometry, Kept, Material, Model, Part, SupportModel, UnitNames
@@ -45,7 +45,15 @@ SolverModel = Annotated[
 ]
 
 
-class LimitModel(Model):
+class LimitsModel(Model):
+    """Limits of the checks: largest displacement; by part, strength over safety, stress of membranes, force of bars."""
+
+    displacement: Length | None = None
+    stress: dict[str, ForcePerLength] = {}
+    force: dict[str, Force] = {}
+
+
+class WorkModel(Model):
     """Largest work of each stage, see `WorkLimit`."""
 
     iterations: int | None = None
@@ -87,7 +95,8 @@ class CaseModel(Model):
     separate: list[tuple[str, str]] = []
     form_finding: Steps = []
     solver: SolverModel | None = None
-    limit: Annotated[LimitModel, Kept] | None = None
+    work: Annotated[WorkModel, Kept] | None = None
+    limits: Annotated[LimitsModel, Kept] | None = None
     stages: list[Annotated[StageModel, Kept]] = []
     output: Annotated[OutputModel, Kept] = OutputModel()
 

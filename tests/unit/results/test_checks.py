@@ -20,7 +20,9 @@ from fx_membrane import (
     polyline,
     rectangle,
 )
-from fx_membrane.results.checks import Verdict, checks, table
+from fx_membrane.results.check import Verdict
+from fx_membrane.results.checks import checks, table
+from fx_membrane.results.limits import Limits, limit_checks
 from fx_membrane.results.overview import overview
 
 pytestmark = [pytest.mark.serial, pytest.mark.filterwarnings("ignore")]
@@ -76,3 +78,18 @@ def test_overview_has_work_extremes_and_places():
     shown = re.match(r"  roof\s+(\S+) \(cell \d+ at \(.*\)\) to (\S+) \(cell \d+ at \(.*\)\) kN/m", lines[2])
     assert [float(number) for number in shown.groups()] == pytest.approx([least, largest.max()], rel=1e-4)
     assert lines[3].endswith("kN; 100 % slack")
+
+
+def test_limits_of_the_user_pass_or_fail_with_place_and_remedy():
+    state = sagging()["load"]
+    stress, force = state.membrane("roof").principal.max(), np.abs(state.cable("line").force).max()
+    limits = Limits(displacement=2 * state.largest_displacement, stress={"roof": stress / 2}, force={"line": 1e3})
+    moves, roof, line = limit_checks(state, limits)
+    assert (moves.name, moves.verdict, moves.place) == ("displacement", Verdict.PASS, "")
+    assert (roof.name, roof.found, roof.limit, roof.verdict) == ("utilisation of 'roof'", "2", "1", Verdict.FAIL)
+    assert state.membrane("roof").principal[int(roof.place.split()[1]), 0] == pytest.approx(stress, rel=1e-9)
+    assert roof.remedy
+    assert line.verdict is Verdict.PASS
+    assert float(line.found) == pytest.approx(force / 1e3, rel=1e-2)
+    with pytest.raises(ValueError, match="stress of 'roof' is 0"):
+        Limits(stress={"roof": 0.0})

@@ -91,7 +91,7 @@ def test_warnings_are_lines_of_words(roof):
 
 
 def test_failed_stage_shows_the_stages_before_it(roof):
-    text = PLAIN.replace("[solver]", "[limit]\niterations = 6\n[solver]").replace("increments = 2", "increments = 10")
+    text = PLAIN.replace("[solver]", "[work]\niterations = 6\n[solver]").replace("increments = 2", "increments = 10")
     (roof / "roof.toml").write_text(text)
     code, words = said("run", "roof.toml", "--log", "run.txt")
     assert code == 1
@@ -176,3 +176,21 @@ def test_form_of_another_case_is_not_taken_over(roof):
     assert "--overwrite" in words
     assert said("run", "roof.toml", "--overwrite", "--quiet")[0] == 0
     assert load_results("out/form.fxm").points.shape == found.shape
+
+
+def test_limits_of_a_case_are_in_the_table_in_its_archive_and_in_the_report(roof):
+    limits = '[limits]\ndisplacement = "1 mm"\nstress = { roof = "50 kN/m" }\nforce = { "edge, left" = 500 }\n[solver]'
+    (roof / "roof.toml").write_text(PLAIN.replace("[solver]", limits))
+    code, words = said("run", "roof.toml")
+    assert code == 0
+    assert "FAIL  displacement" in words
+    assert "PASS  utilisation of 'roof'" in words
+    assert "PASS  utilisation of 'edge, left'" in words
+    assert "FAIL  displacement" in said("show", "out")[1]
+    pytest.importorskip("jinja2")
+    assert said("report", "out", "a.html")[0] == 0
+    assert "Some checks fail" in (roof / "a.html").read_text()
+    (roof / "roof.toml").write_text(PLAIN.replace("[solver]", limits.replace("roof =", "rof =")))
+    code, words = said("check", "roof.toml")
+    assert code == 2
+    assert "limits.stress.rof: there is no part 'rof'; 'roof' may be meant" in words
