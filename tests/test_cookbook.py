@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 SCRIPTS = sorted((Path(__file__).parent.parent / "demos" / "cookbook").glob("*.py"))
-pytestmark = pytest.mark.serial
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)

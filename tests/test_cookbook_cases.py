@@ -10,7 +10,7 @@ from fx_membrane import WorkLimit
 
 SCRIPTS = Path(__file__).parent.parent / "demos" / "cookbook"
 BY_GMSH = {"cone", "tilted_masts"}
-pytestmark = [pytest.mark.serial, pytest.mark.skipif(not has_cases(), reason="pydantic 2 and pint read case files")]
+pytestmark = pytest.mark.skipif(not has_cases(), reason="pydantic 2 and pint read case files")
 
 
 def test_each_script_has_a_case_file_but_that_which_draws_its_mesh():

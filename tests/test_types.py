@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 
-pytestmark = pytest.mark.serial
 ROOT = Path(__file__).parent.parent
 SCRIPT = Path(__file__).with_name("typed_script.py")
 

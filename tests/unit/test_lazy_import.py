@@ -8,8 +8,6 @@ import pytest
 
 import fx_membrane
 
-pytestmark = pytest.mark.serial
-
 
 def output(script):
     return subprocess.run([sys.executable, "-c", script], check=True, capture_output=True, text=True).stdout.split()

@@ -53,7 +53,6 @@ def test_names_of_the_recipes():
     assert list(RECIPES) == ["A law", "A load", "An element", "A result", "A file format"]
 
 
-@pytest.mark.serial
 @pytest.mark.parametrize(
     ("text", "use"),
     [

@@ -33,7 +33,6 @@ def numbers(table, head):
     return [float(row[head]) for row in table]
 
 
-@pytest.mark.serial
 def test_tables_have_every_number(results, tmp_path):
     write_tables(results, tmp_path / "new" / "folder", force_unit="kN")
     folder = tmp_path / "new" / "folder"
@@ -63,7 +62,6 @@ def test_tables_have_every_number(results, tmp_path):
     assert sum(float(row["area [m2]"]) for row in cells[half:]) == pytest.approx(4.0, rel=1e-14)
 
 
-@pytest.mark.serial
 def test_summary(results, tmp_path):
     write_tables(results, tmp_path)
     found = json.loads((tmp_path / "summary.json").read_text())
@@ -78,7 +76,6 @@ def test_summary(results, tmp_path):
     assert told["largest displacement"]["value"] == pytest.approx(load.largest_displacement)
 
 
-@pytest.mark.serial
 def test_dataframes(results):
     pytest.importorskip("pandas")
     load = results["load"]
@@ -89,7 +86,6 @@ def test_dataframes(results):
         load.to_dataframe("other")
 
 
-@pytest.mark.serial
 def test_refusals(results, tmp_path):
     (tmp_path / "file").write_text("x")
     with pytest.raises(ValueError, match="file"):

@@ -25,7 +25,7 @@ from fx_membrane.results.checks import checks, table
 from fx_membrane.results.limits import Limits, limit_checks
 from fx_membrane.results.overview import overview
 
-pytestmark = [pytest.mark.serial, pytest.mark.filterwarnings("ignore")]
+pytestmark = pytest.mark.filterwarnings("ignore")
 
 
 def sagging():

@@ -79,6 +79,7 @@ def answering(answer, impose=True):
     return Answer()
 
 
+@pytest.mark.mpi
 def test_snes_of_a_script_finds_the_state_of_newton(tmp_path):
     stages = [SNOW, Stage("lift", displacements=[PrescribedDisplacement(CENTRE, (0.01, 0, 0.05))], after="snow")]
     expected = Analysis(inclined_sheet()).run(stages)
@@ -100,12 +101,14 @@ def test_checkpoint_continues_with_another_solver(tmp_path):
     assert first.history == again.history
 
 
+@pytest.mark.mpi
 def test_limit_of_work_ends_a_solver_from_inside_its_callbacks():
     with pytest.raises(ConvergenceError, match=r"limit.*3 iterations.*stage") as failure:
         Analysis(inclined_sheet(), BySnes(), limit=WorkLimit(iterations=3)).run([SNOW])
     assert failure.value.failed.outcome is Outcome.WORK_LIMIT
 
 
+@pytest.mark.mpi
 def test_failure_halves_the_increment_and_keeps_words_and_results():
     with pytest.raises(ConvergenceError, match="It is Sunday") as failure:
         Analysis(inclined_sheet(), answering(Solution(Outcome.MAX_ITERATIONS, "It is Sunday.", ()))).run([SNOW])
@@ -126,6 +129,7 @@ def _nan(x):
     return Solution(Outcome.CONVERGED, "", ())
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     ("solver", "words"),
     [
@@ -143,6 +147,7 @@ def test_state_that_breaks_its_constraints_is_no_equilibrium(solver, words):
     assert failure.value.failed.outcome is Outcome.NO_EQUILIBRIUM
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("answer", [None, True, "converged", (Outcome.CONVERGED, "", ())])
 def test_answer_of_another_kind(answer):
     with pytest.raises(ValueError, match=r"Answer returns .*; let it return Solution\(outcome, reason, iterations\)"):

@@ -17,7 +17,7 @@ pytest.importorskip("pint")
 from fx_membrane.files.cases.case import read_case
 from fx_membrane.files.cases.faults import CaseError
 
-pytestmark = [pytest.mark.serial, pytest.mark.filterwarnings("ignore:overflow")]  # of places beyond all sizes
+pytestmark = pytest.mark.filterwarnings("ignore:overflow")  # of places beyond all sizes
 
 VALUES = [None, -1, 0, 1e300, "", "text", "1,5 kN", "9**9**9 m", [], [[]], {}, {"a": 1}, True, [1, 2, 3], "nan", "5 kg"]
 

@@ -38,7 +38,7 @@ from fx_membrane.files.cases import forms
 from fx_membrane.files.cases.case import read_case
 from fx_membrane.files.cases.faults import CaseError
 
-pytestmark = [pytest.mark.serial, pytest.mark.filterwarnings("ignore:The form is in equilibrium")]
+pytestmark = pytest.mark.filterwarnings("ignore:The form is in equilibrium")
 
 TENT = """
 format = 1

@@ -12,8 +12,6 @@ pytest.importorskip("pint")
 from fx_membrane.files.cases.case import read_case
 from fx_membrane.files.cases.faults import CaseError
 
-pytestmark = pytest.mark.serial
-
 
 def faults(folder, *changes, text=ROOF):
     """Faults of a changed case as (line, key, words)."""

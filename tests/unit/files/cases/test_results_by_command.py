@@ -13,8 +13,6 @@ pytest.importorskip("pint")
 
 from fx_membrane.cli import main
 
-pytestmark = pytest.mark.serial
-
 
 def said(*arguments):
     """Exit code and text of a command."""

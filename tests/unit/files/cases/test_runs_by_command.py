@@ -15,7 +15,6 @@ pytest.importorskip("pint")
 from fx_membrane import load_results
 from fx_membrane.cli import main
 
-pytestmark = pytest.mark.serial
 PLAIN = ROOF + "paraview = false\n"
 
 

@@ -65,7 +65,6 @@ class Page(HTMLParser):
             pass
 
 
-@pytest.mark.serial
 def test_page(results, tmp_path):
     pytest.importorskip("pyvista")
     write_report(results, tmp_path / "new" / "report.html", title=f"Roof {EVIL}", force_unit="kN")
@@ -84,7 +83,6 @@ def test_page(results, tmp_path):
     assert f'<td class="n">{vertical:.5g}</td>' in text
 
 
-@pytest.mark.serial
 def test_unstable_state_is_a_warning(tmp_path):
     points, triangles = rectangle(2.0, 2.0, 2, 2)
     structure = Structure(
@@ -97,7 +95,6 @@ def test_unstable_state_is_a_warning(tmp_path):
     assert re.search(r"gale: .*strained", text)
 
 
-@pytest.mark.serial
 def test_pdf(results, tmp_path):
     try:
         import weasyprint  # noqa: F401, PLC0415
@@ -107,7 +104,6 @@ def test_pdf(results, tmp_path):
     assert (tmp_path / "report.pdf").read_bytes()[:5] == b"%PDF-"
 
 
-@pytest.mark.serial
 def test_command(results, tmp_path):
     save_results(results, tmp_path / "results.fxm")
     command = [sys.executable, "-c", "from fx_membrane.cli import main; main()"]
@@ -121,7 +117,6 @@ def test_command(results, tmp_path):
     assert shown.stdout.count("PASS") >= 10
 
 
-@pytest.mark.serial
 def test_refusals(results, tmp_path):
     for path, words in [(tmp_path / "r.doc", r"\.pdf"), (tmp_path, r"\.pdf")]:
         with pytest.raises(ValueError, match=words):
