@@ -14,7 +14,9 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from demo_cases import CASES, check_case, has_cases
 from fx_membrane import Analysis, Stage
+from fx_membrane.files.demo_cases import SCRIPTS
 from fx_membrane.form_finding.reasons.ring_reach import reach
 from pictures import count_colours
 
@@ -92,7 +94,8 @@ def test_demo(name, pictures, tmp_path, monkeypatch, capsys):
         pytest.skip("runs with pictures on one process, without on several")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "argv", [name] if pictures else [name, "--no-pictures"])
-    compare(name, run(name)["numbers"])
+    found = run(name)
+    compare(name, found["numbers"])
     printed = capsys.readouterr().out
     first = os.environ.get("OMPI_COMM_WORLD_RANK", os.environ.get("PMI_RANK", "0")) == "0"
     assert ("Check passed" in printed) == first
@@ -104,6 +107,13 @@ def test_demo(name, pictures, tmp_path, monkeypatch, capsys):
         assert re.findall(r"tension: (\d+) of 432 cells, others wrinkle; 247 of 247 nodes", printed) == ["414", "418"]
     if pictures:
         check_pictures(name)
+    if (CASES / f"{name}.toml").exists() and has_cases():
+        check_case(name, found["results"])
+
+
+def test_every_demo_has_a_case_file_or_is_a_script_of_ones_own():
+    cases = {path.stem for path in CASES.glob("*.toml") if not path.stem.startswith("cookbook_")}
+    assert cases | SCRIPTS.keys() == set(PICTURES)
 
 
 @pytest.mark.skipif(not HAS_PYVISTA, reason="draws pictures")

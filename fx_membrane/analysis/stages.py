@@ -118,7 +118,7 @@ class Analysis:
             validation.plain("Analysis limit", limit, WorkLimit)
             progress = validation.truth("Analysis progress", progress)
         refuse_differences(comm, lambda: {"solver": fingerprint(own.settings(solver)), "limit": fingerprint(limit)})
-        self._limit, self._progress = limit, progress
+        self._limit, self._shown = limit, progress and comm.rank == 0
         self.structure = structure
         self._comm = comm
         self.problem = Problem(structure, comm)
@@ -213,7 +213,7 @@ class Analysis:
         balanced = stage.after is not None or not (self.problem.magnitudes.prestress_forces or self.structure.terms)
         control = IncrementControl(stage, state, balanced)
         x = self.problem.create_vector()
-        with Report(stage.name, float(state.factor), shown=self._progress and self._comm.rank == 0) as report:
+        with Report(stage.name, float(state.factor), self._shown, len(results) + 1, len(results.stages)) as report:
             work = Work(self._limit, self._comm, report.iteration)
             while control.state.factor < 1:
                 _dolfinx.free_dropped(self._comm)

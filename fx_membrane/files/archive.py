@@ -25,6 +25,7 @@ from ..model.stages import PrescribedDisplacement, Stage
 from ..model.structure import Structure
 from ..model.supports import Support
 from ..results.balance import UnbalancedStateWarning
+from ..results.limits import Limits
 from ..results.part_results import BarResult, MembraneResult
 from ..results.states import (
     Equilibrium,
@@ -42,12 +43,12 @@ from ..solvers.outcome import Outcome
 from .plain_data import Decoder, Encoder
 from .whole_file import writing
 
-FORMAT = 2  # counts up when a field of a result is added; 1 had no title and units
+FORMAT = 2  # counts up when a field of a result is added; 1 had no title, units and limits
 KIND = "results of fx_membrane"
 DOCUMENT = "document.json"
 MODEL = (Structure, Membrane, Cable, Mast, Support, *materials.SHIPPED)
 STAGES = (Stage, PrescribedDisplacement, PointLoad, DistributedLoad, PlanLoad, Pressure)
-STATES = (StageResult, Actions, Acting, Equilibrium, MembraneResult, BarResult, TermResult)
+STATES = (StageResult, Limits, Actions, Acting, Equilibrium, MembraneResult, BarResult, TermResult)
 HISTORY = (Increment, Iteration, Outcome)
 FORMS = (Form, FormStep)
 REMARKS = (UnstableStateWarning, LostPrestressWarning, UnbalancedStateWarning, LargeStrainWarning)
@@ -90,6 +91,7 @@ def save_results(results: StageResults | Form, path: str | Path) -> None:
         encode(results)
         if isinstance(results, Form)
         else {"results": encode(dict(results)), "stages": encode(results.stages), "names": _names(results)}
+        | ({"limits": encode(results.limits)} if results.limits else {})
     )
     document = {
         "kind": KIND,
@@ -155,6 +157,7 @@ def _opened(document: Any, decode: Decoder) -> StageResults | Form:
     found = StageResults(decode(content["results"]), decode(content["stages"]))
     if "names" in content:
         found.title, found.force_unit, found.length_unit = map(str, content["names"])
+    found.limits = decode(content["limits"]) if "limits" in content else None
     return found
 
 

@@ -254,12 +254,14 @@ class StageResults(dict[str, StageResult]):
         title: Title of the case file that they are of; empty without one.
         force_unit: Name of its unit of force.
         length_unit: Name of its unit of length.
+        limits: Its limits, for checks; None without.
     """
 
     def __init__(self, results: Mapping[str, StageResult] = MappingProxyType({}), stages: Sequence[Stage] = ()):
         super().__init__(results)
         self.stages = tuple(stages)
         self.title, self.force_unit, self.length_unit = "", "N", "m"
+        self.limits: Any = None
 
     def _repr_html_(self) -> str:
         """Show the list of stages in notebooks."""

@@ -10,10 +10,12 @@ import struct
 import subprocess
 import sys
 import termios
+from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
 from mpi4py import MPI
+from tqdm import tqdm
 
 from fx_membrane import (
     Analysis,
@@ -125,6 +127,27 @@ def test_terminal_shows_stage_and_load_factor(columns):
         assert re.search(rf"\rsnow on the roof: [^\r]* load factor {re.escape(factor)}", text), factor
     assert re.search(r"iteration \d+, residual \d\.\de[+-]\d\d", text)
     assert text.count("\n") == 2  # one line for each stage
+    more = re.search(r"increment 4, iteration \d+, [^\r]*, stage 2 of 2, 00:0\d<", text)
+    assert bool(more) == (columns == 120)
+
+
+def test_notebook_has_a_bar_of_its_own(capfd, monkeypatch):
+    """A stand-in for the bar of notebooks shows the words that it is given; ipywidgets are not needed here."""
+    shown = []
+
+    class Bar(tqdm):
+        def display(self, *_, **__):
+            shown.append(str(self))
+
+    monkeypatch.setitem(sys.modules, "ipykernel", ModuleType("ipykernel"))
+    monkeypatch.setitem(sys.modules, "tqdm.notebook", SimpleNamespace(tqdm=Bar))
+    monkeypatch.setattr(progress, "find_spec", lambda _: True)
+    Analysis(sheet()).run([Stage("snow", [SNOW], increments=3)])
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert err.strip() == ""
+    if MPI.COMM_WORLD.rank == 0:
+        assert any("load factor 1.0000" in text and "stage 1 of 1" in text for text in shown)
 
 
 def test_closed_pipe_is_an_exception_and_no_crash():
