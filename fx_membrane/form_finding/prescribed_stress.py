@@ -136,8 +136,8 @@ def prescribed_stress(
     pulse = Pulse("form finding", MPI.COMM_WORLD.rank == 0)
     state, steps, failure = _nearest(problem, pulse, tolerance, max_iterations)
 
-    def is_found(other: NearestProblem) -> bool:
-        return _is_found(other, pulse, tolerance, max_iterations)
+    def is_found(other: NearestProblem, at_once: bool) -> bool:
+        return _is_found(other, pulse, tolerance, max_iterations, at_once)
 
     trouble = reason_of(problem, state, steps, failure, tolerance, FAR, is_found)
     if trouble:
@@ -176,10 +176,14 @@ def _nearest(problem: NearestProblem, pulse: Pulse, tolerance: float, most: int)
     return problem.measured(*state[:5], 0.0), [], words
 
 
-def _is_found(problem: NearestProblem, pulse: Pulse, tolerance: float, most: int) -> bool:
-    """Return True if a form near to the wish is found at once, in a few steps."""
+def _is_found(problem: NearestProblem, pulse: Pulse, tolerance: float, most: int, at_once: bool) -> bool:
+    """Return True if a form is found in a few steps, from a shape near to the wish or by the whole search."""
+    few = min(most, ON_TRIAL)
     try:
-        state, steps, failure = _settled(problem, near_state(problem, pulse), pulse, tolerance, min(most, ON_TRIAL))
+        if at_once:
+            state, steps, failure = _settled(problem, near_state(problem, pulse), pulse, tolerance, few)
+        else:
+            state, steps, failure = _nearest(problem, pulse, tolerance, few)
     except (RuntimeError, ValueError):
         return False
     return not failure and state.mean <= FAR and steps[-1].change <= tolerance

@@ -16,10 +16,10 @@ from ..wishes import Wish
 from .no_form import causes, forces_in
 from .ring_reach import far_ring, has_ring
 from .unheld import lone_point
-from .weak_edges import WeakEdges, weak_edges
+from .weak_edges import GUIDED, WeakEdges, weak_edges
 
 Array = NDArray[np.float64]
-Trial = Callable[[NearestProblem], bool]
+Trial = Callable[[NearestProblem, bool], bool]
 
 MARGINS = (0.01, 0.0)  # shares above the force needed, with which a form is tried
 UNEQUAL = 1.05  # ratio of principal stresses, above which they count as unequal
@@ -49,7 +49,7 @@ def reason_of(
         failure: Failure of the search for its form, in words; empty without one.
         tolerance: Accepted change in a step [-].
         far: Mean difference of stress and wish above which the form is not that of the wish [-].
-        is_found: Trial of another problem: True if it has a form.
+        is_found: Trial of another problem, near to the wish at once or by the whole search: True if it has a form.
     """
     structure, where = problem.structure, _worst(problem, state)
     weak = weak_edges(structure, structure.points, _wished(problem), forces_in(structure))
@@ -92,12 +92,12 @@ def _established(problem: NearestProblem, state: State, weak: WeakEdges, lone: s
 
 def _by_trial(problem: NearestProblem, weak: WeakEdges, is_found: Trial) -> str:
     """Tell of the cause without which a form is found, in words; empty without one."""
-    if problem.loads and is_found(NearestProblem(problem.structure, (), problem.wishes)):
+    if problem.loads and is_found(NearestProblem(problem.structure, (), problem.wishes), True):
         return "The loads are too large for the stress wished for: without them a form is found."
     if weak.edges and (stronger := _with_stronger_edges(problem, weak, is_found)):
         return causes(stronger.words)
     ratio = _ratio(problem)
-    if ratio > UNEQUAL and is_found(_equal(problem)):
+    if ratio > UNEQUAL and is_found(_equal(problem), True):
         return (
             f"The stress wished for is {ratio:.3g} times as large in one direction as in the other, and only with "
             "their mean in all directions a form is found: wish for a smaller ratio, or give the stress in plan, "
@@ -108,11 +108,14 @@ def _by_trial(problem: NearestProblem, weak: WeakEdges, is_found: Trial) -> str:
 
 def _with_stronger_edges(problem: NearestProblem, weak: WeakEdges, is_found: Trial) -> WeakEdges | None:
     """Edge cables with the forces of the first form found by trial; None without one."""
-    given = forces_in(problem.structure)
-    for raised in weak.trials():
-        tried = (_with_forces(problem.structure, raised.forces(given, margin)) for margin in MARGINS)
-        if all(is_found(NearestProblem(structure, problem.loads, problem.wishes)) for structure in tried):
-            return raised
+    given, trials = forces_in(problem.structure), list(weak.trials())
+    # Near their limit cables are worth the whole search, a longer one.
+    whole = trials[:2] if weak.weak and weak.largest <= GUIDED else []
+    for at_once, of_these in ((True, trials), (False, whole)):
+        for raised in of_these:
+            tried = (_with_forces(problem.structure, raised.forces(given, margin)) for margin in MARGINS)
+            if all(is_found(NearestProblem(one, problem.loads, problem.wishes), at_once) for one in tried):
+                return raised
     return None
 
 

@@ -49,6 +49,11 @@ class WeakEdges:
         return [k for k, edge in enumerate(self.edges) if self.needs[k] > edge.force * (1 + SAME)]
 
     @property
+    def largest(self) -> float:
+        """Largest ratio of a force needed to the force there [-]."""
+        return max(float(need) / edge.force for need, edge in zip(self.needs, self.edges, strict=True))
+
+    @property
     def words(self) -> str:
         """Sentence on the edge that lacks most, without its full stop; empty if none is too weak."""
         if not self.weak:
@@ -62,7 +67,7 @@ class WeakEdges:
     def trials(self) -> Iterator["WeakEdges"]:
         """Give forces to try, in turn, rounded up as in words: of the edges too weak, or of all if none is."""
         now = np.array([edge.force for edge in self.edges])
-        if self.weak and (self.needs / now).max() <= GUIDED:  # near its limit the rule may ask for too much
+        if self.weak and self.largest <= GUIDED:  # near its limit the rule may ask for too much
             yield self._with(np.sqrt(now * self.needs), True)
         if self.weak:
             yield self._with(self.needs, False)
