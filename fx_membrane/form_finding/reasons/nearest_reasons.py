@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 Trial = Callable[[NearestProblem, bool], bool]
 
 MARGINS = (0.01, 0.0)  # shares above the force needed, with which a form is tried
+FEW, WORK = 2, 3000  # trials with stronger cables at least, and cells of all: a reason takes no longer than the search
 UNEQUAL = 1.05  # ratio of principal stresses, above which they count as unequal
 SHRUNK = 0.3  # length of a cell over the usual one, below which a membrane closes to a neck
 UNKNOWN = (
@@ -108,7 +109,8 @@ def _by_trial(problem: NearestProblem, weak: WeakEdges, is_found: Trial) -> str:
 
 def _with_stronger_edges(problem: NearestProblem, weak: WeakEdges, is_found: Trial) -> WeakEdges | None:
     """Edge cables with the forces of the first form found by trial; None without one."""
-    given, trials = forces_in(problem.structure), list(weak.trials())
+    cells = sum(len(block.cells) for block in problem.membranes.values())
+    given, trials = forces_in(problem.structure), list(weak.trials())[: max(FEW, WORK // max(cells, 1))]
     # Near their limit cables are worth the whole search, a longer one.
     whole = trials[:2] if weak.weak and weak.largest <= GUIDED else []
     for at_once, of_these in ((True, trials), (False, whole)):
