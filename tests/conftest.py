@@ -69,6 +69,7 @@ ONE_PROCESS = {
     "unit/solvers/test_iteration_limit.py",
     "unit/solvers/test_line_search.py",
     "unit/surfaces/test_drainage.py",
+    "unit/surfaces/test_stress_lines.py",
     "unit/surfaces/test_surface_lines.py",
     "unit/test_bad_values.py",
     "unit/test_messages.py",

@@ -33,14 +33,15 @@ class Terrain:
 
     Args:
         surface: The surface.
+        cut: Take edges at which it branches for rims, in the place of refusing it.
 
     Raises:
         ValueError: It branches.
     """
 
-    def __init__(self, surface: Surface) -> None:
+    def __init__(self, surface: Surface, cut: bool = False) -> None:
         self.points, self.triangles = surface
-        branch = branching_edge(self.triangles)
+        branch = None if cut else branching_edge(self.triangles)
         if branch is not None:
             where = validation.format_point(self.points[branch].mean(axis=0))
             raise ValueError(f"The surface branches at {where}, where a line has no one way; name one part, part=...")
@@ -62,6 +63,10 @@ class Terrain:
     def place(self, cell: int, shares: Array) -> Array:
         """Position of a point of a cell, shape (3,)."""
         return np.asarray(shares @ self.points[self.triangles[cell]])
+
+    def places(self, cells: Integers, shares: Array) -> Array:
+        """Positions of points of cells, shape (k, 3)."""
+        return np.asarray(np.einsum("kc,kci->ki", shares, self.points[self.triangles[cells]]))
 
     def cells_at(self, cell: int, shares: Array) -> list[tuple[int, Array]]:
         """Cells that a point belongs to, each with its shares: several on edges and at nodes."""
@@ -126,6 +131,9 @@ def _neighbours(triangles: Integers) -> Integers:
     edges = np.sort(np.concatenate([triangles[:, [1, 2]], triangles[:, [2, 0]], triangles[:, [0, 1]]]), axis=1)
     order = np.lexsort(edges.T)
     same = (edges[order[1:]] == edges[order[:-1]]).all(axis=1)
+    more = same[1:] & same[:-1]  # three cells and more at an edge
+    same[1:] &= ~more
+    same[:-1] &= ~more
     beside = np.full(3 * len(triangles), -1)
     a, b = order[:-1][same], order[1:][same]
     beside[a], beside[b] = b % len(triangles), a % len(triangles)
