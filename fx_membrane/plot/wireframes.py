@@ -12,7 +12,8 @@ from ..checks.entries import entries
 from ..model.parts import Part
 from ..runtime.processes import by_the_first
 from .figures import checked_path, empty, save
-from .scene import INK, screen_axes
+from .scene import INK
+from .windows import screen_axes
 
 
 @by_the_first

@@ -52,14 +52,18 @@ def checked_spacing(name: str, terrain: Terrain, spacing: float | None, parts: i
     if spacing is None:
         return size / parts
     spacing = validation.positive(name, spacing)
-    area = float(measures(terrain.points, terrain.triangles).sum())
-    least = np.sqrt(4 * area / MOST)
+    least = least_spacing(terrain)
     if spacing < least:
+        count = MOST * (least / spacing) ** 2
         raise ValueError(
-            f"{name} is {spacing:g}, with which lines would have {4 * area / spacing**2:.1g} segments; give at least "
-            f"{least:.2g}."
+            f"{name} is {spacing:g}, with which lines would have {count:.1g} segments; give at least {least:.2g}."
         )
     return spacing
+
+
+def least_spacing(terrain: Terrain) -> float:
+    """Distance between lines below which they would have too many segments [m]."""
+    return float(np.sqrt(4 * measures(terrain.points, terrain.triangles).sum() / MOST)) * (1 + 1e-9)
 
 
 def _pieces(terrain: Terrain, allowed: Truths) -> Integers:
