@@ -20,7 +20,7 @@ from ..solvers.progress import Pulse
 from .contour_maps import VIEW
 from .field_panels import checked_fields, checked_options, means, panels_of
 from .fields import Checked, Field
-from .figures import empty
+from .figures import empty, plain
 from .marks import Strokes, strokes
 from .movies import checked_movie, write
 from .panels import Look, Panel, checked_look, draw_panels, setting, size
@@ -216,7 +216,7 @@ def _frames(
         figure = empty(width, height)
         figure.set_dpi(DOTS)
         if words:
-            figure.suptitle(words, color=INK, fontsize=12)
+            figure.suptitle(plain(words), color=INK, fontsize=12)
         draw_panels(figure, subject, shows, look, same, group)
         canvas: Any = matplotlib.backends.backend_agg.FigureCanvasAgg(figure)
         canvas.draw()

@@ -11,7 +11,7 @@ from ..form_finding.form import Form
 from ..results.states import StageResult, StageResults
 from .colours import colours
 from .contour_maps import VIEW
-from .figures import empty
+from .figures import empty, plain
 from .panels import Look, Panel, draw_panels, setting, size
 from .scene import INK
 from .screen import obstacle
@@ -70,7 +70,7 @@ def _panel(subject: Shown) -> Panel:
             name: found.principal[:, 0] for name, found in subject.shape.parts.items() if parts[name].dimension == 2
         }
     shades, numbers = colours(field, symmetric=False, limits=None)
-    return Panel(f"{subject.shape.name}: {title}", numbers, shades)
+    return Panel(f"{plain(subject.shape.name)}: {title}", numbers, shades)
 
 
 def _path(path: EquilibriumPath) -> Any:
@@ -85,7 +85,7 @@ def _path(path: EquilibriumPath) -> Any:
         axes.legend(frameon=False, labelcolor=INK)
     axes.set_xlabel("Largest displacement")
     axes.set_ylabel("Load factor")
-    axes.set_title(f"Path of {path.name!r}", color=INK, fontsize=12, parse_math=False)
+    axes.set_title(f"Path of “{plain(path.name)}”", color=INK, fontsize=12)
     axes.grid(color="#e3e5e8", linewidth=0.8)
     axes.spines[["top", "right"]].set_visible(False)
     return figure

@@ -21,6 +21,7 @@ from .windows import Window, mirrored, window_of
 
 Array = NDArray[np.float64]
 
+EVEN = 0.01  # difference of forces over their size below which colours do not show it
 WIDTH = 6.4  # of a picture [inches]
 
 
@@ -135,8 +136,12 @@ def setting(subjects: Sequence[Shown], groups: Sequence[Sequence[Strokes]], look
 def _force_colours(subjects: Sequence[Shown]) -> Colours:
     every = {str(number): np.concatenate(list(shown.forces.values())) for number, shown in enumerate(subjects)}
     shades, _ = colours(every, symmetric=False, limits=None)
-    shade = "PuOr_r" if shades.map == "coolwarm" else "plasma"  # not those of fields
-    return Colours(shade, shades.low, shades.high, shades.bands)
+    if shades.map == "coolwarm":  # colours that fields do not have
+        return Colours("PuOr_r", shades.low, shades.high, shades.bands)
+    low, high = shades.low, shades.high
+    if high - low < EVEN * max(abs(low), abs(high)):
+        low, high = low - EVEN * abs(low), high + EVEN * abs(high)
+    return Colours("plasma", low, high, shades.bands)
 
 
 def draw_panels(

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -132,3 +133,8 @@ def test_path_with_a_limit_point_is_drawn():
     path = truss_path()
     assert len(path.limit_points) > 0
     assert inline.drawn(path)[0].startswith(PNG)
+
+
+def test_names_with_dollars_are_no_formulas(drawings):
+    state = replace(Analysis(rope()).run([Stage("rest")])["rest"], name=r"5 $ of $\x")
+    assert state._repr_png_().startswith(PNG)
