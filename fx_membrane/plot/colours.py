@@ -47,7 +47,7 @@ def colour_bar(figure: Any, axes: Any, shown: Colours, limited: bool, name: str 
     norm = matplotlib.colors.BoundaryNorm(bounds, shown.bands if named else 256)
     mappable = matplotlib.cm.ScalarMappable(norm, shades)
     bar = figure.colorbar(mappable, ax=axes, location="bottom", fraction=0.05, pad=0.02, shrink=0.8, ticks=ticks)
-    labels = list(STATES) if named else _texts(ticks)
+    labels = list(STATES) if named else _texts(ticks.astype(np.float64))
     if limited:
         labels = [f"≤ {labels[0]}", *labels[1:-1], f"≥ {labels[-1]}"]
     bar.ax.set_xticklabels(labels, color=INK)
