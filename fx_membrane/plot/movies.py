@@ -11,7 +11,7 @@ from .scene import INK
 
 ENDINGS = (".gif", ".mp4")
 
-PAPER_AND_INK = (255, 255, 255, 0, 0, 0, *bytes.fromhex(INK[1:]))
+EXACT = np.array([(255, 255, 255), (0, 0, 0), tuple(bytes.fromhex(INK[1:]))])
 
 Image = NDArray[np.uint8]
 
@@ -54,9 +54,11 @@ def _write_gif(file: Path, frames: Iterator[Image], seconds: float) -> None:
     images = [PIL.Image.fromarray(frame) for frame in frames]
     # One palette for all frames, of all: colours do not flicker. Paper and ink are in it as they are.
     table = PIL.Image.fromarray(np.concatenate([frame[::3, ::3] for frame in map(np.asarray, images)]))
-    found = table.quantize(253, dither=PIL.Image.Dither.NONE).getpalette() or []
+    found = table.quantize(256 - len(EXACT), dither=PIL.Image.Dither.NONE).getpalette() or []
+    shades = np.reshape(found[: 3 * (256 - len(EXACT))], (-1, 3))
+    apart = np.abs(shades[:, None] - EXACT).max(axis=2).min(axis=1) > 6  # Pillow does not tell nearer ones apart
     palette = PIL.Image.new("P", (1, 1))
-    palette.putpalette([*found[: 3 * 253], *PAPER_AND_INK])
+    palette.putpalette(np.concatenate([shades[apart], EXACT]).ravel().tolist())
     first, *rest = [image.quantize(palette=palette, dither=PIL.Image.Dither.NONE) for image in images]
     duration = max(round(1000 * seconds / 10) * 10, 20)  # [ms], whole hundredths of a second; less is slowed down
     first.save(file, format="GIF", save_all=True, append_images=rest, duration=duration, loop=0, optimize=False)

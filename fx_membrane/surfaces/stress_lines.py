@@ -151,6 +151,7 @@ def _directed(sheet: _Sheet) -> NDArray[np.bool_]:
 def _lines(
     sheet: _Sheet, allowed: NDArray[np.bool_], spacing: float, shortest: float, second: bool = False
 ) -> list[SurfaceLine]:
+    allowed = allowed & sheet.terrain.sound
     if not allowed.any():
         return []
     along = field_of(sheet.terrain, sheet.stress, allowed, second, sheet.members)

@@ -158,9 +158,8 @@ def warp_lines(
 
 def _evenly(terrain: Terrain, warp: Array, spacing: float | None) -> list[SurfaceLine]:
     distance = checked_spacing("spacing", terrain, spacing)
-    everywhere = np.ones(len(warp), dtype=bool)
-    along = field_of(terrain, warp[:, :, None] * warp[:, None, :], everywhere)
-    tracks = even_lines(terrain, along, everywhere, distance, distance, np.zeros(len(warp), dtype=np.int64))
+    along = field_of(terrain, warp[:, :, None] * warp[:, None, :], terrain.sound)
+    tracks = even_lines(terrain, along, terrain.sound, distance, distance, np.zeros(len(warp), dtype=np.int64))
     return [SurfaceLine(track.points, track.cells) for track in tracks]
 
 
@@ -185,7 +184,7 @@ def _warp(shape: Any, part: str | None) -> tuple[Surface, Array]:
     before = Terrain(Surface(structure.points, surface.triangles), cut=True)
     rates = np.einsum("cki,ci->ck", before.gradients, structure.warp(name))
     warp = np.einsum("ck,cki->ci", rates, surface.points[surface.triangles])
-    return surface, warp / lengths(warp)[:, None]
+    return surface, warp / np.maximum(lengths(warp), np.finfo(float).tiny)[:, None]
 
 
 def _field(terrain: Terrain, warp: Array) -> Direction:

@@ -88,11 +88,11 @@ def field_of(
 
 
 def plane_axes(terrain: Terrain) -> Array:
-    """Two unit vectors in the plane of each cell, shape (cells, 2, 3)."""
+    """Two unit vectors in the plane of each cell, shape (cells, 2, 3); zero in cells without area."""
     corners = terrain.points[terrain.triangles]
-    side = corners[:, 1] - corners[:, 0]
-    first = side / np.linalg.norm(side, axis=1, keepdims=True)
-    return np.stack([first, np.cross(terrain.normals, first)], axis=1)
+    side = np.where(terrain.sound[:, None], corners[:, 1] - corners[:, 0], 0.0)
+    first = side / np.maximum(np.linalg.norm(side, axis=1, keepdims=True), np.finfo(float).tiny)
+    return np.stack([first, np.cross(np.nan_to_num(terrain.normals), first)], axis=1)
 
 
 def trace(

@@ -33,7 +33,8 @@ class Terrain:
 
     Args:
         surface: The surface.
-        cut: Take edges at which it branches for rims, in the place of refusing it.
+        cut: Take edges at which it branches for rims, in the place of refusing it, and allow cells without area, whose
+            normals are not finite, as of collapsed slack ones.
 
     Raises:
         ValueError: It branches.
@@ -48,13 +49,18 @@ class Terrain:
         self.beside = _neighbours(self.triangles)
         corners = self.points[self.triangles]
         opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
-        normal = normals(self.points, self.triangles)
+        with np.errstate(invalid="ignore" if cut else "warn", divide="ignore" if cut else "warn"):
+            normal = normals(self.points, self.triangles)
+            area = measures(self.points, self.triangles)
+            self.gradients = np.cross(normal[:, None, :], opposite) / (2 * area)[:, None, None]
         self.normals = normal
-        self.gradients = (
-            np.cross(normal[:, None, :], opposite) / (2 * measures(self.points, self.triangles))[:, None, None]
-        )
         order = np.argsort(self.triangles.ravel(), kind="stable")
         self._around = np.split(order // 3, np.cumsum(np.bincount(self.triangles.ravel(), minlength=len(self.points))))
+
+    @property
+    def sound(self) -> NDArray[np.bool_]:
+        """Cells with an area, shape (cells,)."""
+        return np.asarray(np.isfinite(self.gradients).all(axis=(1, 2)))
 
     def around(self, node: int) -> Integers:
         """Cells around a node."""

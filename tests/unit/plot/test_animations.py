@@ -91,6 +91,7 @@ def test_load_increments_in_one_scale(steps, tmp_path, small, settings):
     assert (same.bars.low, same.bars.high) == pytest.approx((forces.min(), forces.max()))
     changed = (found[0] != found[2]).any(axis=2)
     assert 0.01 < changed.mean() < 0.6
+    assert (found[0][0, 0] == 255).all()  # paper is white
     # Everything but the structure, its title and its values stays: the last rows hold the scales.
     assert not changed[-40:].any()
 

@@ -188,6 +188,20 @@ def test_each_wrinkled_cell_alone_has_a_line():
     assert set(np.concatenate([line.cells for line in lines])) == set(where)
 
 
+@pytest.mark.filterwarnings("error")
+def test_collapsed_slack_cells_are_passed_over():
+    """A slack cell may have no area: its neighbours have the lines that they had."""
+    state = folded()["fold"]
+    fabric = state.structure.parts["fabric"]
+    slack = np.flatnonzero(state.membrane("fabric").state == "slack")
+    first, second, _ = fabric.cells[slack[0]]
+    state.displacement[second] = state.position[first] - state.structure.points[second]
+    lines = stress_trajectories(state, spacing=0.2)
+    assert lines
+    assert not set(np.concatenate([line.cells for line in lines])) & set(slack)
+    assert len(wrinkle_lines(state)) > 5
+
+
 def test_archive_has_the_same_lines(tmp_path):
     results = folded()
     save_results(results, tmp_path / "fold.fxm")
