@@ -9,35 +9,19 @@ from mpi4py import MPI
 
 from fx_membrane import (
     Analysis,
-    Cable,
-    Fabric,
-    Mast,
-    Membrane,
     PointLoad,
     Pressure,
     Stage,
-    Structure,
-    Support,
-    boundary_edges,
-    rectangle,
     write_tables,
 )
+from models import HEAD, masted_roof
 
 
 @pytest.fixture(scope="module")
 def results():
-    points, triangles = rectangle(2.0, 2.0, 4, 4)
-    points = np.vstack([points, (1.0, 1.0, -2.0)])
-    rim = boundary_edges(triangles)
-    middle = int(np.abs(points[:-1] - (1, 1, 0)).sum(axis=1).argmin())
-    parts = {
-        "=roof": Membrane(triangles, Fabric(4e5, 0.3), (2e3, 1e3), warp=(1, 0, 0)),
-        'edge, "A"': Cable(rim, 1e6, 1e2),
-        "mast": Mast([(middle, len(points) - 1)], 1e7),
-    }
-    structure = Structure(points, parts, [Support(np.unique(rim)), Support(len(points) - 1)], separate=[])
+    structure = masted_roof(("=roof", 'edge, "A"', "mast"))
     up = Stage("Überdruck\n+1", [Pressure(50.0, "=roof")])
-    return Analysis(structure).run([up, Stage("load", [PointLoad(middle, (0, 0, -5))])])
+    return Analysis(structure).run([up, Stage("load", [PointLoad(HEAD, (0, 0, -5))])])
 
 
 def rows(path):

@@ -1,5 +1,6 @@
 """Structures whose first equilibrium plain Newton does not find: slack, flat without prestress, far from their form."""
 
+import re
 import runpy
 import sys
 from pathlib import Path
@@ -149,6 +150,11 @@ def test_failure_counts_the_iterates_that_drew_the_structure_smooth(iterates, mo
         Analysis(structure, Newton(rtol=1e-14, max_iterations=16)).run(stages)
     failed = error.value.failed
     assert len(failed.iterations) == 2
+    told = re.search(
+        r"first attempt, of (1) iteration; the homotopy took (\d+) more, .* second attempt (\d+), .*force of",
+        str(error.value),
+    )
+    assert sum(map(int, told.groups())) == 16
     assert failed.extra_iterations > len(HomotopyControl().levels)
     assert failed.extra_iterations + len(failed.iterations) == len(iterates)
 
@@ -205,7 +211,7 @@ def test_tension_in_the_structure_is_gone_after_the_solve(monkeypatch):
     solution = solve(loaded, problem.create_vector())
     assert solution.converged
     assert solution.outcome is Outcome.STABILIZED  # impossible in one step
-    assert solve.loop.problem is loaded  # type: ignore[attr-defined]
+    assert solve.loop.problem is loaded
 
 
 @pytest.mark.parametrize("name", ["cable net, prestress 0, load 100", "cone, prestress 0, lift 0.5"])
