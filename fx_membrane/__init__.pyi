@@ -76,6 +76,7 @@ from .surfaces.drainage import Depression, Drainage, drainage
 from .surfaces.remeshing import Remeshed, remeshed
 from .surfaces.round_hole import RoundHole
 from .surfaces.sail import SailMesh, sail_mesh
+from .surfaces.stress_lines import stress_trajectories, wrinkle_lines
 from .surfaces.surface_lines import SurfaceLine, geodesic, warp_lines
 from .surfaces.warp_along import warp_along
 
@@ -178,6 +179,7 @@ __all__ = [
     "sail_mesh",
     "save_results",
     "stability",
+    "stress_trajectories",
     "structure_from_dolfinx",
     "structure_from_file",
     "structure_from_gmsh",
@@ -186,6 +188,7 @@ __all__ = [
     "updated_reference",
     "warp_along",
     "warp_lines",
+    "wrinkle_lines",
     "write_mesh",
     "write_paraview",
     "write_report",

@@ -1,6 +1,7 @@
 """Equilibrium path: load factors, displacements and stability of a sequence of neighbouring states."""
 
 from dataclasses import dataclass, field
+from html import escape
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +18,7 @@ from ..results.evaluation import StateEvaluator
 from ..results.owner import problem_of, without_owner
 from ..results.remarks import remarked, warn_of_remarks
 from ..results.states import Increment, StageResult
+from ..runtime.notebook_pictures import picture_html, picture_png
 from ..runtime.processes import refuse_differences, together
 from ..solvers.base import Iteration
 
@@ -83,6 +85,14 @@ class EquilibriumPath:
     def __repr__(self) -> str:
         last = f", load factor {self.points[-1].load_factor:.4g}" if self.points else ""
         return f"EquilibriumPath({self.name!r}, {counted(len(self.points), 'point')}{last}, complete={self.complete})"
+
+    def _repr_html_(self) -> str:
+        """Show the path and its curve in notebooks."""
+        return f"<b>{escape(repr(self))}</b><p>{escape(self.reason)}</p>" + picture_html(self)
+
+    def _repr_png_(self) -> bytes | None:
+        """Show a picture where a notebook takes no HTML."""
+        return picture_png(self)
 
     @property
     def load_factors(self) -> NDArray[np.float64]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from html import escape
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from ..checks.values import counted
 from ..model.energy_terms import described
 from ..model.structure import Structure
+from ..runtime.notebook_pictures import picture_html, picture_png, table
 
 
 class FormStep(NamedTuple):
@@ -79,6 +81,17 @@ class Form:
     def __repr__(self) -> str:
         shape = counted(len(self.points), "point") if self.made is None else repr(self.made)
         return f"Form({shape}, {counted(len(self.steps), 'step')}, converged={self.converged})"
+
+    def _repr_html_(self) -> str:
+        """Show the forces and a picture in notebooks."""
+        forces = {name: np.reshape(values, (len(values), -1)) for name, values in self.forces.items()}
+        rows = [[escape(name), str(len(f)), f"{f.min():.5g}", f"{f.max():.5g}"] for name, f in forces.items() if f.size]
+        told = table(["part", "cells", "least component of force", "largest"], rows)
+        return f"<b>{escape(repr(self))}</b>" + told + picture_html(self)
+
+    def _repr_png_(self) -> bytes | None:
+        """Show a picture where a notebook takes no HTML."""
+        return picture_png(self)
 
 
 def refuse_terms(structure: Structure) -> None:

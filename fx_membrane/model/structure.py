@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from html import escape
 from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
@@ -15,6 +16,7 @@ from ..checks import validation
 from ..checks.values import counted
 from ..geometry.measures import SLENDER, SLIVER, aspects, normals, projected
 from ..geometry.topology import with_one_sense
+from ..runtime.notebook_pictures import picture_html, picture_png, table
 from . import energy_terms
 from .by_value import ByValue
 from .coincidence import CoincidentNodesWarning, coincident_nodes
@@ -122,6 +124,15 @@ class Structure(ByValue):
     def __repr__(self) -> str:
         kinds = ", ".join(f"{name!r}: {len(part.cells)} x {type(part).__name__}" for name, part in self.parts.items())
         return f"Structure({counted(len(self.points), 'point')}, {{{kinds}}}, {counted(len(self.supports), 'support')})"
+
+    def _repr_html_(self) -> str:
+        """Show the parts and a picture in notebooks."""
+        rows = [[escape(name), type(part).__name__, str(len(part.cells))] for name, part in self.parts.items()]
+        return f"<b>{escape(repr(self))}</b>" + table(["part", "kind", "cells"], rows) + picture_html(self)
+
+    def _repr_png_(self) -> bytes | None:
+        """Show a picture where a notebook takes no HTML."""
+        return picture_png(self)
 
     @cached_property
     def used(self) -> NDArray[np.bool_]:

@@ -35,8 +35,8 @@ def colours(
     return Colours("viridis", low, high, BANDS), field
 
 
-def colour_bar(figure: Any, axes: Any, shown: Colours, limited: bool) -> None:
-    """Draw the scale of the colours below a picture."""
+def colour_bar(figure: Any, axes: Any, shown: Colours, limited: bool, name: str = "") -> None:
+    """Draw the scale of the colours below a picture, with a name where there are several."""
     import matplotlib.cm  # noqa: PLC0415
     import matplotlib.colors  # noqa: PLC0415
 
@@ -47,9 +47,28 @@ def colour_bar(figure: Any, axes: Any, shown: Colours, limited: bool) -> None:
     norm = matplotlib.colors.BoundaryNorm(bounds, shown.bands if named else 256)
     mappable = matplotlib.cm.ScalarMappable(norm, shades)
     bar = figure.colorbar(mappable, ax=axes, location="bottom", fraction=0.05, pad=0.02, shrink=0.8, ticks=ticks)
-    labels = list(STATES) if named else [f"{tick:.3g}" for tick in ticks]
+    labels = list(STATES) if named else _texts(ticks.astype(np.float64))
     if limited:
         labels = [f"≤ {labels[0]}", *labels[1:-1], f"≥ {labels[-1]}"]
     bar.ax.set_xticklabels(labels, color=INK)
     bar.ax.tick_params(which="both", length=0)
     bar.outline.set_visible(False)
+    if name:
+        bar.set_label(name, color=INK, fontsize=10)
+
+
+def _texts(values: NDArray[np.float64]) -> list[str]:
+    """Write numbers with three digits, or as many more as tell them apart."""
+    for digits in range(3, 10):
+        texts = [_text(value, digits) for value in values]
+        if len(set(texts)) == len(texts):
+            break
+    return texts
+
+
+def _text(value: float, digits: int) -> str:
+    """Write a number without an exponent from a thousandth to ten millions."""
+    short = float(f"{value:.{digits}g}")
+    if 1e3 <= abs(short) < 1e7:
+        return np.format_float_positional(short, trim="-")
+    return f"{short:.{digits}g}"

@@ -1,37 +1,47 @@
-"""Contours of fields on the deformed structure (pyvista inside matplotlib)."""
+"""Contours of fields, and lines of stress, on the deformed structure (pyvista inside matplotlib)."""
 
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ..checks import validation
-from ..results.states import StageResult
 from ..runtime.processes import by_the_first
-from .colours import colour_bar, colours
-from .fields import Field, checked, checked_range, checked_scale
+from .field_panels import checked_fields, checked_options, means, panels_of
+from .fields import Field
 from .figures import checked_path, empty, save
-from .scene import INK, picture
+from .marks import TRAJECTORIES, strokes
+from .panels import Look, Panel, checked_look, draw_panels, setting, size
 from .screen import obstacle
+from .shown import Shape, Shown, shown
+
+VIEW = (1.0, -1.6, 1.1)
 
 
 @by_the_first
 def contours(
-    result: StageResult,
+    result: Shape,
     fields: Mapping[str, Field],
     path: str | Path,
     *,
     scale: float = 1.0,
-    view: Sequence[float] = (1.0, -1.6, 1.1),
+    view: Sequence[float] = VIEW,
     mirror: str | None = None,
     antisymmetric: Sequence[str] = (),
     ranges: Mapping[str, Sequence[float]] | None = None,
+    smoothed: Sequence[str] = (),
+    lines: Sequence[str] = (),
+    spacing: float | None = None,
+    forces: bool = False,
+    axes: bool = False,
+    force_unit: str = "N",
+    length_unit: str = "m",
 ) -> None:
     """Plot fields on the deformed structure, one picture beside the other; cables and masts are drawn as tubes.
 
     Without pyvista, or if VTK cannot draw on a screen or in memory, a warning replaces the file.
 
     Args:
-        result: A stage.
+        result: A stage; or a form or a structure, as they are.
         fields: For each title, nodal values, shape (n,), or cell values by part, shape (cells,), as forces of cables;
             cell values may be the states "taut", "wrinkled" and "slack".
         path: Path of the picture.
@@ -42,40 +52,97 @@ def contours(
         ranges: Minimum and maximum of the colours for the titles of some fields, {"title": (low, high)}; values beyond
             have the colour of that end, and the numbers at the ends are written with <= and >=. By default the colours
             go from the minimum to the maximum. One peak can leave the rest in one colour.
+        smoothed: Titles of fields of cells to be drawn with their means at the nodes, which are less than the peaks;
+            "(smoothed)" is added to these titles.
+        lines: Lines on the membranes: "stress I" and "stress II" for principal stress trajectories, "warp", "wrinkles"
+            in wrinkled cells, "slack" to hatch slack cells.
+        spacing: Distance between the lines; by default a twentieth of the extent of the membranes; half of it between
+            wrinkles [m].
+        forces: Colour cables and masts by their forces, with a colour bar of their own.
+        axes: Draw axes with values and unit around the structure, and a length scale.
+        force_unit: Name of the force unit at the forces; no number is converted.
+        length_unit: Name of the length unit at the axes.
 
     Raises:
         ValueError: A field has a wrong number of values, values that are not finite, or names no part; mirror is none
-            of the three; antisymmetric or ranges name no field; a range is not two numbers, the lower first, or is
-            given for states; view is not a direction; scale is not a number, or draws displacements 1e4 times as large
-            as the structure; path ends in no picture format, or cannot be written.
+            of the three; antisymmetric, ranges or smoothed name no field; smoothed names nodal values or states; a
+            range is not two numbers, the lower first, or is given for states; view is not a direction; scale is not a
+            number, or draws displacements 1e4 times as large as the structure; lines names none of its kinds, or the
+            warp of membranes without; the structure has no membranes for lines, or no cables or masts for forces; path
+            ends in no picture format, or cannot be written.
+
+    Example:
+        >>> points, triangles = rectangle(4.0, 2.0, 8, 4)
+        >>> parts = {"strip": Membrane(triangles, Fabric(4e5, 0.3), prestress=(2e3, 1e3), warp=(1, 0, 0))}
+        >>> strip = Structure(points, parts)
+        >>> plot.contours(strip, {"height [m]": points[:, 2]}, "strip.png", view=(0, 0, 1), lines=["stress I", "warp"])
     """
-    validation.instance("The first argument of contours", result, StageResult)
-    validation.instance("fields", fields, Mapping)
-    if not fields:
-        raise ValueError('fields is empty; give at least one, {"title": values}.')
-    drawn = {title: checked(result, title, field) for title, field in fields.items()}
-    validation.choice("mirror", mirror, (None, "x", "y", "z"), '"x", "y", "z" or None')
-    validation.instance("ranges", ranges, Mapping | None)
-    antisymmetric = validation.texts("antisymmetric", antisymmetric)
-    for what, titles in (("antisymmetric", antisymmetric), ("ranges", ranges or {})):
-        unknown = [title for title in titles if title not in drawn]
-        if unknown:
-            raise ValueError(f"{what} names {unknown[0]!r}; the fields are {list(drawn)}.")
-    bounds = {title: checked_range(title, drawn[title], given) for title, given in (ranges or {}).items()}
-    scale = checked_scale(result, scale)
-    eye = validation.direction("view", view)
+    subject = shown("contours", result)
+    panels = _panels(subject, fields, antisymmetric, ranges, smoothed)
+    given = Look(scale, view, mirror, lines, spacing, forces, axes, force_unit, length_unit)
+    _draw(subject, panels, checked_look(subject, given), path)
+
+
+@by_the_first
+def trajectories(
+    result: Shape,
+    path: str | Path,
+    *,
+    title: str = "Principal stress trajectories",
+    scale: float = 1.0,
+    view: Sequence[float] = VIEW,
+    mirror: str | None = None,
+    lines: Sequence[str] = TRAJECTORIES,
+    spacing: float | None = None,
+    forces: bool = False,
+    axes: bool = False,
+    force_unit: str = "N",
+    length_unit: str = "m",
+) -> None:
+    """Plot lines of stress on the deformed membranes, without colours of a field.
+
+    Args:
+        result: A stage; or a form or a structure, with their prestress.
+        path: Path of the picture.
+        title: Title.
+        lines: Kinds of lines, by default all but the warp, see `contours`; the legend has those that there are.
+        scale, view, mirror, spacing, forces, axes, force_unit, length_unit: As in `contours`.
+
+    Raises:
+        ValueError: As `contours`.
+
+    Example:
+        >>> points, triangles = rectangle(4.0, 2.0, 8, 4)
+        >>> parts = {"strip": Membrane(triangles, Fabric(4e5, 0.3), prestress=(2e3, 1e3), warp=(1, 0, 0))}
+        >>> plot.trajectories(Structure(points, parts), "strip.png", view=(0, 0, 1), spacing=0.25)
+    """
+    subject = shown("trajectories", result)
+    given = Look(scale, view, mirror, lines, spacing, forces, axes, force_unit, length_unit)
+    if not validation.texts("lines", lines):
+        raise ValueError("lines is empty; give at least one kind.")
+    _draw(subject, [Panel(validation.text("title", title))], checked_look(subject, given), path)
+
+
+def _panels(
+    subject: Shown,
+    fields: Mapping[str, Field],
+    antisymmetric: Sequence[str],
+    ranges: Mapping[str, Sequence[float]] | None,
+    smoothed: Sequence[str],
+) -> list[Panel]:
+    """Check fields, and find their colours."""
+    drawn = checked_fields(subject, fields)
+    given = checked_options(drawn, antisymmetric, ranges, smoothed)
+    return panels_of([means(subject, drawn, given.smoothed)], given)[0]
+
+
+def _draw(subject: Shown, panels: Sequence[Panel], look: Look, path: str | Path) -> None:
     file = checked_path(path)
     if reason := obstacle():
-        warnings.warn(f"{file} is not drawn: {reason}", stacklevel=3)
+        warnings.warn(f"{file} is not drawn: {reason}", stacklevel=4)
         return
-    figure = empty(6.4 * len(drawn), 5.6)
-    panels = figure.subplots(1, len(drawn), squeeze=False)[0]
-    for axes, (title, field) in zip(panels, drawn.items(), strict=True):
-        shades, numbers = colours(field, symmetric=title in antisymmetric, limits=bounds.get(title))
-        axes.imshow(
-            picture(result, numbers, shades, scale=scale, view=eye, mirror=mirror, antisymmetric=title in antisymmetric)
-        )
-        axes.axis("off")
-        axes.set_title(title, color=INK, fontsize=15)
-        colour_bar(figure, axes, shades, limited=title in bounds)
+    groups = strokes(subject, look.lines, look.spacing)
+    same = setting([subject], [groups], look)
+    figure = empty(*size(panels, look, same))
+    draw_panels(figure, subject, panels, look, same, groups)
     save(figure, file)

@@ -9,7 +9,7 @@ from ..checks import validation
 from ..results.states import StageResult
 from ..runtime.processes import by_the_first
 from ..solvers.base import Iteration
-from .figures import checked_path, empty, save
+from .figures import checked_path, empty, plain, save
 from .scene import INK
 
 LINES = "#1f6f8b"
@@ -45,7 +45,7 @@ def convergence(result: StageResult, path: str | Path, force_unit: str = "N", en
         axes.xaxis.get_major_locator().set_params(integer=True)
         axes.grid(color="#e3e5e8", linewidth=0.8)
         axes.spines[["top", "right"]].set_visible(False)
-    figure.suptitle(f"Convergence of stage “{result.name}”", color=INK, fontsize=12)
+    figure.suptitle(f"Convergence of stage “{plain(result.name)}”", color=INK, fontsize=12)
     save(figure, file)
 
 
@@ -87,7 +87,12 @@ def compare_convergence(
         error = np.array([entry.energy for entry in history]) - lowest
         error[error <= 1e-15 * abs(lowest)] = np.nan  # rounding, or a start before the supports move
         residual = np.array([max(entry.residual, 1e-300) for entry in history])
-        style = {"color": f"C{number}", "marker": "o" if len(history) < 50 else "", "markersize": 3, "label": name}
+        style = {
+            "color": f"C{number}",
+            "marker": "o" if len(history) < 50 else "",
+            "markersize": 3,
+            "label": plain(name),
+        }
         for axes, values in zip(panels, (error, residual), strict=True):
             axes[0].plot(count, values, **style)
             axes[1].plot(count[1:] * seconds[name] / max(len(history) - 1, 1), values[1:], **style)

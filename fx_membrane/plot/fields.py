@@ -8,7 +8,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
 from ..checks.entries import all_are, entries
+from ..geometry.measures import measures
+from ..model.parts import Part
 from ..results.states import StageResult
+from .shown import Shown
 
 FAR = 1e4  # displacements drawn larger than this multiple of the structure have no visible shape
 STATES = ("taut", "wrinkled", "slack")
@@ -17,7 +20,7 @@ Field = Mapping[str, ArrayLike] | ArrayLike
 Checked = dict[str, NDArray[Any]] | NDArray[Any]
 
 
-def checked(result: StageResult, title: str, field: Field) -> Checked:
+def checked(result: StageResult | Shown, title: str, field: Field) -> Checked:
     """Convert a field to arrays: numbers at nodes, shape (n,), or numbers or states of cells by part, each (cells,).
 
     Raises:
@@ -59,7 +62,7 @@ def checked_range(title: str, field: Checked, given: Sequence[float]) -> tuple[f
     return float(pair[0]), float(pair[1])
 
 
-def checked_scale(result: StageResult, scale: float) -> float:
+def checked_scale(result: StageResult | Shown, scale: float) -> float:
     """Factor of the displacements at which the structure is still visible.
 
     Raises:
@@ -77,7 +80,26 @@ def checked_scale(result: StageResult, scale: float) -> float:
 
 def joined(field: Checked) -> NDArray[Any]:
     """Concatenate all values of a field, shape (values,)."""
-    return np.concatenate(list(field.values())) if isinstance(field, dict) else field
+    return np.concatenate([values.ravel() for values in field.values()]) if isinstance(field, dict) else field
+
+
+def smooth(parts: Mapping[str, Part], points: NDArray[np.float64], title: str, field: Checked) -> Checked:
+    """Replace values of cells by means at the nodes of their part, by area or length; at corners, (cells, nodes) each.
+
+    Raises:
+        ValueError: The field has nodal values already, or states.
+    """
+    if not isinstance(field, dict) or joined(field).dtype.kind == "U":
+        kind = "states, which have no mean" if isinstance(field, dict) else "values at nodes already"
+        raise ValueError(f"smoothed names {title!r}, which has {kind}; leave it out.")
+    found: dict[str, NDArray[Any]] = {}
+    for name, values in field.items():
+        cells = parts[name].cells
+        size = np.repeat(measures(points, cells), cells.shape[1])
+        nodes = np.unique(cells, return_inverse=True)[1].ravel()
+        sums = np.bincount(nodes, size * np.repeat(values, cells.shape[1]))
+        found[name] = (sums / np.bincount(nodes, size))[nodes].reshape(cells.shape)
+    return found
 
 
 def _values(name: str, given: ArrayLike) -> NDArray[Any]:

@@ -20,6 +20,11 @@ def empty(width: float, height: float) -> Any:
     return matplotlib.figure.Figure(figsize=(width, height), layout="constrained")
 
 
+def plain(name: str) -> str:
+    """Write a name of a user, in which a dollar begins no formula."""
+    return name.replace("$", r"\$")
+
+
 def checked_path(path: str | Path) -> Path:
     """Check the name, the ending and the place of a picture, before anything is drawn."""
     import matplotlib.backend_bases  # noqa: PLC0415

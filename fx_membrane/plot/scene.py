@@ -7,11 +7,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..model.parts import Part
 from ..results.states import StageResult
+from .marks import COLOURED, PLAIN, WIDTHS, Strokes, hatching
+from .shown import Shown
+from .windows import Window, mirrored, screen_axes, window_of
+
+__all__ = ["FABRIC", "INK", "MAST", "Bars", "Colours", "picture", "screen_axes"]
 
 INK = "#30343b"
 MAST = "#8a5a2b"
 FABRIC = "#e8e4da"
+HATCH = 0.012  # distance of hatching lines over the longer side of the window
+LIFT = 2e-3  # distance by which lines are drawn nearer to the eye, over the same
+
+Array = NDArray[np.float64]
+Numbers = Mapping[str, Array] | Array
 
 
 @dataclass(frozen=True)
@@ -24,77 +35,140 @@ class Colours:
     bands: int
 
 
+@dataclass(frozen=True)
+class Bars:
+    """Forces of cables and masts by name, each (cells,), and their colours."""
+
+    forces: Mapping[str, Array]
+    colours: Colours
+
+
 def picture(
-    result: StageResult,
-    field: Mapping[str, NDArray[np.float64]] | NDArray[np.float64],
-    colours: Colours,
+    result: StageResult | Shown,
+    field: Numbers | None,
+    colours: Colours | None,
     *,
     scale: float,
     view: ArrayLike,
     mirror: str | None,
     antisymmetric: bool,
+    strokes: Sequence[Strokes] = (),
+    slack: NDArray[np.int64] | None = None,
+    bars: Bars | None = None,
+    window: Window | None = None,
 ) -> NDArray[np.uint8]:
     """Draw the deformed structure, cables and masts as tubes; shape (height, width, 3).
 
-    Cell values colour their parts. Nodal values colour the membranes, or the lines if there are none.
+    Cell values colour their parts; those at the corners of cells, shape (cells, nodes), run smoothly. Nodal values
+    colour the membranes, or the lines if there are none.
 
-    A coordinate in `mirror` adds the mirror image, with values of the other sign if the field is antisymmetric.
+    A coordinate in `mirror` adds the mirror image, with values of the other sign if the field is antisymmetric. Cells
+    in `slack` are hatched. The window is that of the deformed structure unless one is given.
     """
     import pyvista  # noqa: PLC0415  (numbers alone must not wait for it)
 
-    plotter = pyvista.Plotter(off_screen=True, window_size=(1200, 900))
-    plotter.set_background("white")
-    plotter.enable_anti_aliasing("ssaa")
     points = result.structure.points + scale * result.displacement
-    radius = 0.0025 * np.linalg.norm(np.ptp(points[result.structure.used], axis=0))
-    membranes = any(part.dimension == 2 for part in result.structure.parts.values())
-    shapes = [(points, 1)]
-    if mirror is not None:
-        shapes.append((points * np.where(np.arange(3) == "xyz".index(mirror), -1.0, 1.0), -1 if antisymmetric else 1))
-    for shape, sign in shapes:
-        for name, part in result.structure.parts.items():
-            if part.dimension == 1:
-                body = pyvista.PolyData(shape, lines=_vtk_cells(part.cells))
-            else:
-                body = pyvista.PolyData(shape, faces=_vtk_cells(part.cells))
-            if isinstance(field, Mapping) and name in field:
-                body.cell_data["values"] = sign * field[name]
-            elif not isinstance(field, Mapping) and (part.dimension == 2 or not membranes):
-                body.point_data["values"] = sign * field
-            look: dict[str, Any] = {"color": MAST if part.is_strut else INK if part.dimension == 1 else FABRIC}
-            if "values" in body.array_names:
-                look = {
-                    "scalars": "values", "clim": (colours.low, colours.high), "cmap": colours.map,
-                    "n_colors": colours.bands, "show_scalar_bar": False,
-                }  # fmt: skip
-            if part.dimension == 1:
-                body = body.tube(radius=(2 if part.is_strut else 1) * radius)
-            else:
-                look |= {
-                    "show_edges": len(part.cells) <= 5000,
-                    "line_width": 1.5,
-                    "edge_color": INK,
-                    "edge_opacity": 0.25,
-                }
-            plotter.add_mesh(body, ambient=0.5, diffuse=0.6, **look)
-    plotter.view_vector(np.asarray(view), viewup=screen_axes(view)[1])
-    plotter.enable_parallel_projection()  # plans stay plans, and lines lie as in wire frames
-    plotter.camera.zoom(1.2)
-    image = np.asarray(plotter.screenshot(return_img=True), dtype=np.uint8)
-    plotter.close()
-    drawn = np.argwhere((image < 255).any(axis=2))
-    (top, left), (bottom, right) = drawn.min(axis=0), drawn.max(axis=0)
-    return image[max(top - 10, 0) : bottom + 10, max(left - 10, 0) : right + 10]
+    shapes = mirrored(points, mirror)
+    window = window or window_of([shape[result.structure.used] for shape in shapes], view)
+    plotter = pyvista.Plotter(off_screen=True, window_size=window.pixels)
+    try:
+        plotter.set_background("white")
+        plotter.enable_anti_aliasing("ssaa")
+        for shape, sign in zip(shapes, (1, -1 if antisymmetric else 1), strict=False):
+            radius = 0.0025 * float(np.linalg.norm(np.ptp(shape[result.structure.used], axis=0)))
+            for name, part in result.structure.parts.items():
+                values = _values(result.structure.parts, name, field, len(shape))
+                shades, turn = colours, sign
+                if bars is not None and name in bars.forces:
+                    values, shades, turn = ("cell", bars.forces[name]), bars.colours, 1
+                look = _look(part, lined=bool(strokes) or slack is not None)
+                if values is not None and shades is not None:
+                    look |= _scale(shades)
+                body = _body(shape, part, values, turn)
+                if part.dimension == 1:
+                    body = body.tube(radius=(2.0 if part.is_strut else 1.0 if bars is None else 1.4) * radius)
+                plotter.add_mesh(body, ambient=0.5, diffuse=0.6, **look)
+            _add_lines(plotter, shape, window, strokes, slack, PLAIN if colours is None else COLOURED)
+        _aim(plotter, window)
+        return np.asarray(plotter.screenshot(return_img=True), dtype=np.uint8)
+    finally:
+        plotter.close()
 
 
-def screen_axes(view: ArrayLike) -> NDArray[np.float64]:
-    """Right and up of a picture seen from a direction, shape (2, 3): z points up; from straight above or below, y."""
-    eye = np.asarray(view, dtype=np.float64)
-    eye = eye / np.linalg.norm(eye)
-    right = np.cross([0.0, 0.0, 1.0] if np.hypot(eye[0], eye[1]) > 1e-9 else [0.0, 1.0, 0.0], eye)
-    right = right / np.linalg.norm(right)
-    return np.stack([right, np.cross(eye, right)])
+def _values(parts: Mapping[str, Part], name: str, field: Numbers | None, count: int) -> tuple[str, Array] | None:
+    """Values that colour a part, of its cells or of all nodes; None without."""
+    if field is None:
+        return None
+    if not isinstance(field, Mapping):
+        membranes = any(part.dimension == 2 for part in parts.values())
+        return ("point", field) if parts[name].dimension == 2 or not membranes else None
+    if name not in field:
+        return None
+    values = field[name]
+    if values.ndim == 1:
+        return "cell", values
+    at_nodes = np.zeros(count)
+    at_nodes[parts[name].cells] = values
+    return "point", at_nodes
 
 
-def _vtk_cells(cells: NDArray[np.int64]) -> NDArray[np.int64]:
-    return np.column_stack([np.full(len(cells), cells.shape[1]), cells]).ravel()
+def _body(shape: Array, part: Part, values: tuple[str, Array] | None, sign: int) -> Any:
+    import pyvista  # noqa: PLC0415
+
+    cells = np.column_stack([np.full(len(part.cells), part.cells.shape[1]), part.cells]).ravel()
+    body = pyvista.PolyData(shape, **{"lines" if part.dimension == 1 else "faces": cells})
+    if values is not None:
+        data = body.cell_data if values[0] == "cell" else body.point_data
+        data["values"] = sign * values[1]
+    return body
+
+
+def _look(part: Part, lined: bool) -> dict[str, Any]:
+    if part.dimension == 1:
+        return {"color": MAST if part.is_strut else INK}
+    edges = {"line_width": 1.5, "edge_color": INK, "edge_opacity": 0.25}
+    return {"color": FABRIC, "show_edges": len(part.cells) <= 5000 and not lined} | edges
+
+
+def _scale(colours: Colours) -> dict[str, Any]:
+    return {
+        "color": None, "scalars": "values", "clim": (colours.low, colours.high), "cmap": colours.map,
+        "n_colors": colours.bands, "show_scalar_bar": False,
+    }  # fmt: skip
+
+
+def _add_lines(
+    plotter: Any,
+    shape: Array,
+    window: Window,
+    strokes: Sequence[Strokes],
+    slack: NDArray[np.int64] | None,
+    inks: Mapping[str, str],
+) -> None:
+    """Draw lines a little nearer to the eye than their surface, which hides those behind it."""
+    lift = LIFT * window.size * window.view
+    groups = [(group.kind, group.at(shape), group.counts) for group in strokes if len(group.counts)]
+    if slack is not None and len(slack):
+        ends, _ = hatching(shape, slack, (window.axes[0] - window.axes[1]) / np.sqrt(2), HATCH * window.size)
+        groups.append(("slack", ends.reshape(-1, 3), np.full(len(ends), 2)))
+    for kind, places, counts in groups:
+        body = _polylines(places + lift, counts)
+        plotter.add_mesh(body, color=inks[kind], line_width=WIDTHS[kind], lighting=False)
+
+
+def _polylines(places: Array, counts: NDArray[np.int64]) -> Any:
+    import pyvista  # noqa: PLC0415
+
+    return pyvista.PolyData(places, lines=np.insert(np.arange(len(places)), np.cumsum(counts) - counts, counts))
+
+
+def _aim(plotter: Any, window: Window) -> None:
+    """Point the camera at the window; plans stay plans, and lines lie as in wire frames."""
+    middle = (window.low + window.high) / 2 @ window.axes + window.depth.mean() * window.view
+    distance = 2 * (window.size + float(np.ptp(window.depth)))
+    plotter.camera.position = middle + distance * window.view
+    plotter.camera.focal_point = middle
+    plotter.camera.up = window.axes[1]
+    plotter.enable_parallel_projection()
+    plotter.camera.parallel_scale = float(window.high[1] - window.low[1]) / 2
+    plotter.renderer.reset_camera_clipping_range()

@@ -11,8 +11,9 @@ from ..checks import validation
 from ..checks.entries import entries
 from ..model.parts import Part
 from ..runtime.processes import by_the_first
-from .figures import checked_path, empty, save
-from .scene import INK, screen_axes
+from .figures import checked_path, empty, plain, save
+from .scene import INK
+from .windows import screen_axes
 
 
 @by_the_first
@@ -60,7 +61,7 @@ def wireframe(
             seen[np.unique(np.sort(edges, axis=1), axis=0)],
             colors="#9fb3bd" if thin else f"C{number}",
             linewidths=0.7 if thin else 2.0,
-            label=name,
+            label=plain(name),
         )
         axes.add_collection(drawn)
     for node in marked:

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from html import escape
 from typing import Any
 
+from ..runtime.notebook_pictures import picture_html, table
 from .checks import checks
 from .states import StageResult
 from .summary import summary
@@ -12,7 +13,7 @@ COLOURS = {"PASS": "#1c7c4a", "WARN": "#a35c00", "FAIL": "#b3261e"}
 
 
 def state_html(result: StageResult) -> str:
-    """Show a state: its checks, and the extremes of each part."""
+    """Show a state: its checks, the extremes of each part, and a picture."""
     judged = [
         [f'<b style="color:{COLOURS[check.verdict.value]}">{check.verdict.value}</b>']
         + [escape(text) for text in (check.name, check.found, check.limit, check.advice)]
@@ -20,13 +21,14 @@ def state_html(result: StageResult) -> str:
     ]
     return (
         f"<b>Stage {escape(repr(result.name))}</b>"
-        + _table(["", "check", "found", "limit", "remedy"], judged)
-        + _table(["part", "quantity", "least", "largest", "in cell"], _extremes(result))
+        + table(["", "check", "found", "limit", "remedy"], judged)
+        + table(["part", "quantity", "least", "largest", "in cell"], _extremes(result))
+        + picture_html(result)
     )
 
 
 def states_html(results: Sequence[StageResult]) -> str:
-    """Show a list of stages: increments, iterations, largest displacement, remarks."""
+    """Show a list of stages: increments, iterations, largest displacement, remarks; and a picture of the last."""
     rows = [
         [
             escape(result.name),
@@ -37,7 +39,8 @@ def states_html(results: Sequence[StageResult]) -> str:
         ]
         for result in results
     ]
-    return _table(["stage", "increments", "iterations", "largest displacement", "remarks"], rows)
+    heads = ["stage", "increments", "iterations", "largest displacement", "remarks"]
+    return table(heads, rows) + (picture_html(results[-1]) if results else "")
 
 
 def _extremes(result: StageResult) -> Iterator[list[str]]:
@@ -47,9 +50,3 @@ def _extremes(result: StageResult) -> Iterator[list[str]]:
             if isinstance(ends, dict):
                 least, largest = ends["least"], ends["largest"]
                 yield [escape(name), quantity, f"{least['value']:.5g}", f"{largest['value']:.5g}", str(largest["cell"])]
-
-
-def _table(heads: Sequence[str], rows: Any) -> str:
-    head = "".join(f"<th>{text}</th>" for text in heads)
-    body = "".join(f"<tr>{''.join(f'<td>{cell}</td>' for cell in row)}</tr>" for row in rows)
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"

@@ -18,6 +18,7 @@ from ..checks.values import counted
 from ..model.parts import Cable, Mast, Membrane
 from ..model.stages import Stage
 from ..model.structure import Structure
+from ..runtime.notebook_pictures import picture_png
 from ..solvers.base import Iteration
 from ..solvers.outcome import Outcome
 from .owner import problem_of, without_owner
@@ -168,10 +169,14 @@ class StageResult:
         )
 
     def _repr_html_(self) -> str:
-        """Show checks and extremes in notebooks."""
+        """Show checks, extremes and a picture in notebooks."""
         from .notebook import state_html  # noqa: PLC0415  (it needs this class)
 
         return state_html(self)
+
+    def _repr_png_(self) -> bytes | None:
+        """Show a picture where a notebook takes no HTML."""
+        return picture_png(self)
 
     @property
     def position(self) -> Array:
@@ -264,10 +269,14 @@ class StageResults(dict[str, StageResult]):
         self.limits: Any = None
 
     def _repr_html_(self) -> str:
-        """Show the list of stages in notebooks."""
+        """Show the list of stages, and a picture of the last, in notebooks."""
         from .notebook import states_html  # noqa: PLC0415  (it needs this class)
 
         return states_html(list(self.values()))
+
+    def _repr_png_(self) -> bytes | None:
+        """Show a picture where a notebook takes no HTML."""
+        return picture_png(self)
 
     def __missing__(self, name: object) -> StageResult:
         raise KeyError(f"no stage is named {name!r}; the results are of {list(self)}")

@@ -13,9 +13,11 @@ from ..geometry.measures import lengths, measures
 from ..model.parts import Membrane
 from ..model.structure import Structure
 from ..results.states import StageResult
+from .even_lines import checked_spacing, even_lines
 from .nearest import on_surface
 from .shapes import Shape, Surface, surface_of
 from .shortest import shortest
+from .tracing import field_of
 from .transfer import between, main_direction
 from .walking import Direction, Terrain, Way, walk
 
@@ -114,20 +116,28 @@ def geodesic(
 
 
 def warp_lines(
-    shape: Structure | Form | StageResult, starts: Sequence[int | ArrayLike], part: str | None = None
+    shape: Structure | Form | StageResult,
+    starts: Sequence[int | ArrayLike] | None = None,
+    part: str | None = None,
+    *,
+    spacing: float | None = None,
 ) -> list[SurfaceLine]:
-    """Lines along the warp of a membrane through some points, each from rim to rim, in the sense of the warp.
+    """Lines along the warp of a membrane: through points, from rim to rim in the sense of the warp; or spread evenly.
 
     The direction between the centres of cells is interpolated, so that the lines are of second order in the mesh size.
 
     Args:
         shape: A `Structure`, a `Form`, or a `StageResult`, taken as deformed, its warp with it.
-        starts: Points that the lines go through: node numbers, or positions on the surface, shape (3,) [m].
+        starts: Points that the lines go through: node numbers, or positions on the surface, shape (3,) [m]; None for
+            lines spread evenly over the membrane, in either sense.
         part: Name of the membrane, if there are several.
+        spacing: Without starts, distance between neighbouring lines; by default a twentieth of the extent of the
+            membrane [m].
 
     Raises:
         ValueError: The shape is none of these, or has several membranes and no part is named; a point is not on the
-            surface; a line reaches no rim.
+            surface; a line reaches no rim; spacing is given with starts, is not positive, or is so small that the lines
+            would have more than 2e5 segments.
 
     Example:
         >>> points, triangles = rectangle(4.0, 4.0, 8, 8)
@@ -137,9 +147,20 @@ def warp_lines(
         [[-2.0, -1.0, 0.0], [2.0, 1.0, 0.0]]
     """
     surface, warp = _warp(shape, part)
+    if starts is None:
+        return _evenly(Terrain(surface, cut=True), warp, spacing)
+    if spacing is not None:
+        raise ValueError("spacing is given with starts; give one of them.")
     terrain = Terrain(surface)
     field = _field(terrain, warp)
     return [_through(terrain, field, warp, *on_surface("A start", surface, start)) for start in _listed(starts)]
+
+
+def _evenly(terrain: Terrain, warp: Array, spacing: float | None) -> list[SurfaceLine]:
+    distance = checked_spacing("spacing", terrain, spacing)
+    along = field_of(terrain, warp[:, :, None] * warp[:, None, :], terrain.sound)
+    tracks = even_lines(terrain, along, terrain.sound, distance, distance, np.zeros(len(warp), dtype=np.int64))
+    return [SurfaceLine(track.points, track.cells) for track in tracks]
 
 
 def _listed(starts: Any) -> Sequence[Any]:
@@ -160,10 +181,10 @@ def _warp(shape: Any, part: str | None) -> tuple[Surface, Array]:
         raise ValueError(f"The structure has the membranes {names}; name the one of the lines, part=...")
     name = names[0] if part is None else part
     surface = surface_of("warp_lines", shape, name)
-    before = Terrain(Surface(structure.points, surface.triangles))
+    before = Terrain(Surface(structure.points, surface.triangles), cut=True)
     rates = np.einsum("cki,ci->ck", before.gradients, structure.warp(name))
     warp = np.einsum("ck,cki->ci", rates, surface.points[surface.triangles])
-    return surface, warp / lengths(warp)[:, None]
+    return surface, warp / np.maximum(lengths(warp), np.finfo(float).tiny)[:, None]
 
 
 def _field(terrain: Terrain, warp: Array) -> Direction:

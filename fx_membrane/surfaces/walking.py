@@ -33,27 +33,34 @@ class Terrain:
 
     Args:
         surface: The surface.
+        cut: Take edges at which it branches for rims, in the place of refusing it, and allow cells without area, whose
+            normals are not finite, as of collapsed slack ones.
 
     Raises:
         ValueError: It branches.
     """
 
-    def __init__(self, surface: Surface) -> None:
+    def __init__(self, surface: Surface, cut: bool = False) -> None:
         self.points, self.triangles = surface
-        branch = branching_edge(self.triangles)
+        branch = None if cut else branching_edge(self.triangles)
         if branch is not None:
             where = validation.format_point(self.points[branch].mean(axis=0))
             raise ValueError(f"The surface branches at {where}, where a line has no one way; name one part, part=...")
         self.beside = _neighbours(self.triangles)
         corners = self.points[self.triangles]
         opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
-        normal = normals(self.points, self.triangles)
+        with np.errstate(invalid="ignore" if cut else "warn", divide="ignore" if cut else "warn"):
+            normal = normals(self.points, self.triangles)
+            area = measures(self.points, self.triangles)
+            self.gradients = np.cross(normal[:, None, :], opposite) / (2 * area)[:, None, None]
         self.normals = normal
-        self.gradients = (
-            np.cross(normal[:, None, :], opposite) / (2 * measures(self.points, self.triangles))[:, None, None]
-        )
         order = np.argsort(self.triangles.ravel(), kind="stable")
         self._around = np.split(order // 3, np.cumsum(np.bincount(self.triangles.ravel(), minlength=len(self.points))))
+
+    @property
+    def sound(self) -> NDArray[np.bool_]:
+        """Cells with an area, shape (cells,)."""
+        return np.asarray(np.isfinite(self.gradients).all(axis=(1, 2)))
 
     def around(self, node: int) -> Integers:
         """Cells around a node."""
@@ -62,6 +69,10 @@ class Terrain:
     def place(self, cell: int, shares: Array) -> Array:
         """Position of a point of a cell, shape (3,)."""
         return np.asarray(shares @ self.points[self.triangles[cell]])
+
+    def places(self, cells: Integers, shares: Array) -> Array:
+        """Positions of points of cells, shape (k, 3)."""
+        return np.asarray(np.einsum("kc,kci->ki", shares, self.points[self.triangles[cells]]))
 
     def cells_at(self, cell: int, shares: Array) -> list[tuple[int, Array]]:
         """Cells that a point belongs to, each with its shares: several on edges and at nodes."""
@@ -126,6 +137,9 @@ def _neighbours(triangles: Integers) -> Integers:
     edges = np.sort(np.concatenate([triangles[:, [1, 2]], triangles[:, [2, 0]], triangles[:, [0, 1]]]), axis=1)
     order = np.lexsort(edges.T)
     same = (edges[order[1:]] == edges[order[:-1]]).all(axis=1)
+    more = same[1:] & same[:-1]  # three cells and more at an edge
+    same[1:] &= ~more
+    same[:-1] &= ~more
     beside = np.full(3 * len(triangles), -1)
     a, b = order[:-1][same], order[1:][same]
     beside[a], beside[b] = b % len(triangles), a % len(triangles)

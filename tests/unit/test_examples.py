@@ -9,25 +9,31 @@ import pytest
 import fx_membrane
 
 NAMES = {name: getattr(fx_membrane, name) for name in fx_membrane.__all__} | {"np": np}
+PICTURES = [name for name in fx_membrane.plot.__all__ if callable(getattr(fx_membrane.plot, name))]
+NAMES_OF_PICTURES = {f"plot.{name}": getattr(fx_membrane.plot, name) for name in PICTURES}
 SHOWN = {
     "Analysis", "Cable", "DistributedLoad", "Fabric", "Mast", "Membrane", "OrthotropicFabric", "PlanLoad",
     "PointLoad", "PrescribedDisplacement", "Pressure", "Stage", "StageResult", "Structure", "Support",
     "RoundHole", "boundary_edges", "drainage", "edges_where", "equilibrium_path", "force_density", "masts_and_stays",
     "natural_force_density", "natural_frequencies", "polyline", "prescribed_stress", "projected_stress", "rectangle",
-    "report", "sail_mesh", "stability", "updated_reference",
+    "plot.animation", "plot.contours", "plot.trajectories", "report", "sail_mesh", "stability",
+    "stress_trajectories", "updated_reference", "wrinkle_lines",
 }  # fmt: skip
 # Packages that Debian does not have, or that are optional.
 NEEDS = {"ParaViewSeries": "pyvista", "geodesic": "potpourri3d", "warp_along": "potpourri3d"}
+NEEDS |= dict.fromkeys(NAMES_OF_PICTURES, "pyvista")
 
 
 def examples(name):
     """Doctests of a name, and of its own methods."""
     finder = doctest.DocTestFinder(exclude_empty=True)
-    public = inspect.unwrap(NAMES[name])
+    public = inspect.unwrap((NAMES | NAMES_OF_PICTURES)[name])
     return [test for test in finder.find(public, name, globs=dict(NAMES)) if test.examples]
 
 
-@pytest.mark.parametrize("name", [name for name in fx_membrane.__all__ if name in SHOWN or examples(name)])
+@pytest.mark.parametrize(
+    "name", [name for name in (*fx_membrane.__all__, *NAMES_OF_PICTURES) if name in SHOWN or examples(name)]
+)
 def test_examples(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # some write files
     if name in NEEDS:

@@ -1,5 +1,7 @@
 """Curves of convergence: visible content, and refused input."""
 
+from dataclasses import replace
+
 import pytest
 
 from fx_membrane import Analysis, Stage, Structure, Support, plot
@@ -47,3 +49,12 @@ def test_convergence_of_a_state_that_is_exactly_in_equilibrium(result, tmp_path)
 def test_convergence_of_no_result_is_refused(tmp_path):
     with pytest.raises(ValueError, match=r"^The first argument.*convergence is 5.*StageResult"):
         plot.convergence(5, tmp_path / "never.png")
+
+
+def test_names_with_dollars_are_no_formulas(result, tmp_path):
+    odd = replace(result, name=r"5 $ of $\x")
+    plot.convergence(odd, tmp_path / "convergence.png")
+    plot.compare_convergence({odd.name: [entry for _, entry in odd.history]}, {odd.name: 1.0}, tmp_path / "two.png")
+    parts = {odd.name: result.structure.parts["south"], "_": result.structure.parts["mast"]}
+    plot.wireframe(result.structure.points, parts, tmp_path / "frame.png")
+    assert len(list(tmp_path.iterdir())) == 3

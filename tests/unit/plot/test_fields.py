@@ -6,8 +6,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from fx_membrane import plot
-from fx_membrane.plot.fields import checked, checked_scale
+from fx_membrane import Fabric, Membrane, plot, rectangle
+from fx_membrane.plot.fields import checked, checked_scale, smooth
 from models import MIXED
 
 RESULT = SimpleNamespace(structure=MIXED)  # a check needs the structure of the result only
@@ -67,3 +67,41 @@ def test_scale_that_leaves_no_shape(scale):
         checked_scale(result, scale)
     assert checked_scale(result, Decimal(20000)) == 20000
     assert checked_scale(SimpleNamespace(structure=MIXED, displacement=np.zeros((N, 3))), scale) == scale
+
+
+FLAT, TRIANGLES = rectangle(4.0, 4.0, 8, 8)
+WEST = FLAT[TRIANGLES].mean(axis=1)[:, 0] < 0
+HALVES = {name: Membrane(TRIANGLES[cells], Fabric(1e5, 0.3)) for name, cells in (("west", WEST), ("east", ~WEST))}
+
+
+def test_means_at_nodes():
+    """They keep constants, give linear fields back inside, stay within the values, and jump from part to part."""
+    constant = smooth(HALVES, FLAT, "title", {"west": np.full(64, 3.0), "east": np.full(64, 5.0)})
+    assert np.allclose(constant["west"], 3.0)
+    assert np.allclose(constant["east"], 5.0)
+    heights = FLAT[HALVES["west"].cells].mean(axis=1)[:, 1]
+    found = smooth(HALVES, FLAT, "title", {"west": heights})
+    corners = FLAT[HALVES["west"].cells]
+    inside = (np.abs(corners[:, :, 1]) < 1.9) & (np.abs(corners[:, :, 0] + 1) < 0.9)
+    assert found["west"][inside] == pytest.approx(corners[inside][:, 1])
+    assert heights.min() <= found["west"].min()
+    assert found["west"].max() <= heights.max()
+
+
+def test_means_weigh_by_area():
+    points = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (-3, 0, 0)], dtype=float)
+    pair = {"pair": Membrane([[0, 1, 2], [0, 2, 3]], Fabric(1e5, 0.3))}
+    found = smooth(pair, points, "title", {"pair": np.array([4.0, 8.0])})["pair"]
+    assert found == pytest.approx(np.array([[7, 4, 7], [7, 7, 8]]))
+
+
+@pytest.mark.parametrize(
+    ("field", "message"),
+    [
+        (np.zeros(81), "^smoothed names 'title', which has values at nodes already; leave it out"),
+        ({"west": np.full(64, "taut")}, "^smoothed names 'title', which has states, which have no mean; leave it out"),
+    ],
+)
+def test_means_of_others_are_refused(field, message):
+    with pytest.raises(ValueError, match=message):
+        smooth(HALVES, FLAT, "title", field)
