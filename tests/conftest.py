@@ -35,6 +35,7 @@ ONE_PROCESS = {
     "unit/files/test_archive.py",
     "unit/form_finding/test_bodies.py",
     "unit/form_finding/test_cable_lines.py",
+    "unit/form_finding/test_constraints_of_all_methods.py",
     "unit/form_finding/test_constraints_of_cables.py",
     "unit/form_finding/test_constraints_of_cables_refusals.py",
     "unit/form_finding/test_constraints_of_nodes_refusals.py",

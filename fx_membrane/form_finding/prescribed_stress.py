@@ -27,11 +27,11 @@ from numpy.typing import NDArray
 
 from ..checks import validation
 from ..model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
-from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
 from ..solvers.progress import Pulse
 from .balance.cable_forces import check_bars
 from .form import Form, FormStep, refuse_terms
+from .form_loads import checked_form_loads
 from .nearest_stress.start import even_state, near_state
 from .nearest_stress.state import NearestProblem, State
 from .nearest_stress.system import step_of, system_of
@@ -116,15 +116,13 @@ def prescribed_stress(
     """
     validation.instance("prescribed_stress structure", structure, Structure)
     refuse_terms(structure)
-    kinds = PointLoad | DistributedLoad | PlanLoad | Pressure
-    stage = Stage("form", validation.instances("loads", loads, kinds))
-    check_stages(structure, [stage])
+    loads = checked_form_loads(structure, loads)
     tolerance = validation.positive("tolerance", tolerance)
     max_iterations = validation.positive_integer("max_iterations", max_iterations)
     check_bars(structure)
     wishes = wishes_of(structure, stress, warp)
     check_edges(structure)
-    problem = NearestProblem(structure, stage.loads, wishes)
+    problem = NearestProblem(structure, loads, wishes)
     pulse = Pulse("form finding", MPI.COMM_WORLD.rank == 0)
     state, steps, failure = _nearest(problem, pulse, tolerance, max_iterations)
     trouble = reason_of(problem, state, steps, failure, tolerance, FAR)

@@ -21,16 +21,16 @@ from ..checks import validation
 from ..geometry.measures import measures
 from ..model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
 from ..model.parts import Membrane
-from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
 from ..solvers.progress import Pulse
 from .balance.cable_forces import MEASURES, check_bars, difference
-from .balance.constrained_balance import ConstrainedBalance
+from .balance.constrained_balance import ConstrainedBalance, shortfall
 from .balance.membrane_balance import collapse_of, stressed
 from .constraints.cable_targets import MET
 from .constraints.hand_over import handed_over
 from .constraints.kinds import Constraint
 from .form import Form, FormStep, refuse_terms
+from .form_loads import checked_form_loads
 from .plan import Field, Plan, place, plan_of
 from .reasons.no_form import causes, forces_in
 from .reasons.unheld import free_edge
@@ -121,9 +121,7 @@ def projected_stress(
     """
     validation.instance("projected_stress structure", structure, Structure)
     refuse_terms(structure)
-    kinds = PointLoad | DistributedLoad | PlanLoad | Pressure
-    stage = Stage("form", validation.instances("loads", loads, kinds))
-    check_stages(structure, [stage])
+    loads = checked_form_loads(structure, loads)
     fields = _checked_fields(structure, stress)
     validation.choice("cables", cables, MEASURES, f"one of {list(MEASURES)}")
     axes = _axes(validation.direction("direction", direction))
@@ -131,7 +129,7 @@ def projected_stress(
     max_iterations = validation.positive_integer("max_iterations", max_iterations)
     check_bars(structure)
     balance = ConstrainedBalance(
-        structure, stage.loads, constraints, axes, cables, lambda shape, _: collapse_of(structure, shape)
+        structure, loads, constraints, axes, cables, lambda shape, _: collapse_of(structure, shape)
     )
 
     membranes = structure.parts_of(Membrane)
@@ -164,7 +162,7 @@ def projected_stress(
     if fold and kept is not None:
         points, reactions, densities, count = kept
         fold, steps = f"it is that of step {count}, and in later ones {fold}", steps[:count]
-    problem = collapse or fold or _excess(error, tolerance, len(steps), miss, words) or _motion(plans, points, axes)
+    problem = collapse or fold or shortfall(error, tolerance, len(steps), miss, words) or _motion(plans, points, axes)
     if problem:
         unheld = "" if constraints else free_edge(structure, structure.points)
         problem = " ".join(filter(None, (problem, causes(_weak_edges(structure, plans, axes, first), unheld))))
@@ -228,18 +226,6 @@ def _weak_edges(structure: Structure, plans: Mapping[str, Plan], axes: Array, de
     stresses = {name: plane @ plan.stress @ plane.T for name, plan in plans.items()}
     forces = {name: densities[name] * measures(flat, structure.parts[name].cells) for name in forces_in(structure)}
     return weak_edges(structure, flat, stresses, forces)
-
-
-def _excess(error: float, tolerance: float, steps: int, miss: float, words: str) -> str:
-    """Tell how far cables are from the forces or the geometry prescribed, in words; empty if they are near."""
-    if miss > MET:
-        return f"{words} after step {steps}, the last; allow more steps (max_iterations=...), or give a nearer value."
-    if error <= tolerance:
-        return ""
-    return (
-        f"forces of cables are off by {100 * error:.3g} % of the prescribed ones after step {steps}, the last; allow "
-        "more steps (max_iterations=...) or a larger tolerance."
-    )
 
 
 def _motion(plans: Mapping[str, Plan], points: Array, axes: Array) -> str:

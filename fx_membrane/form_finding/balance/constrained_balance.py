@@ -22,6 +22,18 @@ LARGEST = 3.0  # factor on a force density in one step
 NEAR = 1e-6  # accepted relative change of a force towards a wanted geometry
 
 
+def shortfall(error: float, tolerance: float, steps: int, miss: float, words: str) -> str:
+    """Tell how far cables are from the forces or the geometry prescribed, in words; empty if they are near."""
+    if miss > MET:
+        return f"{words} after step {steps}, the last; allow more steps (max_iterations=...), or give a nearer value."
+    if error <= tolerance:
+        return ""
+    return (
+        f"forces of cables are off by {100 * error:.3g} % of the prescribed ones after step {steps}, the last; allow "
+        "more steps (max_iterations=...) or a larger tolerance."
+    )
+
+
 class Balance(NamedTuple):
     """Shape in balance.
 
