@@ -124,11 +124,17 @@ class ConstrainedBalance:
             return str(upright)
 
     def settled(
-        self, start: Array, plans: Mapping[str, Plan], densities: dict[str, Array], number: int
+        self,
+        start: Array,
+        plans: Mapping[str, Plan],
+        densities: dict[str, Array],
+        number: int,
+        meets_forces: bool = False,
     ) -> Balance | str:
         """Solve as often as the geometry of cables asks for, with the other force densities given.
 
-        A line of given geometry has one force for its lengths in the start. Args and Raises as for a call.
+        A line of given geometry has one force for its lengths in the start. Args and Raises as for a call; with
+        `meets_forces` cables with a force as constraint have it in the shape found, too.
         """
         accelerated, words = self.acceleration(), ""
         reference = start
@@ -137,7 +143,7 @@ class ConstrainedBalance:
             if isinstance(found, str):
                 return found
             miss, words = self.targets.miss(found.points, densities, found.wanted)
-            wanted = self.targets.mixed(densities, found.wanted)
+            wanted = self.targets.mixed(densities, found.wanted, meets_forces)
             if miss <= MET and difference(densities, wanted) <= NEAR:
                 return found
             densities, start = accelerated(densities, wanted), found.points

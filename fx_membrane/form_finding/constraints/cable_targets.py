@@ -78,7 +78,7 @@ class CableTargets:
             guess: Least force to begin with where the geometry of a cable is given [N]: from a large one, every load
                 finds its shape.
         """
-        found = self.by_force(self.points)
+        found, self.first = self.by_force(self.points), []
         for name, line, *_ in self.targets:
             length = measures(self.points, self.bars[name].cells[line.cells])
             found[name][line.cells] = np.maximum(found[name][line.cells], guess / length)
@@ -111,9 +111,16 @@ class CableTargets:
             found[name][line.cells] = q
         return found
 
-    def mixed(self, densities: Mapping[str, Array], wanted: Mapping[str, Array]) -> dict[str, Array]:
-        """Force densities with those wanted by lines of given geometry only, by part, shape (cells,) [N/m]."""
+    def mixed(
+        self, densities: Mapping[str, Array], wanted: Mapping[str, Array], forces: bool = False
+    ) -> dict[str, Array]:
+        """Force densities with those wanted by lines of given geometry only, by part, shape (cells,) [N/m].
+
+        With `forces`, those wanted by constraints of force are taken, too.
+        """
         found = {name: q.copy() for name, q in densities.items()}
+        for constraint, cells in self.given if forces else ():
+            found[constraint.part][cells] = wanted[constraint.part][cells]
         for name, line, *_ in self.targets:
             found[name][line.cells] = wanted[name][line.cells]
         return found

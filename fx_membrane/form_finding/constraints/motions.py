@@ -99,7 +99,7 @@ class Motions:
         count += len(node)
         of_bodies = []
         for body in self.bodies:
-            block = _carried(body.coordinates) @ body.ways
+            block = carried(body.coordinates) @ body.ways
             numbers = count + np.arange(block.shape[1])
             rows.append(np.repeat((3 * body.nodes[:, None] + np.arange(3)).ravel(), len(numbers)))
             columns.append(np.tile(numbers, 3 * len(body.nodes)))
@@ -232,6 +232,6 @@ def _guided(coordinates: Array, supported: Mask) -> Array:
     return np.array(found).reshape(-1, 3 * count).T
 
 
-def _carried(coordinates: Array) -> Array:
+def carried(coordinates: Array) -> Array:
     """Return the derivative of the positions of nodes by origin and frame, shape (3 k, 3 (1 + r))."""
     return np.asarray(np.kron(coordinates, np.eye(3)), dtype=np.float64)

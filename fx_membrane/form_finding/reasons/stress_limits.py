@@ -15,7 +15,8 @@ from ...model.parts import Bar, Membrane
 from ...model.structure import Structure
 from ..form import FormStep
 from ..nearest_stress.cells import MembraneBlock
-from ..nearest_stress.state import NearestProblem, State, differences
+from ..nearest_stress.ratios import differences
+from ..nearest_stress.state import NearestProblem, State
 from ..plan import place
 from ..wishes import RadialDirection
 

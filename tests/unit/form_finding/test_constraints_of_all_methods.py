@@ -22,6 +22,7 @@ from fx_membrane import (
     Structure,
     force_density,
     natural_force_density,
+    prescribed_stress,
     projected_stress,
     updated_reference,
 )
@@ -105,6 +106,7 @@ METHODS = {
     "updated reference": lambda structure, loads, given: updated_reference(
         structure, loads, constraints=given, max_iterations=20
     ),
+    "prescribed stress": lambda structure, loads, given: prescribed_stress(structure, loads, constraints=given),
 }
 
 
