@@ -50,6 +50,7 @@ ONE_PROCESS = {
     "unit/form_finding/test_projected_stress_refusals.py",
     "unit/form_finding/test_rings.py",
     "unit/form_finding/test_slides.py",
+    "unit/form_finding/test_told_by_methods.py",
     "unit/form_finding/test_unsettled_plans.py",
     "unit/geometry/test_extremes.py",
     "unit/geometry/test_geometry.py",

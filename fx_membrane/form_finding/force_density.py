@@ -11,6 +11,7 @@ from scipy.sparse.linalg import splu
 
 from ..checks import validation
 from ..model.supports import Support
+from .balance.constrained_balance import continued
 from .constraints.kinds import Constraint, NodeConstraint
 from .form import Form
 from .net_balance import constrained_net
@@ -111,7 +112,7 @@ def force_density(
     _check_size(form.points, form.forces["net"], branches, held, force)
     if trouble:
         warnings.warn(
-            f"The form is in equilibrium with the forces it is handed over with, but {trouble}",
+            f"The form is in equilibrium with the forces it is handed over with, but {continued(trouble)}",
             UnsettledFormWarning,
             stacklevel=2,
         )

@@ -41,8 +41,9 @@ class Form:
         steps: The steps of a method that takes several.
         converged: True if the form has the forces asked for, within the tolerances of its method.
         made: As `structure`; None for a net of force densities.
-        wish: By part, the forces wished for where the cells now are, as `forces`; empty where a method has none.
-        remarks: Sentences on the wish, such as that which would be exact.
+        wish: By part, the forces wished for where the cells now are, as `forces`; empty where a method has none in
+            space, as `force_density` and `projected_stress`.
+        remarks: Sentences on the wish, such as that which would be exact, and on what constraints did.
         supports: Supports of a net, those given and those that bear its constraints; of other forms, `structure` has
             them.
     """

@@ -16,6 +16,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from ..checks import validation
+from ..checks.values import counted
 from ..model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
 from ..model.parts import Membrane
 from ..model.structure import Structure
@@ -27,7 +28,8 @@ from .constraints.kinds import Constraint
 from .form import Form, refuse_terms
 from .form_loads import checked_form_loads
 from .natural_step import collapse_of_step, natural_steps
-from .updated_reference import UnsettledFormWarning
+from .plan import place
+from .updated_reference import UnsettledFormWarning, largest_stray
 
 Array = NDArray[np.float64]
 
@@ -70,8 +72,9 @@ def natural_force_density(
             shrinks to nothing, or the warp becomes normal to it.
 
     Warns:
-        UnsettledFormWarning: An iteration after the first would collapse; the form is that of the one before it whose
-            stress is nearest to the prestress.
+        UnsettledFormWarning: The stress is off by more than 10 %, or 50 % under loads other than pressure; it says
+            where, and `Form.differences` has all. Or an iteration after the first would collapse; the form is that of
+            the one before it whose stress is nearest to the prestress.
 
     Source:
         R. M. O. Pauletti, P. M. Pimenta, The natural force density method for the shape finding of taut structures,
@@ -107,6 +110,21 @@ def natural_force_density(
     pulse = Pulse("form finding", MPI.COMM_WORLD.rank == 0)
     form, collapse = natural_steps(balance, iterations, lambda step: step.stress_error <= tolerance, pulse)
     form = replace(form, converged=form.steps[-1].stress_error <= tolerance)
-    if collapse:
-        warnings.warn(collapse, UnsettledFormWarning, stacklevel=2)
+    if collapse or form.steps[-1].stress_error > largest_stray(loads):
+        warnings.warn(collapse or _off(form), UnsettledFormWarning, stacklevel=2)
     return form
+
+
+def _off(form: Form) -> str:
+    """Tell how far the stress of a form is from the prestress, and where."""
+    differences = {name: each for name, each in form.differences.items() if len(each)}
+    name = max(differences, key=lambda each: float(differences[each].max()))
+    cell, count = int(differences[name].argmax()), len(form.steps)
+    where = place(form.points, form.structure.parts[name].cells, cell)
+    return (
+        f"The form is in equilibrium with the stress it is handed over with, but after {counted(count, 'iteration')} "
+        f"that is off by {100 * form.steps[-1].stress_error:.3g} % of the largest prescribed. The largest relative "
+        f"difference is {100 * differences[name][cell]:.3g} %, in part {name!r}, cell {cell} at {where}; "
+        "form.differences has all. Allow more iterations (iterations=...), start nearer to the form, or take "
+        "prescribed_stress, whose stress is nearest to the prestress."
+    )

@@ -36,16 +36,18 @@ def natural_steps(
     Raises:
         ValueError, RuntimeError: The first step has no form.
     """
-    form, nearest, densities, steps = None, None, dict[str, Array](), tuple[FormStep, ...]()
+    form: Form | None = None
+    nearest: Form | None = None
+    densities, steps = dict[str, Array](), tuple[FormStep, ...]()
     while len(steps) < most and not (steps and is_met(steps[-1])):
         number = len(steps) + 1
         pulse(f"step {number}")
         found = natural_step(balance, balance.structure.points if form is None else form.points, densities, number)
         if isinstance(found, str):
-            if nearest is None:
+            if nearest is None or form is None:
                 raise RuntimeError(f"Form finding has no form after its first step: {found}")
             told = found if found.startswith(STOPPED) else f"Step {number} found none: {found}"
-            return nearest, abandoned(len(nearest.steps), told)
+            return nearest, " ".join([abandoned(len(nearest.steps), told), *form.remarks])
         (form, densities), steps = found, (*steps, *found[0].steps)
         form = replace(form, steps=steps)
         if nearest is None or steps[-1].stress_error < nearest.steps[-1].stress_error:
@@ -99,7 +101,7 @@ def natural_step(
     step = FormStep(area, change, stress_error(asked, made[1]))
     form = handed_over(structure, balance.motions, points, made, found.reactions, (step,), True)
     off = balance.targets.off(points, found.densities)
-    return replace(form, wish=wish_of(asked), remarks=(off,) if off else ()), found.densities
+    return replace(form, wish=wish_of(asked), remarks=(*form.remarks, *([off] if off else []))), found.densities
 
 
 def collapse_of_step(structure: Structure, points: Array, number: int) -> str:

@@ -1,6 +1,7 @@
 """Net of force densities under constraints, step by step towards the forces and the geometry of its branches."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,6 +68,4 @@ def constrained_net(
     forces = kept.densities["net"] * np.linalg.norm(np.diff(kept.points[branches], axis=1)[:, 0], axis=1)
     made = {"net": Cable(branches, 1.0, forces)}, {"net": forces}
     form = handed_over(net, balance.motions, kept.points, made, kept.reactions, (), not trouble)
-    return Form(form.points, form.forces, form.reactions, (), not trouble, supports=tuple(form.structure.supports)), (
-        trouble
-    )
+    return replace(form, made=None, supports=tuple(form.structure.supports)), trouble

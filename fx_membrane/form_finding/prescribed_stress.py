@@ -59,6 +59,7 @@ FACTOR = 6.0  # its change from try to try
 TRIES = 7  # maximum number of tries of a step
 RISE = 1e-3  # relative increase of the norm accepted in a step: the even mesh has its own
 SLACK = 0.01  # rise of the mean difference accepted where the difference is small
+EVEN = 1e-6  # mean difference that is none
 PRESSED = 0.1  # area of a cell over its first one, below which a body is not to slide further
 FAR = 0.5  # relative difference of stress and wish, in the mean over the area, above which the form is not the wish
 NEAR = 0.02  # the same, below which a form under constraints stays where no step comes nearer
@@ -232,7 +233,8 @@ def _stepped(problem: NearestProblem, before: State, step: tuple[Array, Array]) 
     blocks, first = problem.membranes.values(), problem.structure.points
     areas = [measures(found.points, block.cells) / measures(first, block.cells) for block in blocks]
     shrunk = min((float(area.min()) for area in areas), default=1.0)
-    return found if found.norm <= before.norm * (1 + RISE) and shrunk > PRESSED else None
+    limit = before.norm * (1 + RISE) + (EVEN * EVEN) * before.area
+    return found if found.norm <= limit and shrunk > PRESSED else None
 
 
 def _largest(step: FormStep, before: State, state: State) -> float:

@@ -24,7 +24,7 @@ from ..model.parts import Membrane
 from ..model.structure import Structure
 from ..solvers.progress import Pulse
 from .balance.cable_forces import MEASURES, check_bars, difference
-from .balance.constrained_balance import ConstrainedBalance, shortfall
+from .balance.constrained_balance import ConstrainedBalance, continued, shortfall
 from .balance.membrane_balance import collapse_of, stressed
 from .constraints.cable_targets import MET
 from .constraints.hand_over import handed_over
@@ -167,7 +167,7 @@ def projected_stress(
         unheld = "" if constraints else free_edge(structure, structure.points)
         problem = " ".join(filter(None, (problem, causes(_weak_edges(structure, plans, axes, first), unheld))))
         warnings.warn(
-            f"The form is in equilibrium with the stress it is handed over with, but {problem}",
+            f"The form is in equilibrium with the stress it is handed over with, but {continued(problem)}",
             UnsettledFormWarning,
             stacklevel=2,
         )

@@ -15,6 +15,7 @@ from petsc4py import PETSc
 from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from ..geometry.measures import measures, normals, projected
+from ..model.loads import PlanLoad
 from ..model.parts import Membrane, Part
 from ..model.stages import Stage
 from ..model.structure import Structure
@@ -23,6 +24,7 @@ from ..results.states import StageResult
 from ..solvers.base import Iteration, Solution
 from ..solvers.newton import Newton
 from ..solvers.progress import Pulse
+from .balance.membrane_balance import nodal_loads
 from .form import Form, FormStep
 from .masts.mast_balance import Step, balance_masts
 from .natural_step import abandoned, wish_of
@@ -135,10 +137,13 @@ def _equilibrium(
         RuntimeError: The loads do not settle.
     """
     x, shape, before = problem.create_vector(), reference, None
+    in_plan = [load for load in stage.loads if isinstance(load, PlanLoad)]  # of an analysis: per area of the first plan
+    others = replace(stage, loads=[load for load in stage.loads if not isinstance(load, PlanLoad)])
     for _ in range(REPEATS):
         problem.discretization.move(shape)
-        actions = problem.actions_of(stage)
+        actions = problem.actions_of(others)
         problem.discretization.move(reference)
+        actions = replace(actions, loads=actions.loads + nodal_loads(problem.structure, in_plan, shape))
         loaded = problem.under(actions)
         if before is not None and np.abs(actions.loads - before).max() <= SAME * np.abs(actions.loads).max():
             return loaded, x

@@ -22,6 +22,11 @@ LARGEST = 3.0  # factor on a force density in one step
 NEAR = 1e-6  # accepted relative change of a force towards a wanted geometry
 
 
+def continued(words: str) -> str:
+    """Sentence as the end of another, with a small letter at its start."""
+    return words[:1].lower() + words[1:]
+
+
 def shortfall(error: float, tolerance: float, steps: int, miss: float, words: str) -> str:
     """Tell how far cables are from the forces or the geometry prescribed, in words; empty if they are near."""
     if miss > MET:

@@ -44,9 +44,11 @@ def settled(bodies: Sequence[Body], stiffness: Array, loose: Array, start: Array
     if found is None:
         found = _newton(equations, stiffness, loose, _lowest(equations, stiffness, loose, start))
     if found is None:
+        others = ", or another constraint that keeps nodes together," if len(bodies) > 1 else ""
+        radius = "give another radius, or " if any(body.radius_given for body in bodies) else ""
         raise RuntimeError(
-            f"{bodies[0].label}{', or another of them,' if len(bodies) > 1 else ''} finds no balance that keeps it in "
-            "shape under its supports: give another radius, or fewer supports to its nodes."
+            f"{bodies[0].label}{others} finds no balance that keeps its shape under its supports: {radius}take "
+            "supports from its nodes, or start it nearer to its place in the form."
         )
     return found
 

@@ -189,9 +189,9 @@ class CableTargets:
             mean = _mean(densities[name][line.cells])
             if not 1 / RANGE < mean / first < RANGE:
                 return (
-                    f"the {named(name, line, points)} reaches the {noun(constraint)} {goal:.6g}{unit} under no "
-                    f"force: it is {now:.4g}{unit} with the mean force density {mean:.3g}; give a value nearer to "
-                    "that, draw the line nearer to its form at the start, or move its ends."
+                    f"no force gives the {named(name, line, points)} the {noun(constraint)} {goal:.6g}{unit}: it is "
+                    f"{now:.4g}{unit} with a mean force density of {mean:.3g}; give a value nearer to that, draw the "
+                    "line nearer to its form at the start, or move its ends."
                 )
         return ""
 

@@ -62,7 +62,8 @@ def handed_over(
     patterns = np.unique(extra[extra.any(axis=1)], axis=0)
     added = [Support(np.flatnonzero((extra == row).all(axis=1)), "".join(np.array(AXES)[row])) for row in patterns]
     made_of = replace(structure, points=points, parts=parts, supports=[*structure.supports, *added])
-    return Form(points, forces, reactions, steps, converged, made_of)
+    remarks = tuple(filter(None, (body.remark(points) for body in motions.bodies)))
+    return Form(points, forces, reactions, steps, converged, made_of, remarks=remarks)
 
 
 def _bars(

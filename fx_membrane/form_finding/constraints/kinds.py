@@ -228,7 +228,8 @@ class Ring:
 
     Args:
         nodes: The nodes, on a circle at the start, shape (k,), k >= 3.
-        radius: Radius in the form [m]; found if not given. That of the start makes the ring rigid.
+        radius: Radius in the form [m]; found if not given. That of the start makes the ring rigid. A ring of free
+            radius around a hole grows from step to step, as nothing within it holds it; `Form.remarks` says so.
 
     Raises:
         ValueError: There are fewer than three nodes, or the radius is not positive.

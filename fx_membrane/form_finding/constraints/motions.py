@@ -21,6 +21,7 @@ Mask = NDArray[np.bool_]
 
 ROUND = 1e-6  # distance of a node from its circle, over the radius, that counts as none
 FLAT = 1e-9  # extent across a plane or a line, over the largest, that counts as none
+GROWN = 1.5  # radius of a ring over the first one, above which it is told
 AXIS = 1e-12  # component of a unit vector, or a stiffness against a motion, that counts as none
 
 
@@ -36,6 +37,7 @@ class Body:
         ways: Motions of origin and frame that supports leave, orthonormal columns, shape (3 (1 + r), p).
         scale: Length of the vectors of the frame, the radius of a ring [m]; None if it is found.
         label: Name in messages.
+        is_ring: True for a ring.
     """
 
     nodes: NDArray[np.int64]
@@ -44,6 +46,30 @@ class Body:
     ways: Array
     scale: float | None
     label: str
+    is_ring: bool
+
+    @property
+    def radius_given(self) -> bool:
+        """True for a ring of given radius."""
+        return self.is_ring and self.scale is not None
+
+    def remark(self, points: Array) -> str:
+        """Tell of a body that has turned over from its start, or a ring that has grown much, in words; else empty."""
+        frame = np.linalg.lstsq(self.coordinates, points[self.nodes], rcond=None)[0][1:]
+        first = self.first[1:]
+        now, then = (np.cross(each[0], each[1]) if len(each) > 1 else each[0] for each in (frame, first))
+        if now @ then < 0:
+            return (
+                f"{self.label} has turned over from its start, by more than 90 degrees: both sides balance; start its "
+                "nodes, and those around them, well on the side wanted."
+            )
+        growth = float(np.linalg.norm(frame[0]) / np.linalg.norm(first[0]))
+        if self.is_ring and self.scale is None and growth > GROWN:
+            return (
+                f"{self.label} has grown to {growth:.3g} times its radius at the start, as nothing within it holds it: "
+                "in further steps it may grow without bound. Give its radius, or a cable with a force along it."
+            )
+        return ""
 
     def unknowns(self, points: Array) -> Array:
         """Reduced unknowns nearest to a shape, shape (p,) [m]."""
@@ -190,7 +216,8 @@ def _body(structure: Structure, constraint: Ring | RigidBody) -> Body:
     ways = _guided(coordinates, structure.supported[nodes])
     if not ways.shape[1]:
         raise ValueError(f"{label} is held by supports in all its motions; take some of them, or the constraint, away.")
-    return Body(nodes, coordinates, np.vstack([origin, scale * axes]), ways, radius, label)
+    first = np.vstack([origin, scale * axes])
+    return Body(nodes, coordinates, first, ways, radius, label, isinstance(constraint, Ring))
 
 
 def _circle(

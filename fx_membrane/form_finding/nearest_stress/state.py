@@ -291,4 +291,4 @@ class NearestProblem:
             wishes[name] = block.triangles(points[block.cells]).wish
         motions = motions_of(structure) if self.balance is None else self.balance.motions
         form = handed_over(structure, motions, points, (parts, forces), state.reactions, steps, converged)
-        return replace(form, wish=wishes, remarks=remarks)
+        return replace(form, wish=wishes, remarks=(*remarks, *form.remarks))
