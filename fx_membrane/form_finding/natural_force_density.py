@@ -109,7 +109,7 @@ def natural_force_density(
     )
     pulse = Pulse("form finding", MPI.COMM_WORLD.rank == 0)
     form, collapse = natural_steps(balance, iterations, lambda step: step.stress_error <= tolerance, pulse)
-    form = replace(form, converged=form.steps[-1].stress_error <= tolerance)
+    form = replace(form, converged=not collapse and form.steps[-1].stress_error <= tolerance)
     if collapse or form.steps[-1].stress_error > largest_stray(loads):
         warnings.warn(collapse or _off(form), UnsettledFormWarning, stacklevel=2)
     return form

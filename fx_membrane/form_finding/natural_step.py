@@ -10,7 +10,7 @@ from ..geometry.measures import measures
 from ..model.parts import Membrane, Part
 from ..model.structure import Structure
 from ..solvers.progress import Pulse
-from .balance.constrained_balance import ConstrainedBalance
+from .balance.constrained_balance import ConstrainedBalance, continued
 from .balance.membrane_balance import collapse_of, stressed
 from .cell_reference import reference_of, warp_at
 from .constraints.hand_over import handed_over
@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 def natural_steps(
     balance: ConstrainedBalance, most: int, is_met: Callable[[FormStep], bool], pulse: Pulse
 ) -> tuple[Form, str]:
-    """Form after steps from shape to shape, and the collapse in words that ended them; empty without one.
+    """Form after steps from shape to shape, and what ended or spoilt them, in words; empty without fault.
 
     After a collapse the form is that of the step whose stress is nearest to the prestress.
 
@@ -53,7 +53,8 @@ def natural_steps(
         if nearest is None or steps[-1].stress_error < nearest.steps[-1].stress_error:
             nearest = form
     assert form is not None
-    return form, ""
+    turned = balance.motions.turned(form.points)
+    return form, f"The form is in equilibrium, but {continued(turned)}" if turned else ""
 
 
 def abandoned(kept: int, collapse: str) -> str:

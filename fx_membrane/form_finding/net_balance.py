@@ -64,7 +64,7 @@ def constrained_net(
         following = accelerated(following, found.wanted)
     if kept is None:
         raise RuntimeError(f"The net has no shape in the first step: {trouble}")
-    trouble = trouble or shortfall(error, tolerance, number, miss, words)
+    trouble = trouble or shortfall(error, tolerance, number, miss, words) or balance.motions.turned(kept.points)
     forces = kept.densities["net"] * np.linalg.norm(np.diff(kept.points[branches], axis=1)[:, 0], axis=1)
     made = {"net": Cable(branches, 1.0, forces)}, {"net": forces}
     form = handed_over(net, balance.motions, kept.points, made, kept.reactions, (), not trouble)

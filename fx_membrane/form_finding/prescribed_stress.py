@@ -31,7 +31,7 @@ from ..model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
 from ..model.structure import Structure
 from ..solvers.progress import Pulse
 from .balance.cable_forces import check_bars
-from .balance.constrained_balance import ConstrainedBalance
+from .balance.constrained_balance import ConstrainedBalance, continued
 from .balance.membrane_balance import collapse_of
 from .constraints.kinds import Constraint
 from .form import Form, FormStep, refuse_terms
@@ -143,9 +143,10 @@ def prescribed_stress(
     pulse = Pulse("form finding", MPI.COMM_WORLD.rank == 0)
     state, steps, failure = _nearest(problem, pulse, tolerance, max_iterations)
     trouble = reason_of(problem.at(state), state, steps, failure, tolerance, FAR)
+    trouble = trouble or ("" if balance is None else balance.motions.turned(state.points))
     if trouble:
         warnings.warn(
-            f"The form is in equilibrium with the stress it is handed over with, but {trouble}",
+            f"The form is in equilibrium with the stress it is handed over with, but {continued(trouble)}",
             UnsettledFormWarning,
             stacklevel=2,
         )

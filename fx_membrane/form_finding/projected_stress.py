@@ -163,6 +163,7 @@ def projected_stress(
         points, reactions, densities, count = kept
         fold, steps = f"it is that of step {count}, and in later ones {fold}", steps[:count]
     problem = collapse or fold or shortfall(error, tolerance, len(steps), miss, words) or _motion(plans, points, axes)
+    problem = problem or balance.motions.turned(points)
     if problem:
         unheld = "" if constraints else free_edge(structure, structure.points)
         problem = " ".join(filter(None, (problem, causes(_weak_edges(structure, plans, axes, first), unheld))))

@@ -37,6 +37,7 @@ from .cell_reference import check_tension
 from .constraints.kinds import CableConstraint, Constraint
 from .form import Form, FormStep, refuse_terms
 from .form_loads import checked_form_loads
+from .masts.bar_balance import fallen_mast
 from .natural_step import collapse_of_step, natural_steps
 from .reference_steps import steps_of_reference
 
@@ -90,8 +91,9 @@ def updated_reference(
         RuntimeError: The first step finds no equilibrium, or collapses.
 
     Warns:
-        UnsettledFormWarning: The steps were too few; the form is that of the last one. Or a later step collapses, as
-            that of a catenoid between rings too far apart; a cable or a mast shrinks to a point or grows without bound;
+        UnsettledFormWarning: The steps were too few; the form is that of the last one. Or a mast has fallen by more
+            than 60 degrees to a place where its force balances. Or a later step collapses, as that of a catenoid
+            between rings too far apart; a cable or a mast shrinks to a point or grows without bound;
             no place of a free mast head was found, and the force that is missing there is named; or distributed loads
             grow with the form faster than the prestress can carry. The form is that of the step before whose stress is
             nearest to the prestress.
@@ -127,6 +129,8 @@ def updated_reference(
         form, collapse = _constrained(structure, stage, constraints, is_settled, max_iterations, pulse)
     else:
         form, collapse = steps_of_reference(structure, stage, is_settled, max_iterations, pulse, comm)
+        if form.converged and (fallen := fallen_mast(structure, form.points)):
+            collapse = f"The form is in equilibrium with the forces prescribed, but {fallen}"
     with together(comm):
         if collapse and comm.rank == 0:
             warnings.warn(collapse, UnsettledFormWarning, stacklevel=2)

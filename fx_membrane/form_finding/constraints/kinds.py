@@ -255,8 +255,9 @@ class Ring:
 class RigidBody:
     """Nodes that move and turn together in form finding, as those of a stiff head frame.
 
-    Two nodes are the ends of a strut of given length; a `Mast` without prestress between them takes its force. Bars and
-    supports take the forces of a body as those of a `Ring`.
+    Two nodes are the ends of a strut of given length; a `Mast` without prestress between them takes its force. A mast
+    falls, with a warning, where stays of given force alone hold its head: hold that by supports, and add both by
+    `masts_and_stays`. Bars and supports take the forces of a body as those of a `Ring`.
 
     Args:
         nodes: The nodes, shape (k,), k >= 2.

@@ -18,6 +18,7 @@ from fx_membrane import (
     Structure,
     Support,
     UnsettledFormWarning,
+    boundary_edges,
     force_density,
     masts_and_stays,
     natural_force_density,
@@ -101,8 +102,8 @@ def test_body_that_turns_over_is_told(count):
     (body,) = motions_of(structure, [RigidBody(nodes)]).bodies
     turned = points.copy()
     turned[nodes] = points[12] + (points[nodes] - points[12]) * ([1, -1, 1] if count == 3 else [-1, -1, 1])
-    assert "has turned over from its start" in body.remark(turned)
-    assert body.remark(points) == ""
+    assert "has turned by 180 degrees from its start" in body.turned(turned)
+    assert body.turned(points) == ""
 
 
 def test_no_balance_of_a_rigid_body_is_told_without_a_radius():
@@ -118,3 +119,55 @@ def test_length_out_of_reach_is_told_with_the_length_found():
     structure = canopy(force=25e3)
     with pytest.raises(RuntimeError, match=r"no force gives the line of cable 'edge' .* the length 40: it is \d"):
         natural_force_density(structure, constraints=[CableLength("edge", 40.0)])
+
+
+def sail_on_masts(tilt=1.0, pull=25e3, push=0.0):
+    """Two low corners, two heads on tilted masts, each with two stays; all supports in one plane."""
+    flat, triangles = rectangle(2.0, 2.0, 6, 6)
+    x, y = flat[:, 0], flat[:, 1]
+    points = 6 * np.stack([x * (1 - 0.1 * (1 - y**2)), y * (1 - 0.1 * (1 - x**2)), (1 + x * y) / 3], axis=1)
+    corners = np.flatnonzero(np.abs(x * y) == 1)
+    heads, low = corners[points[corners, 2] > 1], corners[points[corners, 2] < 1]
+    n, away = len(points), points[heads] * [1, 1, 0] / np.hypot(*points[heads, :2].T)[:, None]
+    side, base = away[:, [1, 0, 2]] * [-1, 1, 1], points[heads] * [1, 1, 0]
+    feet = np.concatenate([base - tilt * away, base + 5 * away + 3 * side, base + 5 * away - 3 * side])
+    masts = np.stack([n + np.arange(2), heads], axis=1)
+    parts = {
+        "film": Membrane(triangles, Fabric(6e5, 0.3), 2e3),
+        "edge": Cable(boundary_edges(triangles), 2e7, 25e3),
+        "stays": Cable(np.stack([n + 2 + np.arange(4), np.tile(heads, 2)], axis=1), 2e7, pull),
+        "masts": Mast(masts, 1e8, push),
+    }
+    points = np.concatenate([points, feet])
+    return Structure(points, parts, [Support(low), Support(range(n, n + 6))]), masts
+
+
+@pytest.mark.parametrize("tilt", [0.0, 1.0, 3.0])
+def test_mast_of_given_length_that_falls_is_told(tilt):
+    structure, masts = sail_on_masts(tilt)
+    with pytest.warns(UnsettledFormWarning, match=r"the RigidBody .* has turned by \d+ degrees .* masts_and_stays"):
+        form = updated_reference(structure, constraints=[RigidBody(mast) for mast in masts])
+    assert not form.converged
+    assert np.ptp(form.points[:, 2]) < 0.1
+
+
+@pytest.mark.parametrize(("tilt", "pull"), [(1.0, 5e3), (1.0, 60e3)])
+def test_mast_of_given_force_that_falls_is_told(tilt, pull):
+    structure, _ = sail_on_masts(tilt, pull, push=-40e3)
+    with pytest.warns(UnsettledFormWarning, match=r"mast in cell \d of part 'masts' has turned by \d+ degrees"):
+        form = updated_reference(structure)
+    assert np.ptp(form.points[:, 2]) < 0.1
+
+
+def test_mast_of_given_force_is_found():
+    form = updated_reference(sail_on_masts(push=-40e3)[0])
+    assert form.converged
+    assert form.points[:, 2].max() > 3
+    assert moved(form) < 1e-12
+
+
+@pytest.mark.parametrize("method", [projected_stress, natural_force_density, prescribed_stress])
+def test_free_mast_is_refused_with_the_ways_to_find_it(method):
+    structure, masts = sail_on_masts(push=-40e3)
+    with pytest.raises(ValueError, match=r"'masts', cell 0 .*-40000.*masts_and_stays.*RigidBody.*updated_reference"):
+        method(structure, constraints=[RigidBody(masts[0])])
