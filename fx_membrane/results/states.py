@@ -55,7 +55,8 @@ class Increment(NamedTuple):
 
     Attributes:
         load_factor: Fraction of the stage's own loads and displacements, in (0, 1].
-        iterations: The iterates of the solver, the start first.
+        iterations: The iterates of the solver, the start first. Of several attempts of `Newton`, those of the one that
+            gives the outcome: the one after the homotopy if it converged, or else the first.
         outcome: Outcome, the gravest of those that apply.
         extra_iterations: Number of iterates missing from `iterations`: those of rejected attempts and of the homotopy.
         fallen: Sentence on the parts that only slack parts held before; empty unless the outcome is FALLEN.

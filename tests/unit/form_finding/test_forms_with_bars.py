@@ -82,6 +82,7 @@ def between_supports():
     return Structure(PLAN, parts, [Support(RIM)])
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     "structure",
     [
@@ -101,6 +102,7 @@ def test_forms_with_an_equilibrium_have_the_forces_prescribed(structure):
     assert len(updated_reference(form.structure, tolerance=1e-2).steps) == 1
 
 
+@pytest.mark.mpi
 def test_three_equal_cables_meet_at_120_degrees():
     form = updated_reference(star(100.0, 100, 100), tolerance=1e-8)
     way = form.structure.points[:3] - form.structure.points[3]
@@ -130,13 +132,11 @@ def test_mast_between_supports_is_no_matter():
     ],
     ids=["sail", "guyed", "star", "nearly a star"],
 )
-@pytest.mark.serial  # only one process warns, for all
 def test_bars_that_shrink_to_a_point_are_named(structure, message):
     with pytest.warns(UnsettledFormWarning, match=rf"Form finding stopped.*step \d+.*{message}"):
         assert_last_good(updated_reference(structure))
 
 
-@pytest.mark.serial  # only one process warns, for all
 def test_sheet_held_at_one_point_has_no_form():
     points = PLAN.copy()
     points[CENTRE, 2] = 0.5
@@ -145,7 +145,6 @@ def test_sheet_held_at_one_point_has_no_form():
         assert_last_good(updated_reference(structure))
 
 
-@pytest.mark.serial  # only one process warns, for all
 def test_form_with_a_stress_that_is_far_off_has_not_settled():
     # One step leaves a change below a wide tolerance, and a stress that is not the prescribed one.
     points = PLAN * [1, 1, 0] + np.column_stack([np.zeros((81, 2)), PLAN[:, 0] * PLAN[:, 1]])

@@ -32,6 +32,7 @@ def found(request):
     return structure, loads, updated_reference(structure, loads)
 
 
+@pytest.mark.mpi_once
 def test_found_form_is_in_equilibrium_as_it_is(found):
     _, loads, form = found
     assert form.converged
@@ -41,6 +42,7 @@ def test_found_form_is_in_equilibrium_as_it_is(found):
     assert result.equilibrium.residual <= 1e-8 * np.abs(result.reactions).max()
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(("others", "tolerance"), [([], 1e-3), ([], 1e-6), ([PointLoad(7, (30.0, 50, -200))], 1e-3)])
 def test_hanging_cable_is_in_equilibrium_as_it_is(others, tolerance):
     structure, loads = hanging_cable()
@@ -93,6 +95,7 @@ def test_result_of_an_analysis_has_the_found_stress(found):
             assert result.cable(name).force == pytest.approx(part.prestress_tensors().ravel(), rel=1e-6)
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("model", MODELS)
 def test_all_processes_together_find_what_one_finds(model):
     structure, loads = model()
@@ -113,6 +116,7 @@ def test_orthotropic_prestress_follows_warp_and_weft():
     assert (stress[:, 1, 1] / stress[:, 0, 0]).mean() == pytest.approx(2, rel=0.05)
 
 
+@pytest.mark.mpi
 def test_distributed_load_is_per_area_of_the_form():
     # The area of the form is larger than that of the flat start.
     loads = [Pressure(2500.0, "film"), DistributedLoad((0, 0, -100.0), "film")]
@@ -140,7 +144,6 @@ def test_stress_of_a_hanging_cable_is_not_the_prescribed_one():
     assert horizontal == pytest.approx(horizontal[0], rel=1e-9)
 
 
-@pytest.mark.serial  # only one process warns, for all
 def test_distributed_load_that_grows_faster_than_the_prestress_holds():
     structure, loads = hanging_cable(load=4000.0)
     with pytest.warns(UnsettledFormWarning, match=r"Form finding.*no shape.*distributed loads.*larger prestress"):
@@ -156,6 +159,7 @@ def test_structure_that_is_found_is_found_again():
     assert again.structure.points == pytest.approx(form.structure.points, abs=1e-9)
 
 
+@pytest.mark.mpi
 def test_too_few_steps_are_in_equilibrium_all_the_same():
     structure, loads = film_with_edge_cables()
     if MPI.COMM_WORLD.rank:  # the first process warns for all

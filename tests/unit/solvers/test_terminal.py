@@ -42,6 +42,7 @@ def test_lines_are_written_where_there_is_no_terminal(capfd):
     assert re.fullmatch(lines if MPI.COMM_WORLD.rank == 0 else "", err)
 
 
+@pytest.mark.mpi
 def test_iterations_are_those_of_the_report(capfd):
     """The start of an increment is none of them."""
     state = Analysis(sheet()).run([Stage("snow", [SNOW], increments=3)])["snow"]
@@ -52,6 +53,7 @@ def test_iterations_are_those_of_the_report(capfd):
     assert shown == (np.cumsum(counts).tolist() if MPI.COMM_WORLD.rank == 0 else [])
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("solver", [Newton(), ConjugateGradient()])
 def test_nothing_is_written_where_it_is_not_wanted(capfd, solver):
     Analysis(sheet(), solver, progress=False).run([Stage("snow", [SNOW], increments=3)])
@@ -84,6 +86,7 @@ class Gone:
         pass
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("stderr", [Gone(), None])
 def test_a_reader_of_the_lines_that_is_gone_ends_no_run(monkeypatch, stderr):
     analysis = Analysis(sheet())
@@ -101,7 +104,6 @@ analysis.run([Stage("prestress"), Stage("snow on the roof", [snow], increments=4
 """
 
 
-@pytest.mark.serial
 @pytest.mark.parametrize("columns", [120, 80, 0], ids=["wide", "usual", "no size told"])
 def test_terminal_shows_stage_and_load_factor(columns):
     terminal, process_end = pty.openpty()
@@ -125,7 +127,6 @@ def test_terminal_shows_stage_and_load_factor(columns):
     assert text.count("\n") == 2  # one line for each stage
 
 
-@pytest.mark.serial
 def test_closed_pipe_is_an_exception_and_no_crash():
     script = "import fx_membrane\nwhile True:\n    print('table')"
     process = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
@@ -137,7 +138,6 @@ def test_closed_pipe_is_an_exception_and_no_crash():
     assert b"PETSC" not in errors
 
 
-@pytest.mark.serial
 def test_form_finding_and_paths_are_not_silent_for_long(capfd, monkeypatch):
     monkeypatch.setattr(progress, "monotonic", itertools.count(0.0, 6.0).__next__)
     updated_reference(sheet())

@@ -16,8 +16,6 @@ pytest.importorskip("pint")
 from fx_membrane.files.cases.case import read_case
 from fx_membrane.files.cases.faults import CaseError
 
-pytestmark = pytest.mark.serial
-
 VALUES = [None, -1, 0, 1e300, "", "text", "1,5 kN", "9**9**9 m", [], [[]], {}, {"a": 1}, True, [1, 2, 3], "nan", "5 kg"]
 
 

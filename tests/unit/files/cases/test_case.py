@@ -36,8 +36,6 @@ from fx_membrane.files.cases.faults import CaseError
 from fx_membrane.files.cases.lines import line_of
 from fx_membrane.files.cases.schema import json_schema
 
-pytestmark = pytest.mark.serial
-
 
 def write(path, text):
     path.write_text(text, encoding="utf-8")
