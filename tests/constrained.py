@@ -88,3 +88,9 @@ def with_supports(components, nodes=None):
     structure, ring = cone()
     nodes = ring if nodes is None else ring[nodes]
     return replace(structure, supports=[*structure.supports, Support(nodes, components)])
+
+
+def assert_last_good(form, loads=()):
+    """Check the form from before a collapse: in exact equilibrium, and not converged."""
+    assert not form.converged
+    assert moved(form, loads) < 1e-12

@@ -1,5 +1,6 @@
 """Shapes in equilibrium under prestress alone: the force density method."""
 
+import warnings
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,7 +11,11 @@ from scipy.sparse.linalg import splu
 
 from ..checks import validation
 from ..model.supports import Support
+from .balance.constrained_balance import continued
+from .constraints.kinds import Constraint, NodeConstraint
 from .form import Form
+from .net_balance import constrained_net
+from .updated_reference import UnsettledFormWarning
 
 FAR = 1e3  # distance, in sizes of the fixed nodes, that counts as no shape
 
@@ -21,6 +26,9 @@ def force_density(
     q: ArrayLike,
     fixed: Sequence[Support],
     loads: ArrayLike | None = None,
+    constraints: Sequence[Constraint] = (),
+    tolerance: float = 1e-6,
+    max_iterations: int = 100,
 ) -> Form:
     """Shape of a net whose branches have given force densities: ratios of force to length.
 
@@ -37,16 +45,27 @@ def force_density(
             out.
         fixed: Constrained nodes, by component: a node fixed in "x" alone slides in the plane normal to x.
         loads: Loads on the nodes, shape (n, 3) [N]; none if not given.
+        constraints: Branches by force, length, sag or angle, as `CableLength("net", 12.0, cells=...)` with the numbers
+            of branches as cells; nodes that slide; rings and rigid bodies, which start at the positions given. Force
+            densities follow from forces and geometry step by step, each step a linear solve.
+        tolerance: Accepted relative difference of forces from those of constraints [-].
+        max_iterations: Maximum number of these steps.
 
     Returns:
         The form. Cables with its forces as prestress are in equilibrium under the same loads:
-        `Structure(form.points, {"net": Cable(branches, EA, prestress=form.forces["net"])}, fixed)`.
+        `Structure(form.points, {"net": Cable(branches, EA, prestress=form.forces["net"])}, form.supports)`.
 
     Raises:
         ValueError: Force densities of both signs throw a node a thousand times farther than the fixed nodes are apart;
             numbers are not finite or do not fit; in some component a part of the net is tied to no fixed node; the
             system is singular. Force densities at or below zero can make it singular: if those at a free node add up to
-            zero, its place is undefined. So can positive ones that differ by twelve powers of ten.
+            zero, its place is undefined. So can positive ones that differ by twelve powers of ten. A constraint does
+            not fit the net, or contradicts its supports.
+        RuntimeError: A constraint is out of reach in the first step.
+
+    Warns:
+        UnsettledFormWarning: Constraints are not met; it says by how much and where. The form is that of the last step,
+            in equilibrium with its forces.
 
     Source:
         H.-J. Schek, The force density method for form finding and computation of general networks, Computer Methods
@@ -74,6 +93,45 @@ def force_density(
     if force.shape != points.shape:
         raise ValueError(f"loads has shape {force.shape}; give three components for each of the {n} nodes.")
 
+    held = _held(fixed, n)
+    if not constraints:
+        shape, reactions = _balanced(points, branches, densities, held, force)
+        lengths = np.linalg.norm(np.diff(shape[branches], axis=1)[:, 0], axis=1)
+        return Form(shape, {"net": densities * lengths}, reactions, supports=tuple(fixed))
+    tolerance = validation.positive("tolerance", tolerance)
+    max_iterations = validation.positive_integer("max_iterations", max_iterations)
+    constraints = validation.instances("constraints", constraints, Constraint)
+    guided = held.copy()
+    for constraint in constraints:
+        if isinstance(constraint, NodeConstraint):
+            nodes = np.asarray(constraint.nodes)
+            validation.in_range(type(constraint).__name__, nodes, n, "node")
+            guided[nodes] = True
+    first = _balanced(points, branches, densities, guided, force)[0]
+    form, trouble = constrained_net(first, branches, densities, fixed, force, constraints, tolerance, max_iterations)
+    _check_size(form.points, form.forces["net"], branches, held, force)
+    if trouble:
+        warnings.warn(
+            f"The form is in equilibrium with the forces it is handed over with, but {continued(trouble)}",
+            UnsettledFormWarning,
+            stacklevel=2,
+        )
+    return form
+
+
+def _balanced(
+    points: NDArray[np.float64],
+    branches: NDArray[np.int64],
+    densities: NDArray[np.float64],
+    fixed: NDArray[np.bool_],
+    force: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Shape in balance and reactions at the fixed components, all of shape (n, 3).
+
+    Raises:
+        ValueError: There is none.
+    """
+    n = len(points)
     a, b = branches.T
     weights = sparse.coo_matrix((np.tile(densities, 2), (np.r_[a, b], np.r_[b, a])), shape=(n, n)).tocsr()
     laplacian = (sparse.diags(np.asarray(weights.sum(axis=1)).ravel()) - weights).tocsr()
@@ -81,7 +139,7 @@ def force_density(
     piece = connected_components(links, directed=False)[1]
     used = np.zeros(n, dtype=bool)
     used[branches] = True
-    held = ~used[:, None] | _held(fixed, n)
+    held = ~used[:, None] | fixed
 
     shape = points.copy()
     shape.setflags(write=True)
@@ -96,9 +154,7 @@ def force_density(
         if not np.isfinite(shape[:, component]).all():
             raise ValueError(_not_unique(densities, branches))
     _check_size(shape, densities, branches, held, force)
-    lengths = np.linalg.norm(shape[a] - shape[b], axis=1)
-    reactions = np.where(held & used[:, None], laplacian @ shape - force, 0.0)
-    return Form(shape, {"net": densities * lengths}, reactions)
+    return shape, np.where(held & used[:, None], laplacian @ shape - force, 0.0)
 
 
 def _check_size(

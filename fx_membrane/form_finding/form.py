@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..checks.values import counted
 from ..model.energy_terms import described
 from ..model.structure import Structure
+from ..model.supports import Support
 from ..runtime.notebook_pictures import picture_html, picture_png, table
 
 
@@ -42,8 +43,11 @@ class Form:
         steps: The steps of a method that takes several.
         converged: True if the form has the forces asked for, within the tolerances of its method.
         made: As `structure`; None for a net of force densities.
-        wish: By part, the forces wished for where the cells now are, as `forces`; empty where a method has none.
-        remarks: Sentences on the wish, such as that which would be exact.
+        wish: By part, the forces wished for where the cells now are, as `forces`; empty where a method has none in
+            space, as `force_density` and `projected_stress`.
+        remarks: Sentences on the wish, such as that which would be exact, and on what constraints did.
+        supports: Supports of a net, those given and those that bear its constraints; of other forms, `structure` has
+            them.
     """
 
     points: NDArray[np.float64]
@@ -54,6 +58,7 @@ class Form:
     made: Structure | None = None
     wish: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
+    supports: tuple[Support, ...] = ()
 
     @property
     def differences(self) -> dict[str, NDArray[np.float64]]:
@@ -62,7 +67,8 @@ class Form:
         It is the largest of a principal value, relative to the wish in its direction: w^-1/2 s w^-1/2 - 1. Zero where
         nothing is wished for.
         """
-        return {name: relative_difference(self.forces[name], wish) for name, wish in self.wish.items()}
+        none = {name: np.zeros(len(force)) for name, force in self.forces.items()}
+        return none | {name: relative_difference(self.forces[name], wish) for name, wish in self.wish.items()}
 
     @property
     def structure(self) -> Structure:
@@ -108,9 +114,15 @@ def refuse_terms(structure: Structure) -> None:
 
 
 def relative_difference(found: NDArray[np.float64], wish: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Largest principal value of w^-1/2 s w^-1/2 - 1, of tensors (cells, 2, 2) or forces (cells,), shape (cells,)."""
+    """Largest principal value of w^-1/2 s w^-1/2 - 1, of tensors (cells, 2, 2) or forces (cells,), shape (cells,).
+
+    Zero where the wish is no tension in all directions, or a force of zero.
+    """
     if wish.ndim == 1:
         return np.abs(np.divide(found, wish, where=wish != 0, out=np.ones_like(found)) - 1)
     values, vectors = np.linalg.eigh(wish)
+    wished = values[:, 0] > 0
+    values = np.where(wished[:, None], values, 1.0)
     root = (vectors / np.sqrt(values)[:, None]) @ vectors.swapaxes(1, 2)
-    return np.asarray(np.abs(np.linalg.eigvalsh(root @ found @ root - np.eye(2))).max(axis=1))
+    size = np.abs(np.linalg.eigvalsh(root @ found @ root - np.eye(2))).max(axis=1)
+    return np.where(wished, size, 0.0)

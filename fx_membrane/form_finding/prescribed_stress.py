@@ -26,13 +26,18 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from ..checks import validation
+from ..geometry.measures import measures
 from ..model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
-from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
 from ..runtime.processes import together
 from ..solvers.progress import Pulse
 from .balance.cable_forces import check_bars
+from .balance.constrained_balance import ConstrainedBalance, continued
+from .balance.membrane_balance import collapse_of
+from .constraints.kinds import Constraint
 from .form import Form, FormStep, refuse_terms
+from .form_loads import checked_form_loads
+from .nearest_stress.guide import as_held
 from .nearest_stress.start import even_state, near_state
 from .nearest_stress.state import NearestProblem, State
 from .nearest_stress.system import step_of, system_of
@@ -59,7 +64,10 @@ FACTOR = 6.0  # its change from try to try
 TRIES = 7  # maximum number of tries of a step
 RISE = 1e-3  # relative increase of the norm accepted in a step: the even mesh has its own
 SLACK = 0.01  # rise of the mean difference accepted where the difference is small
+EVEN = 1e-6  # mean difference that is none
+PRESSED = 0.1  # area of a cell over its first one, below which a body is not to slide further
 FAR = 0.5  # relative difference of stress and wish, in the mean over the area, above which the form is not the wish
+NEAR = 0.02  # the same, below which a form under constraints stays where no step comes nearer
 
 
 def prescribed_stress(
@@ -69,6 +77,7 @@ def prescribed_stress(
     warp: Mapping[str, Field] | None = None,
     tolerance: float = 1e-4,
     max_iterations: int = 100,
+    constraints: Sequence[Constraint] = (),
 ) -> Form:
     """Find the shape in equilibrium whose stress is nearest to the prestress of the structure, warp unlike weft.
 
@@ -90,6 +99,8 @@ def prescribed_stress(
         tolerance: Accepted change of area, of stress and of shape in a step, each relative [-]; that of shape as
             `FormStep.change`.
         max_iterations: Maximum number of steps.
+        constraints: Cables by force, force density, length, sag or angle; nodes that slide; rings and rigid bodies.
+            Forces of these cables are no wish: only the stress of membranes and the forces of other cables give way.
 
     Returns:
         The form. It has converged if it has settled, and the mean relative difference of stress and wish is below 50 %.
@@ -98,7 +109,8 @@ def prescribed_stress(
     Raises:
         ValueError: A stress is not positive; a warp vanishes in a cell or is normal to it, or its axis goes through a
             cell; an edge has neither cable nor support; a cable is in compression; a part is tied to no held node; the
-            loads do not fit the structure; it has energy terms.
+            loads do not fit the structure; it has energy terms; a constraint does not fit it, or contradicts its
+            supports.
         RuntimeError: The loads grow with the form faster than the stress can carry; the first mesh has no form.
 
     Warns:
@@ -122,42 +134,51 @@ def prescribed_stress(
     with together(MPI.COMM_WORLD):
         validation.instance("prescribed_stress structure", structure, Structure)
         refuse_terms(structure)
-        kinds = PointLoad | DistributedLoad | PlanLoad | Pressure
-        stage = Stage("form", validation.instances("loads", loads, kinds))
-        check_stages(structure, [stage])
+        loads = checked_form_loads(structure, loads)
         tolerance = validation.positive("tolerance", tolerance)
         max_iterations = validation.positive_integer("max_iterations", max_iterations)
         check_bars(structure)
         wishes = wishes_of(structure, stress, warp)
-        check_edges(structure)
-    settings = {"loads": stage.loads, "tolerance": tolerance, "max_iterations": max_iterations}
+        balance = None
+        if constraints:
+            balance = ConstrainedBalance(
+                structure, loads, constraints, np.eye(3), "force", lambda shape, _: collapse_of(structure, shape)
+            )
+        check_edges(structure if balance is None else as_held(structure, balance))
+    settings = {"loads": loads, "tolerance": tolerance, "max_iterations": max_iterations, "constraints": constraints}
     refuse_different_input(structure, settings, {"stress": stress, "warp": warp})
-    problem = NearestProblem(structure, stage.loads, wishes)
+    problem = NearestProblem(structure, loads, wishes, balance=balance)
     pulse = Pulse("form finding", MPI.COMM_WORLD.rank == 0)
     state, steps, failure = _nearest(problem, pulse, tolerance, max_iterations)
 
     def is_found(other: NearestProblem, at_once: bool) -> bool:
         return _is_found(other, pulse, tolerance, max_iterations, at_once)
 
-    trouble = reason_of(problem, state, steps, failure, tolerance, FAR, is_found)
+    trial = is_found if balance is None else None
+    trouble = reason_of(problem.at(state), state, steps, failure, tolerance, FAR, trial)
+    trouble = trouble or ("" if balance is None else balance.motions.turned(state.points))
     if trouble:
         warnings.warn(
-            f"The form is in equilibrium with the stress it is handed over with, but {trouble}",
+            f"The form is in equilibrium with the stress it is handed over with, but {continued(trouble)}",
             UnsettledFormWarning,
             stacklevel=2,
         )
     told = tuple(steps) or (FormStep(state.area, np.inf, state.largest),)  # a shape on the way to the wish
-    return problem.form(state, told, not trouble, remarks_of(problem, state))
+    off = "" if balance is None else balance.targets.off(state.points, state.densities)
+    return problem.form(state, told, not trouble, (*remarks_of(problem, state), *([off] if off else [])))
 
 
 def _nearest(problem: NearestProblem, pulse: Pulse, tolerance: float, most: int) -> tuple[State, list[FormStep], str]:
     """Last state, its steps, and the reason for no further one; from a shape near the wish, or by a way of wishes."""
+    reason = ""
     try:
         found = _settled(problem, near_state(problem, pulse), pulse, tolerance, most)
         if not found[2]:
             return found
-    except (RuntimeError, ValueError):
-        pass  # the even shape has no such limits
+        if problem.cables is not None and found[0].mean <= NEAR:  # at rest but for bodies that slide within it
+            return found[0], found[1], ""
+    except (RuntimeError, ValueError) as trouble:  # the even shape has no such limits
+        reason = f"; near it, {trouble}" if problem.cables is not None else ""
     start = even_state(problem)
     state, share, length = start, 0.0, WAY
     for _ in range(WAYS):
@@ -172,7 +193,7 @@ def _nearest(problem: NearestProblem, pulse: Pulse, tolerance: float, most: int)
             return reached
         else:
             state, share, length = reached[0], following, length * LONGER
-    words = f"no form is found beyond {100 * share:.0f} % of the way from an even stress to the wish"
+    words = f"no form is found beyond {100 * share:.0f} % of the way from an even stress to the wish{reason}"
     return problem.measured(*state[:5], 0.0), [], words
 
 
@@ -195,7 +216,7 @@ def _reached(
     """State at a share of the way from an even stress to the wish; None without one."""
     at = problem if share == 1 else problem.towards(start, share)
     try:
-        begun = at.state(state.points, state.multipliers, least=0.0)
+        begun = at.state(state.points, state.multipliers, least=0.0, before=state.densities)
         found = _settled(at, begun, pulse, *((tolerance, most) if share == 1 else (LOOSE, ON_WAY)))
     except (RuntimeError, ValueError):
         return None
@@ -209,10 +230,12 @@ def _settled(
     steps, damping, before = list[FormStep](), DAMPING, state
     while len(steps) < most and not (steps and _largest(steps[-1], before, state) <= tolerance):
         before = state
-        system = system_of(problem.blocks, problem.control, problem.point_loads, before.points, before.multipliers)
+        blocks = problem.at(before).blocks
+        system = system_of(blocks, problem.control, problem.point_loads, before.points, before.multipliers)
+        basis = problem.control.guide.basis(before.points)
         for tried in range(TRIES):
             pulse(f"step {len(steps) + 1}, try {tried + 1}, difference of the stress {before.mean:.2e}")
-            found = _stepped(problem, before, step_of(system, problem.free, damping / before.area))
+            found = _stepped(problem, before, step_of(system, basis, damping / before.area))
             if found is not None:
                 break
             damping = max(damping, DAMPING / FACTOR) * FACTOR
@@ -228,10 +251,17 @@ def _settled(
 def _stepped(problem: NearestProblem, before: State, step: tuple[Array, Array]) -> State | None:
     """State after a step; None if it has no form, or one that is farther from the wish."""
     try:
-        found = problem.state(before.points + step[1], before.multipliers + step[0])
+        found = problem.state(before.points + step[1], before.multipliers + step[0], before=before.densities)
     except (RuntimeError, ValueError):
         return None
-    return found if found.norm <= before.norm * (1 + RISE) + (SLACK * SLACK) * before.area else None
+    if not problem.control.guide.motions.bodies:
+        return found if found.norm <= before.norm * (1 + RISE) + (SLACK * SLACK) * before.area else None
+    # No mesh keeps bodies from sliding within surfaces: each step comes nearer, and no cell is pressed flat.
+    blocks, first = problem.membranes.values(), problem.structure.points
+    areas = [measures(found.points, block.cells) / measures(first, block.cells) for block in blocks]
+    shrunk = min((float(area.min()) for area in areas), default=1.0)
+    limit = before.norm * (1 + RISE) + (EVEN * EVEN) * before.area
+    return found if found.norm <= limit and shrunk > PRESSED else None
 
 
 def _largest(step: FormStep, before: State, state: State) -> float:

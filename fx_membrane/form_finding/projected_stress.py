@@ -22,17 +22,17 @@ from ..checks.calls import unfit
 from ..geometry.measures import measures
 from ..model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
 from ..model.parts import Membrane
-from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
 from ..runtime.processes import together
 from ..solvers.progress import Pulse
 from .balance.cable_forces import MEASURES, check_bars, difference
-from .balance.constrained_balance import ConstrainedBalance
+from .balance.constrained_balance import ConstrainedBalance, continued, shortfall
 from .balance.membrane_balance import collapse_of, stressed
 from .constraints.cable_targets import MET
 from .constraints.hand_over import handed_over
 from .constraints.kinds import Constraint
 from .form import Form, FormStep, refuse_terms
+from .form_loads import checked_form_loads
 from .plan import Field, Plan, place, plan_of
 from .reasons.plan_reasons import reasons_in_plan
 from .same_input import refuse_different_input
@@ -123,9 +123,7 @@ def projected_stress(
     with together(MPI.COMM_WORLD):
         validation.instance("projected_stress structure", structure, Structure)
         refuse_terms(structure)
-        kinds = PointLoad | DistributedLoad | PlanLoad | Pressure
-        stage = Stage("form", validation.instances("loads", loads, kinds))
-        check_stages(structure, [stage])
+        loads = checked_form_loads(structure, loads)
         fields = _checked_fields(structure, stress)
         validation.choice("cables", cables, MEASURES, f"one of {list(MEASURES)}")
         axes = _axes(validation.direction("direction", direction))
@@ -133,7 +131,7 @@ def projected_stress(
         max_iterations = validation.positive_integer("max_iterations", max_iterations)
         check_bars(structure)
     settings = {
-        "loads": stage.loads,
+        "loads": loads,
         "cables": cables,
         "direction": direction,
         "tolerance": tolerance,
@@ -142,7 +140,7 @@ def projected_stress(
     }
     refuse_different_input(structure, settings, {"stress": fields})
     balance = ConstrainedBalance(
-        structure, stage.loads, constraints, axes, cables, lambda shape, _: collapse_of(structure, shape)
+        structure, loads, constraints, axes, cables, lambda shape, _: collapse_of(structure, shape)
     )
 
     membranes = structure.parts_of(Membrane)
@@ -175,11 +173,12 @@ def projected_stress(
     if fold and kept is not None:
         points, reactions, densities, count = kept
         fold, steps = f"it is that of step {count}, and in later ones {fold}", steps[:count]
-    problem = collapse or fold or _excess(error, tolerance, len(steps), miss, words) or _motion(plans, points, axes)
+    problem = collapse or fold or shortfall(error, tolerance, len(steps), miss, words) or _motion(plans, points, axes)
     problem = reasons_in_plan(structure, plans, axes, first, problem, bool(constraints))
+    problem = problem or balance.motions.turned(points)
     if problem:
         warnings.warn(
-            f"The form is in equilibrium with the stress it is handed over with, but {problem}",
+            f"The form is in equilibrium with the stress it is handed over with, but {continued(problem)}",
             UnsettledFormWarning,
             stacklevel=2,
         )
@@ -229,18 +228,6 @@ def _fold(plans: Mapping[str, Plan], points: Array, axes: Array) -> str:
                 "plan; give larger forces to the cables, or hold nodes."
             )
     return ""
-
-
-def _excess(error: float, tolerance: float, steps: int, miss: float, words: str) -> str:
-    """Tell how far cables are from the forces or the geometry prescribed, in words; empty if they are near."""
-    if miss > MET:
-        return f"{words} after step {steps}, the last; allow more steps (max_iterations=...), or give a nearer value."
-    if error <= tolerance:
-        return ""
-    return (
-        f"forces of cables are off by {100 * error:.3g} % of the prescribed ones after step {steps}, the last; allow "
-        "more steps (max_iterations=...) or a larger tolerance."
-    )
 
 
 def _motion(plans: Mapping[str, Plan], points: Array, axes: Array) -> str:

@@ -14,6 +14,7 @@ from .reasons.no_form import cause
 # Fraction of its first length, or of the root of its first area, below which a cell counts as collapsed.
 GONE = 1e-3
 GONE_MAST = 1e-2  # no sliding of nodes makes a mast short
+STOPPED = "Form finding stopped at step"
 HOLD = (
     "hold the mast head as a support in form finding, and add mast and stays by masts_and_stays, with forces that "
     "balance the reactions of the form; or change the forces that meet there, or the first shape."
@@ -87,7 +88,7 @@ def collapse(structure: Structure, step: int, points: NDArray[np.float64] | None
             for cell in np.flatnonzero(free & (force < 0))[:1]:
                 length = measures(structure.points, part.cells[[cell]])[0]
                 return (
-                    f"Form finding stopped at step {step}: the shape collapses. The mast in cell {cell} of part "
+                    f"{STOPPED} {step}: the shape collapses. The mast in cell {cell} of part "
                     f"{name!r}, of the length {length:.4g} and the force {force[cell]:g}, has a free end, and no form "
                     f"was found that balances the forces there; {HOLD}"
                 )
@@ -98,7 +99,7 @@ def collapse(structure: Structure, step: int, points: NDArray[np.float64] | None
     )
     where = "" if points is None else _where(structure, points)
     remedy = "Change the prestress or the supports."
-    return f"Form finding stopped at step {step}: the shape collapses{where}. {reason} {remedy}"
+    return f"{STOPPED} {step}: the shape collapses{where}. {reason} {remedy}"
 
 
 def _where(structure: Structure, points: NDArray[np.float64]) -> str:
@@ -121,7 +122,7 @@ def _unbalanced(step: int, name: str, part: Bar, cell: int, force: float, first:
     if kind == "mast":
         remedy = HOLD
     return (
-        f"Form finding stopped at step {step}: the {kind} in cell {cell} of part {name!r}, with the force {force:g}, "
+        f"{STOPPED} {step}: the {kind} in cell {cell} of part {name!r}, with the force {force:g}, "
         f"{fate} (its length was {first:.4g} and is {now:.3g}): no length was found that balances the forces at its "
         f"ends; {remedy}"
     )

@@ -22,31 +22,25 @@ from dataclasses import replace
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
-from petsc4py import PETSc
 
-from ..assembly.loaded_problem import LoadedProblem
-from ..assembly.problem import Problem
 from ..checks import validation
-from ..geometry.measures import measures, normals, projected
 from ..model.fingerprints import of_settings
-from ..model.loads import DistributedLoad, PointLoad, Pressure
-from ..model.parts import Membrane, Part
+from ..model.loads import DistributedLoad, Load, PlanLoad, PointLoad, Pressure
+from ..model.parts import Membrane
 from ..model.restraint import check_supports
-from ..model.stages import Stage, check_stages
+from ..model.stages import Stage
 from ..model.structure import Structure
-from ..results.evaluation import StateEvaluator
-from ..results.states import StageResult
 from ..runtime.processes import refuse_differences, together
-from ..solvers.base import Iteration, Solution
-from ..solvers.newton import Newton
 from ..solvers.progress import Pulse
+from .balance.constrained_balance import ConstrainedBalance
+from .cell_reference import check_tension
+from .constraints.kinds import CableConstraint, Constraint
 from .form import Form, FormStep, refuse_terms
-from .masts.mast_balance import Step, balance_masts
-from .shape_change import change_of_shape, check_collapse, collapse
+from .form_loads import checked_form_loads
+from .masts.bar_balance import fallen_mast
+from .natural_step import collapse_of_step, natural_steps
+from .reference_steps import steps_of_reference
 
-SAME = 1e-12  # relative change of the loads that counts as none
-REPEATS = 100  # maximum number of solves of a step
 STRAY = 0.1  # accepted error of the stress where it can settle, relative to the prescribed stress
 STRAY_LOADED = 0.5  # the same with loads along lines and surfaces, which no constant stress balances
 
@@ -57,10 +51,11 @@ class UnsettledFormWarning(UserWarning):
 
 def updated_reference(
     structure: Structure,
-    loads: Sequence[PointLoad | DistributedLoad | Pressure] = (),
+    loads: Sequence[PointLoad | DistributedLoad | PlanLoad | Pressure] = (),
     tolerance: float = 1e-3,
     max_iterations: int = 100,
     comm: MPI.Intracomm = MPI.COMM_WORLD,
+    constraints: Sequence[Constraint] = (),
 ) -> Form:
     """Find the shape in which the prestress of membranes, cables and masts is in equilibrium, without elasticity.
 
@@ -80,6 +75,9 @@ def updated_reference(
         tolerance: Accepted change of shape in a step, `FormStep.change` [-].
         max_iterations: Maximum number of steps, and of moves of free mast heads in search of their places.
         comm: The processes that share the work.
+        constraints: Cables by force, force density, length, sag or angle; nodes that slide; rings and rigid bodies.
+            Each step keeps them; for the geometry of cables it takes several linear solves. No place of a free mast
+            head is searched for then.
 
     Returns:
         The form, in equilibrium even if the steps were too few. It has converged if the change of shape fell below the
@@ -88,14 +86,17 @@ def updated_reference(
 
     Raises:
         ValueError: The structure has no prestress at all, or a compressive one in a membrane or a cable; it is not
-            supported; the loads do not fit it; it has energy terms.
-        RuntimeError: A step found no equilibrium, or the shape collapses, as a catenoid between rings too far apart; a
-            cable or a mast shrinks to a point or grows without bound; no place of a free mast head was found, and the
-            force that is missing there is named; or distributed loads grow with the form faster than the prestress can
-            carry.
+            supported; the loads do not fit it; it has energy terms; a constraint does not fit it, or contradicts its
+            supports.
+        RuntimeError: The first step finds no equilibrium, or collapses.
 
     Warns:
-        UnsettledFormWarning: The steps were too few; the form is that of the last one.
+        UnsettledFormWarning: The steps were too few; the form is that of the last one. Or a mast has fallen by more
+            than 60 degrees to a place where its force balances. Or a later step collapses, as that of a catenoid
+            between rings too far apart; a cable or a mast shrinks to a point or grows without bound;
+            no place of a free mast head was found, and the force that is missing there is named; or distributed loads
+            grow with the form faster than the prestress can carry. The form is that of the step before whose stress is
+            nearest to the prestress.
 
     Example:
         >>> points, triangles = rectangle(2.0, 2.0, 4, 4)
@@ -111,108 +112,55 @@ def updated_reference(
         refuse_terms(structure)
         tolerance = validation.positive("tolerance", tolerance)
         max_iterations = validation.positive_integer("max_iterations", max_iterations)
-        stage = Stage("form", validation.instances("loads", loads, PointLoad | DistributedLoad | Pressure))
-        check_stages(structure, [stage])
-        check_supports(structure, structure.supported)
-        _check_prestress(structure)
+        stage = Stage("form", checked_form_loads(structure, loads))
+        constraints = tuple(validation.instances("constraints", constraints, Constraint))
+        if not constraints:
+            check_supports(structure, structure.supported)
+        _check_prestress(structure, any(isinstance(each, CableConstraint) for each in constraints))
     settings = {"loads": stage.loads, "tolerance": tolerance, "max_iterations": max_iterations}
-    refuse_differences(comm, lambda: of_settings(settings))
-    points = structure.points
-    steps: list[FormStep] = []
-    parts: dict[str, Part] = {}
-    forces: dict[str, NDArray[np.float64]] = {}
-    reactions = np.zeros(points.shape)
-    converged = searched = False
-    stray = STRAY_LOADED if any(isinstance(load, PointLoad | DistributedLoad) for load in stage.loads) else STRAY
+    refuse_differences(comm, lambda: of_settings(settings | {"constraints": constraints}))
     pulse = Pulse("form finding", comm.rank == 0)
-
-    def monitor(number: int, entry: Iteration) -> None:
-        pulse(f"step {len(steps) + 1}, iteration {number}, residual {entry.residual:.1e}")
-
-    def stepper(of: Structure) -> Step:
-        problem = Problem(of, comm, elastic=False)
-        solve, record = Newton(line_search=False).prepare(problem), StateEvaluator(problem)
-        return lambda points, number: _step(record, lambda loaded, x: solve(loaded, x, monitor), stage, points, number)
+    stray = largest_stray(stage.loads)
 
     def is_settled(step: FormStep) -> bool:
         return step.change <= tolerance and step.stress_error <= stray
 
-    def fits(points: NDArray[np.float64], state: StageResult) -> bool:
-        return is_settled(_stressed(structure, points, state)[2])
-
-    step, limit = stepper(structure), max_iterations
-    while len(steps) < limit and not converged:
-        try:
-            state = step(points, len(steps) + 1)
-        except RuntimeError as failure:
-            found = None
-            if not searched:
-                found = balance_masts(structure, stage, stepper, fits, pulse, comm, limit, str(failure))
-            if found is None:
-                raise
-            searched, points, steps = True, found.points, []
-            step, limit = stepper(found.structure), found.steps
-            continue
-        parts, forces, entry = _stressed(structure, points, state)
-        points, reactions = points + state.displacement, state.reactions
-        steps.append(entry)
-        converged = is_settled(entry)
+    if constraints:
+        form, collapse = _constrained(structure, stage, constraints, is_settled, max_iterations, pulse)
+    else:
+        form, collapse = steps_of_reference(structure, stage, is_settled, max_iterations, pulse, comm)
+        if form.converged and (fallen := fallen_mast(structure, form.points)):
+            collapse = f"The form is in equilibrium with the forces prescribed, but {fallen}"
     with together(comm):
-        if not converged and comm.rank == 0:
-            _warn_of_unsettled_form(steps, tolerance)
-    made = replace(structure, points=points, parts=parts)
-    return Form(points, forces, reactions, tuple(steps), converged, made)
+        if collapse and comm.rank == 0:
+            warnings.warn(collapse, UnsettledFormWarning, stacklevel=2)
+        elif not form.converged and comm.rank == 0:
+            _warn_of_unsettled_form(form.steps, tolerance)
+    return form
 
 
-def _step(
-    record: StateEvaluator,
-    solve: Callable[[LoadedProblem, PETSc.Vec], Solution],
+def largest_stray(loads: Sequence[Load]) -> float:
+    """Accept a difference of the stress from the prescribed one, relative to the latter [-], under loads."""
+    return STRAY if all(isinstance(load, Pressure) for load in loads) else STRAY_LOADED
+
+
+def _constrained(
+    structure: Structure,
     stage: Stage,
-    points: NDArray[np.float64],
-    number: int,
-) -> StageResult:
-    """State in which the prestress with respect to a shape is in equilibrium.
-
-    Raises:
-        RuntimeError: There is none, or the shape collapses.
-    """
-    structure = record.problem.structure
-    found = _equilibrium(record.problem, solve, stage, points)
-    if found is None:
-        raise RuntimeError(collapse(structure, number))
-    state = record(stage.name, *found, ())
-    check_collapse(structure, points + state.displacement, number)
-    return state
-
-
-def _equilibrium(
-    problem: Problem,
-    solve: Callable[[LoadedProblem, PETSc.Vec], Solution],
-    stage: Stage,
-    reference: NDArray[np.float64],
-) -> tuple[LoadedProblem, PETSc.Vec] | None:
-    """Displacement from a reference shape to equilibrium of the prestress with the loads on it; None without one.
-
-    Raises:
-        RuntimeError: The loads do not settle.
-    """
-    x, shape, before = problem.create_vector(), reference, None
-    for _ in range(REPEATS):
-        problem.discretization.move(shape)
-        actions = problem.actions_of(stage)
-        problem.discretization.move(reference)
-        loaded = problem.under(actions)
-        if before is not None and np.abs(actions.loads - before).max() <= SAME * np.abs(actions.loads).max():
-            return loaded, x
-        if not solve(loaded, x).converged:
-            if before is None:
-                return None
-            break
-        shape, before = reference + problem.to_numpy(x), actions.loads
-    raise RuntimeError(
-        "Form finding found no shape for the distributed loads: they grow with the form faster than the "
-        "prestress can hold. Give a larger prestress or smaller loads."
+    constraints: Sequence[Constraint],
+    is_settled: Callable[[FormStep], bool],
+    most: int,
+    pulse: Pulse,
+) -> tuple[Form, str]:
+    """Form under constraints, and the collapse in words that ended its steps; on each process alone."""
+    for name, part in structure.parts.items():
+        if isinstance(part, Membrane):
+            check_tension(name, part, structure.points, part.prestress_tensors())
+    balance = ConstrainedBalance(
+        structure, stage.loads, constraints, np.eye(3), "force", lambda *now: collapse_of_step(structure, *now)
     )
+    form, collapse = natural_steps(balance, most, is_settled, pulse)
+    return replace(form, converged=not collapse and is_settled(form.steps[-1])), collapse
 
 
 def _warn_of_unsettled_form(steps: Sequence[FormStep], tolerance: float) -> None:
@@ -227,9 +175,10 @@ def _warn_of_unsettled_form(steps: Sequence[FormStep], tolerance: float) -> None
     )
 
 
-def _check_prestress(structure: Structure) -> None:
+def _check_prestress(structure: Structure, given: bool) -> None:
+    """Refuse compression in membranes and cables, and no prestress at all unless constraints give forces."""
     stresses = {name: part.prestress_tensors() for name, part in structure.parts.items()}
-    if not any(stress.any() for stress in stresses.values()):
+    if not given and not any(stress.any() for stress in stresses.values()):
         raise ValueError("No part has a prestress; form finding needs the stress that the form is to have.")
     for name, part in structure.parts.items():
         least = np.linalg.eigvalsh(stresses[name])[:, 0]
@@ -240,40 +189,3 @@ def _check_prestress(structure: Structure) -> None:
                 f"Part {name!r}, cell {cell}: its prestress is compressive ({least[cell]:g}) at {where}; no form of "
                 "fabric or cables holds that, give a tension."
             )
-
-
-def _stressed(
-    structure: Structure, before: NDArray[np.float64], state: StageResult
-) -> tuple[dict[str, Part], dict[str, NDArray[np.float64]], FormStep]:
-    """Parts with the stress of a state as prestress, in the shape after a step, their forces, and the step."""
-    points = before + state.displacement
-    parts: dict[str, Part] = {}
-    forces: dict[str, NDArray[np.float64]] = {}
-    area = error = 0.0
-    for name, part in structure.parts.items():
-        parts[name], forces[name], deviation = _stressed_part(structure, name, points, state)
-        error = max(error, deviation)
-        area += float(measures(points, part.cells).sum()) if part.dimension == 2 else 0.0
-    return parts, forces, FormStep(area, change_of_shape(structure, before, state.displacement), error)
-
-
-def _stressed_part(
-    structure: Structure, name: str, points: NDArray[np.float64], state: StageResult
-) -> tuple[Part, NDArray[np.float64], float]:
-    """Replace the prestress of a part by the stress of a state, in a new shape; return that, and its relative error."""
-    part, result = structure.parts[name], state.parts[name]
-    wanted = part.prestress_tensors()
-    if result.dimension == 2:
-        warp = structure.warp(name)
-        normal = normals(points, part.cells)
-        first = projected(warp, normal)
-        frame = np.stack([first, np.cross(normal, first)], axis=2)
-        found = np.einsum("nia,nij,njb->nab", frame, result.cauchy, frame)
-        found = (found + found.swapaxes(1, 2)) / 2
-        stressed: Part = replace(structure.part(name, Membrane), prestress=found, warp=warp)
-    else:
-        found, wanted = result.force, wanted[:, 0, 0]
-        if part.is_strut and state.structure.terms:  # thrusts, which the step keeps
-            found = np.array(wanted)
-        stressed = replace(part, prestress=found)
-    return stressed, found, float(np.abs(found - wanted).max() / max(np.abs(wanted).max(), np.finfo(float).tiny))

@@ -30,7 +30,10 @@ def check_bars(structure: Structure) -> None:
         force = part.prestress_tensors().ravel()
         if isinstance(part, Mast):
             unfit = np.flatnonzero((force != 0) & free[part.cells].any(axis=1))
-            reason = "has an end that is not held; hold its head in form finding, and add the mast by masts_and_stays."
+            reason = (
+                "has an end that is not held; hold its head in form finding, and add the mast by masts_and_stays; give "
+                "its length by a RigidBody of its ends, without prestress; or find its head by updated_reference."
+            )
         else:
             unfit = np.flatnonzero(force < 0)
             reason = "is in compression, which no cable carries; give a tension."

@@ -22,6 +22,23 @@ LARGEST = 3.0  # factor on a force density in one step
 NEAR = 1e-6  # accepted relative change of a force towards a wanted geometry
 
 
+def continued(words: str) -> str:
+    """Sentence as the end of another, with a small letter at its start."""
+    return words[:1].lower() + words[1:]
+
+
+def shortfall(error: float, tolerance: float, steps: int, miss: float, words: str) -> str:
+    """Tell how far cables are from the forces or the geometry prescribed, in words; empty if they are near."""
+    if miss > MET:
+        return f"{words} after step {steps}, the last; allow more steps (max_iterations=...), or give a nearer value."
+    if error <= tolerance:
+        return ""
+    return (
+        f"forces of cables are off by {100 * error:.3g} % of the prescribed ones after step {steps}, the last; allow "
+        "more steps (max_iterations=...) or a larger tolerance."
+    )
+
+
 class Balance(NamedTuple):
     """Shape in balance.
 
@@ -112,11 +129,17 @@ class ConstrainedBalance:
             return str(upright)
 
     def settled(
-        self, start: Array, plans: Mapping[str, Plan], densities: dict[str, Array], number: int
+        self,
+        start: Array,
+        plans: Mapping[str, Plan],
+        densities: dict[str, Array],
+        number: int,
+        meets_forces: bool = False,
     ) -> Balance | str:
         """Solve as often as the geometry of cables asks for, with the other force densities given.
 
-        A line of given geometry has one force for its lengths in the start. Args and Raises as for a call.
+        A line of given geometry has one force for its lengths in the start. Args and Raises as for a call; with
+        `meets_forces` cables with a force as constraint have it in the shape found, too.
         """
         accelerated, words = self.acceleration(), ""
         reference = start
@@ -125,7 +148,7 @@ class ConstrainedBalance:
             if isinstance(found, str):
                 return found
             miss, words = self.targets.miss(found.points, densities, found.wanted)
-            wanted = self.targets.mixed(densities, found.wanted)
+            wanted = self.targets.mixed(densities, found.wanted, meets_forces)
             if miss <= MET and difference(densities, wanted) <= NEAR:
                 return found
             densities, start = accelerated(densities, wanted), found.points

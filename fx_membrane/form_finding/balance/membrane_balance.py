@@ -34,9 +34,12 @@ def balanced(
 
 
 def nodal_loads(structure: Structure, loads: Sequence[Any], points: Array) -> Array:
-    """Spread loads on the nodes of a shape, shape (n, 3) [N]."""
+    """Spread loads on the nodes of a shape, shape (n, 3) [N]; an array is that of forces on all nodes."""
     total = np.zeros(points.shape)
     for load in loads:
+        if isinstance(load, np.ndarray):
+            total += load
+            continue
         if isinstance(load, PointLoad):
             total[np.asarray(load.nodes)] += np.asarray(load.force)
             continue

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.linalg import null_space
 from scipy.optimize import NonlinearConstraint, minimize
 
-from .motions import Body
+from .motions import Body, carried
 
 Array = NDArray[np.float64]
 
@@ -44,11 +44,37 @@ def settled(bodies: Sequence[Body], stiffness: Array, loose: Array, start: Array
     if found is None:
         found = _newton(equations, stiffness, loose, _lowest(equations, stiffness, loose, start))
     if found is None:
+        others = ", or another constraint that keeps nodes together," if len(bodies) > 1 else ""
+        radius = "give another radius, or " if any(body.radius_given for body in bodies) else ""
         raise RuntimeError(
-            f"{bodies[0].label}{', or another of them,' if len(bodies) > 1 else ''} finds no balance that keeps it in "
-            "shape under its supports: give another radius, or fewer supports to its nodes."
+            f"{bodies[0].label}{others} finds no balance that keeps its shape under its supports: {radius}take "
+            "supports from its nodes, or start it nearer to its place in the form."
         )
     return found
+
+
+def tangents(body: Body, points: Array, forces: Array | None = None) -> tuple[Array, Array]:
+    """Motions that keep a body in shape where it is, and how forces on its nodes turn against them.
+
+    Args:
+        body: The body.
+        points: A shape in which it has its form, shape (n, 3) [m].
+        forces: Forces on all nodes, shape (n, 3) [N]; none if not given.
+
+    Returns:
+        Orthonormal columns, shape (3 k, m), and the derivatives of the work of the forces on each along each, (m, m).
+    """
+    equations, s = _Equations([body]), body.unknowns(points)
+    gradients, all_ways = equations.gradients(s), carried(body.coordinates) @ body.ways
+    free = null_space(gradients / equations.size)
+    columns, scale = np.linalg.qr(all_ways @ free)
+    if forces is None:
+        return columns, np.zeros((columns.shape[1], columns.shape[1]))
+    push = all_ways.T @ forces[body.nodes].ravel()
+    multipliers = np.linalg.lstsq(gradients.T, push, rcond=None)[0]
+    bent = -free.T @ np.tensordot(multipliers, equations.curvatures, axes=1) @ free
+    inverse = np.linalg.inv(scale)
+    return columns, inverse.T @ bent @ inverse
 
 
 def _lowest(equations: _Equations, stiffness: Array, loose: Array, start: Array) -> Array:

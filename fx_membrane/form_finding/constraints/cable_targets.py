@@ -23,6 +23,7 @@ from .kinds import CableConstraint, CableDensity, CableForce, EdgeAngle
 Array = NDArray[np.float64]
 
 MET = 1e-8  # accepted difference of length, sag or angle from the wanted one, relative to the latter
+NEAR = 1e-3  # the same, of a force from that of a constraint
 STEP = 30.0  # largest factor on a force in one step
 FLOOR = 1e-6  # relative excess of a force over the prestress, above which an angle is what decides it
 RANGE = 1e9  # factor on the first guess of a force, beyond which none is looked for
@@ -54,6 +55,7 @@ class CableTargets:
         forces = {name: part.prestress_tensors().ravel().copy() for name, part in bars.items()}
         self.kinds = {name: np.full(len(part.cells), measure, dtype=object) for name, part in bars.items()}
         self.axes, self.targets = axes, list[Target]()
+        self.given: list[tuple[CableForce | CableDensity, NDArray[np.int64]]] = []
         for constraint, cells in _distinct(structure, constraints):
             if isinstance(constraint, CableForce):
                 forces[constraint.part][cells] = constraint.force
@@ -63,6 +65,8 @@ class CableTargets:
                 self.kinds[constraint.part][cells] = "force density"
             else:
                 self.targets += targets_of(structure, constraint, cells, guided)
+            if isinstance(constraint, CableForce | CableDensity):
+                self.given.append((constraint, cells))
         self.bars = {name: replace(part, prestress=forces[name]) for name, part in bars.items()}
         self.points = structure.points
         self.first: list[float] = []
@@ -74,7 +78,7 @@ class CableTargets:
             guess: Least force to begin with where the geometry of a cable is given [N]: from a large one, every load
                 finds its shape.
         """
-        found = self.by_force(self.points)
+        found, self.first = self.by_force(self.points), []
         for name, line, *_ in self.targets:
             length = measures(self.points, self.bars[name].cells[line.cells])
             found[name][line.cells] = np.maximum(found[name][line.cells], guess / length)
@@ -107,9 +111,16 @@ class CableTargets:
             found[name][line.cells] = q
         return found
 
-    def mixed(self, densities: Mapping[str, Array], wanted: Mapping[str, Array]) -> dict[str, Array]:
-        """Force densities with those wanted by lines of given geometry only, by part, shape (cells,) [N/m]."""
+    def mixed(
+        self, densities: Mapping[str, Array], wanted: Mapping[str, Array], forces: bool = False
+    ) -> dict[str, Array]:
+        """Force densities with those wanted by lines of given geometry only, by part, shape (cells,) [N/m].
+
+        With `forces`, those wanted by constraints of force are taken, too.
+        """
         found = {name: q.copy() for name, q in densities.items()}
+        for constraint, cells in self.given if forces else ():
+            found[constraint.part][cells] = wanted[constraint.part][cells]
         for name, line, *_ in self.targets:
             found[name][line.cells] = wanted[name][line.cells]
         return found
@@ -146,6 +157,26 @@ class CableTargets:
                 )
         return worst, words
 
+    def off(self, points: Array, densities: Mapping[str, Array]) -> str:
+        """Tell of the cable that is farthest from the force or force density of its constraint; empty if all are near.
+
+        Args:
+            points: The shape.
+            densities: Force densities in it.
+        """
+        wanted, worst, words = self.by_force(points), NEAR, ""
+        for constraint, cells in self.given:
+            ratio = densities[constraint.part][cells] / wanted[constraint.part][cells]
+            cell = int(np.abs(ratio - 1).argmax())
+            if abs(ratio[cell] - 1) > worst:
+                worst = abs(ratio[cell] - 1)
+                where = place_of(points, self.bars[constraint.part].cells, cells[cell])
+                words = (
+                    f"Cell {cells[cell]} of cable {constraint.part!r}, at {where}, has {ratio[cell]:.6g} times the "
+                    f"{'force' if isinstance(constraint, CableForce) else 'force density'} of its constraint."
+                )
+        return words
+
     def out_of_range(self, points: Array, densities: Mapping[str, Array]) -> str:
         """Tell of a line that has its wanted geometry under no force, in words; empty without one."""
         for first, (name, line, constraint, is_anchored, _) in zip(self.first, self.targets, strict=True):
@@ -158,9 +189,9 @@ class CableTargets:
             mean = _mean(densities[name][line.cells])
             if not 1 / RANGE < mean / first < RANGE:
                 return (
-                    f"the {named(name, line, points)} reaches the {noun(constraint)} {goal:.6g}{unit} under no "
-                    f"force: it is {now:.4g}{unit} with the mean force density {mean:.3g}; give a value nearer to "
-                    "that, draw the line nearer to its form at the start, or move its ends."
+                    f"no force gives the {named(name, line, points)} the {noun(constraint)} {goal:.6g}{unit}: it is "
+                    f"{now:.4g}{unit} with a mean force density of {mean:.3g}; give a value nearer to that, draw the "
+                    "line nearer to its form at the start, or move its ends."
                 )
         return ""
 

@@ -62,7 +62,9 @@ def handed_over(
     patterns = np.unique(extra[extra.any(axis=1)], axis=0)
     added = [Support(np.flatnonzero((extra == row).all(axis=1)), "".join(np.array(AXES)[row])) for row in patterns]
     made_of = replace(structure, points=points, parts=parts, supports=[*structure.supports, *added])
-    return Form(points, forces, reactions, steps, converged, made_of)
+    told = [words(points) for body in motions.bodies for words in (body.turned, body.grown)]
+    remarks = tuple(filter(None, told))
+    return Form(points, forces, reactions, steps, converged, made_of, remarks=remarks)
 
 
 def _bars(

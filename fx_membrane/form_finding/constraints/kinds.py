@@ -229,7 +229,8 @@ class Ring(ByValue):
 
     Args:
         nodes: The nodes, on a circle at the start, shape (k,), k >= 3.
-        radius: Radius in the form [m]; found if not given. That of the start makes the ring rigid.
+        radius: Radius in the form [m]; found if not given. That of the start makes the ring rigid. A ring of free
+            radius around a hole grows from step to step, as nothing within it holds it; `Form.remarks` says so.
 
     Raises:
         ValueError: There are fewer than three nodes, or the radius is not positive.
@@ -255,8 +256,9 @@ class Ring(ByValue):
 class RigidBody(ByValue):
     """Nodes that move and turn together in form finding, as those of a stiff head frame.
 
-    Two nodes are the ends of a strut of given length; a `Mast` without prestress between them takes its force. Bars and
-    supports take the forces of a body as those of a `Ring`.
+    Two nodes are the ends of a strut of given length; a `Mast` without prestress between them takes its force. A mast
+    falls, with a warning, where stays of given force alone hold its head: hold that by supports, and add both by
+    `masts_and_stays`. Bars and supports take the forces of a body as those of a `Ring`.
 
     Args:
         nodes: The nodes, shape (k,), k >= 2.

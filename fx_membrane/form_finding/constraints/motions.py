@@ -21,6 +21,8 @@ Mask = NDArray[np.bool_]
 
 ROUND = 1e-6  # distance of a node from its circle, over the radius, that counts as none
 FLAT = 1e-9  # extent across a plane or a line, over the largest, that counts as none
+TURNED = 45.0  # angle by which a body has turned, above which it is told [degrees]
+GROWN = 1.5  # radius of a ring over the first one, above which it is told
 AXIS = 1e-12  # component of a unit vector, or a stiffness against a motion, that counts as none
 
 
@@ -36,6 +38,7 @@ class Body:
         ways: Motions of origin and frame that supports leave, orthonormal columns, shape (3 (1 + r), p).
         scale: Length of the vectors of the frame, the radius of a ring [m]; None if it is found.
         label: Name in messages.
+        is_ring: True for a ring.
     """
 
     nodes: NDArray[np.int64]
@@ -44,11 +47,44 @@ class Body:
     ways: Array
     scale: float | None
     label: str
+    is_ring: bool
+
+    @property
+    def radius_given(self) -> bool:
+        """True for a ring of given radius."""
+        return self.is_ring and self.scale is not None
 
     def unknowns(self, points: Array) -> Array:
         """Reduced unknowns nearest to a shape, shape (p,) [m]."""
         found = np.linalg.lstsq(self.coordinates, points[self.nodes], rcond=None)[0]
         return np.asarray(self.ways.T @ (found - self.first).ravel())
+
+    def _frames(self, points: Array) -> tuple[Array, Array]:
+        """Vectors of the frame in a shape and at the start, both of shape (r, 3)."""
+        return np.linalg.lstsq(self.coordinates, points[self.nodes], rcond=None)[0][1:], self.first[1:]
+
+    def turned(self, points: Array) -> str:
+        """Tell of a body that is far turned from its start, as a mast that falls, in words; empty if it is not."""
+        now, then = (np.cross(each[0], each[1]) if len(each) > 1 else each[0] for each in self._frames(points))
+        angle = float(np.degrees(np.arctan2(np.linalg.norm(np.cross(now, then)), now @ then)))
+        if angle <= TURNED:
+            return ""
+        return (
+            f"{self.label} has turned by {angle:.0f} degrees from its start: cables of given force do not hold a mast "
+            "upright, and a flat start leaves its side open. Hold its head by supports and add mast and stays by "
+            "masts_and_stays, give supports that guide it, or start it nearer to its place in the form."
+        )
+
+    def grown(self, points: Array) -> str:
+        """Tell of a ring of free radius that has grown much, in words; empty if it has not."""
+        now, then = self._frames(points)
+        growth = float(np.linalg.norm(now[0]) / np.linalg.norm(then[0]))
+        if not self.is_ring or self.scale is not None or growth <= GROWN:
+            return ""
+        return (
+            f"{self.label} has grown to {growth:.3g} times its radius at the start, as nothing within it holds it: in "
+            "further steps it may grow without bound. Give its radius, or a cable with a force along it."
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +112,10 @@ class Motions:
         """True if components of nodes depend on each other."""
         return bool(len(self.slides) or self.bodies)
 
+    def turned(self, points: Array) -> str:
+        """Tell of a body that is far turned from its start, in words; empty without one."""
+        return next(filter(None, (body.turned(points) for body in self.bodies)), "")
+
     def reactions(self, unbalanced: Array) -> Array:
         """Return forces of supports and constraints from the unbalanced forces at the nodes, shape (n, 3) [N]."""
         found = np.where(self.reacting, unbalanced, 0.0)
@@ -99,7 +139,7 @@ class Motions:
         count += len(node)
         of_bodies = []
         for body in self.bodies:
-            block = _carried(body.coordinates) @ body.ways
+            block = carried(body.coordinates) @ body.ways
             numbers = count + np.arange(block.shape[1])
             rows.append(np.repeat((3 * body.nodes[:, None] + np.arange(3)).ravel(), len(numbers)))
             columns.append(np.tile(numbers, 3 * len(body.nodes)))
@@ -190,7 +230,8 @@ def _body(structure: Structure, constraint: Ring | RigidBody) -> Body:
     ways = _guided(coordinates, structure.supported[nodes])
     if not ways.shape[1]:
         raise ValueError(f"{label} is held by supports in all its motions; take some of them, or the constraint, away.")
-    return Body(nodes, coordinates, np.vstack([origin, scale * axes]), ways, radius, label)
+    first = np.vstack([origin, scale * axes])
+    return Body(nodes, coordinates, first, ways, radius, label, isinstance(constraint, Ring))
 
 
 def _circle(
@@ -232,6 +273,6 @@ def _guided(coordinates: Array, supported: Mask) -> Array:
     return np.array(found).reshape(-1, 3 * count).T
 
 
-def _carried(coordinates: Array) -> Array:
+def carried(coordinates: Array) -> Array:
     """Return the derivative of the positions of nodes by origin and frame, shape (3 k, 3 (1 + r))."""
     return np.asarray(np.kron(coordinates, np.eye(3)), dtype=np.float64)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.sparse import csr_matrix
 
+from ...checks import validation
 from ...model.structure import Structure
 
 Array = NDArray[np.float64]
@@ -21,6 +22,7 @@ STEPS = (1, 5, 20)  # numbers of steps, tried in turn, in which the unbalanced f
 TRIES = 20  # of each
 EPS = 1e-15
 FOLLOWED = 1e-6  # unbalanced force, above which a step has lost its way
+FALLEN = 60.0  # angle by which a free mast has turned, above which it is told [degrees]
 TURNED = 0.5  # cosine of the angle by which a mast turns at most
 
 
@@ -116,3 +118,24 @@ def _assembled(blocks: Array, cells: NDArray[np.int64], free: NDArray[np.bool_])
     values = signs[None, :, :, None, None] * blocks[:, None, None]
     kept = (rows >= 0) & (columns >= 0)
     return csr_matrix((values[kept], (rows[kept], columns[kept])), shape=(free.sum(), free.sum()))
+
+
+def fallen_mast(structure: Structure, points: Array) -> str:
+    """Tell of a mast with a force and a free end that has fallen from its first direction, in words; else empty."""
+    free = ~structure.supported.all(axis=1)
+    for name, part in structure.parts.items():
+        if part.is_strut:
+            then, now = (_lines(place, part.cells)[1] for place in (structure.points, points))
+            cosine = np.sum(then * now, axis=1)
+            loose = free[part.cells].any(axis=1) & (part.prestress_tensors().ravel() != 0)
+            fallen = np.flatnonzero(loose & (cosine < np.cos(np.radians(FALLEN))))
+            if len(fallen):
+                angle = np.degrees(np.arccos(np.clip(cosine[fallen[0]], -1, 1)))
+                head = part.cells[fallen[0]][free[part.cells[fallen[0]]]][-1]
+                return (
+                    f"the mast in cell {fallen[0]} of part {name!r} has turned by {angle:.0f} degrees from its start, "
+                    f"its end to {validation.format_point(points[head])}: there the forces given balance, and nothing "
+                    "holds it upright. Hold its head by supports and add mast and stays by masts_and_stays; or change "
+                    "the forces that meet there."
+                )
+    return ""

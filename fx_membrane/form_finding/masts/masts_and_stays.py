@@ -46,7 +46,8 @@ def masts_and_stays(
             x = 0 of half a structure.
 
     Returns:
-        The form with the bars as further parts, under the same loads. `forces` and `reactions` are those of the whole.
+        The form with the bars as further parts, under the same loads. `forces` and `reactions` are those of the whole,
+        and `wish` has the wanted forces, too.
         It has converged if the form had, and the wanted forces are met within 0.1 %.
 
     Raises:
@@ -108,7 +109,16 @@ def masts_and_stays(
     difference = np.abs(forces - frame.wanted)[frame.wanted != 0].max(initial=0.0)
     met = bool(difference <= MET * np.abs(frame.wanted).max())
     balanced = np.where(free, 0.0, reactions - frame.pulls(forces))
-    return Form(places, {**form.forces, **by_part}, balanced, form.steps, form.converged and met, made)
+    wanted = dict(zip(parts, np.split(frame.wanted, np.cumsum(lengths)[:-1]), strict=True))
+    return replace(
+        form,
+        points=places,
+        forces={**form.forces, **by_part},
+        reactions=balanced,
+        converged=form.converged and met,
+        made=made,
+        wish={**form.wish, **wanted},
+    )
 
 
 def _checked_structure(form: Form) -> Structure:

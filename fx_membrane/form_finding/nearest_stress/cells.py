@@ -6,6 +6,7 @@ the work of the loads on l, is a function of l and of the shape. Its derivative 
 negative of its minimum over l is half the square of the norm of the relative difference of stress and wish.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol
 
@@ -121,11 +122,16 @@ class BarBlock:
         cells: Nodes of the cells, shape (cells, 2).
         force: Forces wished for, shape (cells,) [N].
         width: Width of the strip of membrane that counts as much as the bar, shape (cells,) [m].
+        growth: Factor of the forces in a shape, of corners, as of given force densities; one if None.
     """
 
     cells: Cells
     force: Array
     width: Array
+    growth: Callable[[Array], Array] | None = None
+
+    def _given(self, corners: Array) -> Array:
+        return self.force if self.growth is None else self.force * self.growth(corners)
 
     def _strained(self, corners: Array, multipliers: Array) -> tuple[Array, Array, Array]:
         way = corners[:, 1] - corners[:, 0]
@@ -135,7 +141,8 @@ class BarBlock:
 
     def tensions(self, corners: Array, multipliers: Array) -> Array:
         """Corrected forces, shape (cells,) [N]."""
-        return np.asarray(self.force + self.force**2 / self.width * self._strained(corners, multipliers)[2])
+        force = self._given(corners)
+        return np.asarray(force + force**2 / self.width * self._strained(corners, multipliers)[2])
 
     def forces(self, corners: Array, multipliers: Array) -> Array:
         """See `Block`."""
@@ -145,12 +152,13 @@ class BarBlock:
     def energies(self, corners: Array, multipliers: Array) -> Array:
         """See `Block`."""
         length, _, strain = self._strained(corners, multipliers)
-        return np.asarray(length * (self.force * strain + (self.force * strain) ** 2 / (2 * self.width)))
+        force = self._given(corners)
+        return np.asarray(length * (force * strain + (force * strain) ** 2 / (2 * self.width)))
 
     def stiffnesses(self, corners: Array) -> Array:
         """See `Block`."""
         length, unit, _ = self._strained(corners, np.zeros_like(corners))
-        along = (self.force**2 / self.width / length)[:, None, None] * unit[:, :, None] * unit[:, None, :]
+        along = (self._given(corners) ** 2 / self.width / length)[:, None, None] * unit[:, :, None] * unit[:, None, :]
         return np.asarray(np.einsum("ij,cxy->cixjy", [[1.0, -1.0], [-1.0, 1.0]], along))
 
 

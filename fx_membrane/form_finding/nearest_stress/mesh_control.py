@@ -10,8 +10,10 @@ from scipy.sparse.linalg import splu
 from ...geometry.topology import boundary_edges
 from ...model.parts import Membrane
 from ...model.structure import Structure
+from ..constraints.motions import Motions
 from ..reasons.line_tangents import line_tangents
 from ..shape_change import nodal_normals
+from .guide import MotionGuide
 
 Array = NDArray[np.float64]
 Segments = NDArray[np.int64]
@@ -34,10 +36,11 @@ class MeshControl:
 
     Args:
         structure: The first mesh.
+        motions: Motions that its supports and constraints leave.
     """
 
-    def __init__(self, structure: Structure) -> None:
-        self.structure = structure
+    def __init__(self, structure: Structure, motions: Motions) -> None:
+        self.structure, self.guide = structure, MotionGuide(motions)
         n, parts = len(structure.points), structure.parts.values()
         lines = [boundary_edges(part.cells) if part.dimension == 2 else part.cells for part in parts]
         self.segments = np.unique(np.sort(np.concatenate(lines)), axis=0)
@@ -67,7 +70,8 @@ class MeshControl:
         across[:, 0] = True
         across[:, 1] = self.on_line
         across[:, 2] = stuck
-        return _ways(triads, across, ~self.structure.supported & self.structure.used[:, None])
+        ways = _ways(self.guide.projected(triads), across, self.guide.free)
+        return ways._replace(across=sparse.hstack([ways.across, self.guide.of_bodies(points)]).tocsc())
 
     def imbalance(self, points: Array, ways: Ways) -> Array:
         """Sum the forces of the springs along the surfaces and lines, shape (k,)."""

@@ -4,7 +4,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...solvers.progress import Pulse
-from ..balance.membrane_balance import balanced
 from ..plan import Plan
 from .state import NearestProblem, State
 from .system import tangential_multipliers
@@ -51,7 +50,7 @@ def _following(problem: NearestProblem, state: State) -> State | None:
         return None
     for _ in range(HALVINGS):
         try:
-            return problem.state(points, multipliers, least=0.0)
+            return problem.state(points, multipliers, least=0.0, before=state.densities)
         except (RuntimeError, ValueError):
             multipliers = multipliers / 2
     return None
@@ -77,5 +76,6 @@ def even_state(problem: NearestProblem) -> State:
         plans[name] = Plan(block.cells, np.broadcast_to(gradients, (n, 2, 3)), np.full(n, twice / 2), tensors, frame)
     for _ in range(EVENED if problem.bars else 1):
         densities = problem.densities(points, none)
-        points, reactions = balanced(problem.structure, problem.loads, points, plans, densities)
-    return problem.measured(points, none, plans, densities, reactions, 0.0)
+        found = problem.balanced(points, plans, densities)
+        points = found.points
+    return problem.measured(points, none, plans, found.densities, found.reactions, 0.0)

@@ -1,6 +1,7 @@
 """Shapes in exact equilibrium on the way to the nearest stress, and the form that the last one makes."""
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -11,13 +12,18 @@ from ...geometry.measures import measures, normals
 from ...model.loads import PointLoad
 from ...model.parts import Bar
 from ...model.structure import Structure
+from ..balance.constrained_balance import Balance, ConstrainedBalance
 from ..balance.membrane_balance import balanced, collapse_of, loaded_cells, nodal_loads, stressed
 from ..cell_reference import reference_of, warp_at
-from ..form import Form, FormStep, relative_difference
+from ..constraints.hand_over import handed_over
+from ..constraints.motions import motions_of
+from ..form import Form, FormStep
 from ..plan import Plan, cauchy
 from ..wishes import Wish
 from .cells import BarBlock, Block, LoadBlock, MembraneBlock, square_root
+from .guide import CableGuide
 from .mesh_control import MeshControl
+from .ratios import check_ratios, check_tension, differences, power
 
 Array = NDArray[np.float64]
 
@@ -67,6 +73,7 @@ class NearestProblem:
         loads: Loads that the form balances.
         wishes: Wishes for its membranes.
         ratios: Factors of the wishes on the way to them, by part, as `State.ratios`.
+        balance: Balance under constraints; none without them.
     """
 
     def __init__(
@@ -75,12 +82,14 @@ class NearestProblem:
         loads: Sequence[Any],
         wishes: Mapping[str, Wish],
         ratios: Mapping[str, Array] | None = None,
+        balance: ConstrainedBalance | None = None,
     ) -> None:
-        self.structure, self.loads, self.wishes = structure, loads, wishes
-        self.control = MeshControl(structure)
+        self.structure, self.loads, self.wishes, self.balance = structure, loads, wishes, balance
+        self.control = MeshControl(structure, motions_of(structure) if balance is None else balance.motions)
         self.free = (~structure.supported & structure.used[:, None]).ravel()
         given = ratios or {}
         self.membranes = {name: MembraneBlock(wish.part.cells, wish, given.get(name)) for name, wish in wishes.items()}
+        self.cables = None if balance is None else CableGuide(structure, balance, self._first_plans())
         self.bars = {name: replace(bar, force=bar.force * given.get(name, 1.0)) for name, bar in self._bars().items()}
         spread = [load for load in loads if not isinstance(load, PointLoad)]
         loaded = [LoadBlock(loaded_cells(structure, load), load) for load in spread]
@@ -89,16 +98,55 @@ class NearestProblem:
         self.point_loads = nodal_loads(structure, points, structure.points)
 
     def _bars(self) -> dict[str, BarBlock]:
-        """Bars with a force and a free end; the others take no part."""
+        """Bars with a force and a free end; the others take no part. Those of constraints count for no difference."""
+        forces = self._forces(self.structure.points, None)
+        stress = self._mean_stress() or max((np.abs(force).max() for force in forces.values()), default=1.0)
+        found = {}
+        for name, force in forces.items():
+            acting = self.acting(name)
+            if acting.any():
+                width = np.where(self.given(name), np.inf, force / stress)
+                found[name] = BarBlock(self.structure.parts[name].cells[acting], force[acting], width[acting])
+        return found
+
+    def _forces(self, points: Array, densities: Mapping[str, Array] | None) -> dict[str, Array]:
+        """List forces of bars, wished for or given by constraints in a shape, by part, shape (cells,) [N]."""
         bars = {name: part for name, part in self.structure.parts.items() if isinstance(part, Bar)}
         forces = {name: part.prestress_tensors().ravel() for name, part in bars.items()}
-        stress = self._mean_stress() or max((np.abs(force).max() for force in forces.values()), default=1.0)
-        free = self.free.reshape(-1, 3).any(axis=1)
-        found = {}
-        for name, part in bars.items():
-            acting = (forces[name] > 0) & free[part.cells].any(axis=1)
-            if acting.any():
-                found[name] = BarBlock(part.cells[acting], forces[name][acting], forces[name][acting] / stress)
+        if self.cables is not None:
+            asked = self.cables.forces(points, self.cables.first if densities is None else densities)
+            forces = {name: np.where(self.given(name), asked[name], force) for name, force in forces.items()}
+        return forces
+
+    def given(self, name: str) -> NDArray[np.bool_]:
+        """Cells of a bar whose force is given by a constraint, shape (cells,)."""
+        count = len(self.structure.parts[name].cells)
+        return np.zeros(count, dtype=bool) if self.cables is None else self.cables.given[name]
+
+    def at(self, state: State) -> "NearestProblem":
+        """Problem with the forces of constraints as they are in a state."""
+        if self.cables is None:
+            return self
+        forces, found = self._forces(state.points, state.densities), copy(self)
+        found.bars = {}
+        for name, bar in self.bars.items():
+            acting = self.acting(name)
+            force = np.where(self.given(name)[acting], forces[name][acting], bar.force)
+            growth = self.cables.growth(name, acting, state.points[bar.cells])
+            found.bars[name] = replace(bar, force=force, growth=growth)
+        found.blocks = [
+            *self.membranes.values(),
+            *found.bars.values(),
+            *self.blocks[len(self.membranes) + len(self.bars) :],
+        ]
+        return found
+
+    def _first_plans(self) -> dict[str, Plan]:
+        """Membranes in the first shape, with the stress wished for."""
+        points, found = self.structure.points, {}
+        for name, block in self.membranes.items():
+            triangles = block.triangles(points[block.cells])
+            found[name] = reference_of(block.cells, points, triangles.frame[:, 0], triangles.wish)
         return found
 
     def _mean_stress(self) -> float:
@@ -110,13 +158,16 @@ class NearestProblem:
             area += float(triangles.areas.sum())
         return total / area if area else 0.0
 
-    def state(self, points: Array, multipliers: Array, least: float = LEAST) -> State:
+    def state(
+        self, points: Array, multipliers: Array, least: float = LEAST, before: Mapping[str, Array] | None = None
+    ) -> State:
         """Shape in exact equilibrium with the corrected stress that multipliers make in a shape near it.
 
         Args:
             points: Positions of the nodes, shape (n, 3) [m].
             multipliers: Multipliers, shape (n, 3) [m2/N].
             least: Share of the wish that a principal stress, or the force of a bar, keeps at least.
+            before: Force densities of bars in a shape before; those of lines of given geometry start from them.
 
         Raises:
             RuntimeError: There is none; the loads grow without bound; a stress is no tension.
@@ -126,10 +177,21 @@ class NearestProblem:
         for name, block in self.membranes.items():
             triangles, stress = block.stresses(points[block.cells], multipliers[block.cells])
             plans[name] = reference_of(block.cells, points, triangles.frame[:, 0], stress)
-        densities = self.densities(points, multipliers)
-        _check_tension(plans, densities)
-        found, reactions = balanced(self.structure, self.loads, points, plans, densities)
-        return self.measured(found, multipliers, plans, densities, reactions, least)
+        densities = self.densities(points, multipliers, before)
+        check_tension(plans)
+        found = self.balanced(points, plans, densities)
+        return self.measured(found.points, multipliers, plans, found.densities, found.reactions, least)
+
+    def balanced(self, start: Array, plans: dict[str, Plan], densities: dict[str, Array]) -> Balance:
+        """Balance with stresses and force densities, near a shape, under the constraints.
+
+        Raises:
+            RuntimeError, ValueError: There is none.
+        """
+        if self.cables is not None:
+            return self.cables.balanced(start, plans, densities)
+        points, reactions = balanced(self.structure, self.loads, start, plans, densities)
+        return Balance(points, reactions, {}, densities)
 
     def measured(
         self,
@@ -150,13 +212,16 @@ class NearestProblem:
         if gone := collapse_of(self.structure, points):
             raise RuntimeError(gone)
         ratios = self._ratios(points, plans, densities)
-        _check_ratios(ratios, least)
+        check_ratios(ratios, least)
         norm, area = self._norm(points, ratios)
         return State(points, multipliers, plans, densities, reactions, ratios, area, norm)
 
-    def densities(self, points: Array, multipliers: Array) -> dict[str, Array]:
-        """Force densities of bars, by part, shape (cells,) [N/m]."""
+    def densities(
+        self, points: Array, multipliers: Array, before: Mapping[str, Array] | None = None
+    ) -> dict[str, Array]:
+        """Force densities of bars, by part, shape (cells,) [N/m]; those of constraints from those of a shape before."""
         found = {}
+        given = {} if self.cables is None else self.cables.densities(points, before)
         for name, part in self.structure.parts.items():
             if isinstance(part, Bar):
                 force = part.prestress_tensors().ravel().copy()
@@ -164,13 +229,16 @@ class NearestProblem:
                     acting = self.acting(name)
                     force[acting] = block.tensions(points[block.cells], multipliers[block.cells])
                 found[name] = force / measures(points, part.cells)
+                if name in given:
+                    found[name] = np.where(self.given(name), given[name], found[name])
         return found
 
     def acting(self, name: str) -> NDArray[np.bool_]:
         """Cells of bars that take part, shape (cells,)."""
         part = self.structure.parts[name]
         free = self.free.reshape(-1, 3).any(axis=1)
-        return np.asarray((part.prestress_tensors().ravel() > 0) & free[part.cells].any(axis=1))
+        loaded = (part.prestress_tensors().ravel() > 0) | self.given(name)
+        return np.asarray(loaded & free[part.cells].any(axis=1))
 
     def _ratios(self, points: Array, plans: Mapping[str, Plan], densities: Mapping[str, Array]) -> dict[str, Array]:
         ratios = {}
@@ -181,7 +249,7 @@ class NearestProblem:
             ratios[name] = inverse @ found @ inverse
         for name, bar in self.bars.items():
             force = densities[name][self.acting(name)] * measures(points, bar.cells)
-            ratios[name] = force / bar.force
+            ratios[name] = np.where(np.isfinite(bar.width), force / bar.force, 1.0)
         return ratios
 
     def _norm(self, points: Array, ratios: Mapping[str, Array]) -> tuple[float, float]:
@@ -191,7 +259,7 @@ class NearestProblem:
             norm += float(areas @ np.sum((ratios[name] - np.eye(2)) ** 2, axis=(1, 2)))
             area += float(areas.sum())
         for name, bar in self.bars.items():
-            strip = measures(points, bar.cells) * bar.width
+            strip = measures(points, bar.cells) * np.where(np.isfinite(bar.width), bar.width, 0.0)
             norm += float(strip @ (ratios[name] - 1) ** 2)
             strips += float(strip.sum())
         return norm, area or strips or 1.0
@@ -203,8 +271,8 @@ class NearestProblem:
             start: The state, in exact equilibrium with the wish of share zero.
             share: Share of the way.
         """
-        ratios = {name: _power(ratio, 1 - share) for name, ratio in start.ratios.items()}
-        problem = NearestProblem(self.structure, self.loads, self.wishes, ratios)
+        ratios = {name: power(ratio, 1 - share) for name, ratio in start.ratios.items()}
+        problem = NearestProblem(self.structure, self.loads, self.wishes, ratios, self.balance)
         problem.control.rest = (1 - share) * (problem.control.springs @ start.points.ravel())
         return problem
 
@@ -218,34 +286,9 @@ class NearestProblem:
             if wish.direction is None:
                 warps[name] = warp_at(name, wish.part, points)
         parts, forces = stressed(structure, points, state.plans, state.densities, warps)
-        wishes = {name: part.prestress_tensors().ravel() for name, part in structure.parts.items()}
+        wishes = self._forces(points, state.densities)
         for name, block in self.membranes.items():
             wishes[name] = block.triangles(points[block.cells]).wish
-        made = replace(structure, points=points, parts=parts)
-        return Form(points, forces, state.reactions, steps, converged, made, wishes, remarks)
-
-
-def _power(ratio: Array, exponent: float) -> Array:
-    """Powers of symmetric positive tensors, shape (cells, 2, 2), or of numbers, shape (cells,)."""
-    if ratio.ndim == 1:
-        return np.asarray(ratio**exponent)
-    values, vectors = np.linalg.eigh(ratio)
-    return np.asarray((vectors * values[:, None] ** exponent) @ vectors.swapaxes(1, 2))
-
-
-def differences(ratio: Array) -> Array:
-    """Largest relative difference of a principal stress, or of a force, from the wish, shape (cells,) [-]."""
-    return relative_difference(ratio, np.broadcast_to(np.eye(2) if ratio.ndim > 1 else 1.0, ratio.shape))
-
-
-def _check_tension(plans: Mapping[str, Plan], densities: Mapping[str, Array]) -> None:
-    for plan in plans.values():
-        if not np.isfinite(plan.stress).all() or np.linalg.eigvalsh(plan.stress)[:, 0].min() <= 0:
-            raise RuntimeError("a stress is no tension")
-
-
-def _check_ratios(ratios: Mapping[str, Array], share: float) -> None:
-    for ratio in ratios.values():
-        least = ratio if ratio.ndim == 1 else np.linalg.eigvalsh(ratio)[:, 0]
-        if not least.min() > share:
-            raise RuntimeError("a stress falls below the least share of the wish")
+        motions = motions_of(structure) if self.balance is None else self.balance.motions
+        form = handed_over(structure, motions, points, (parts, forces), state.reactions, steps, converged)
+        return replace(form, wish=wishes, remarks=(*remarks, *form.remarks))

@@ -33,6 +33,8 @@ class System(NamedTuple):
         control: Control of the mesh.
         ways: Directions of the nodes.
         evenness: Imbalance of its springs, shape (k,).
+        bodies: Derivatives of the forces on bodies along their motions by these, the last of the ways across, (b, b).
+        multipliers: The multipliers, shape (3 n,).
     """
 
     forces: Array
@@ -44,6 +46,8 @@ class System(NamedTuple):
     control: MeshControl
     ways: Ways
     evenness: Array
+    bodies: sparse.csr_matrix
+    multipliers: Array
 
 
 def system_of(
@@ -70,34 +74,56 @@ def system_of(
     ways = control.ways(points)
     stiffness, mixed, curved = (_assembled(n, entries) for entries in matrices)
     evenness = control.imbalance(points, ways)
-    return System(forces.ravel(), slopes.ravel(), stiffness, mixed, curved, np.repeat(mass, 3), control, ways, evenness)
+    bodies = control.guide.turning(points, forces)
+    return System(
+        forces.ravel(),
+        slopes.ravel(),
+        stiffness,
+        mixed,
+        curved,
+        np.repeat(mass, 3),
+        control,
+        ways,
+        evenness,
+        bodies,
+        multipliers.ravel(),
+    )
 
 
-def step_of(system: System, free: NDArray[np.bool_], damping: float) -> tuple[Array, Array]:
+def step_of(system: System, basis: sparse.csr_matrix, damping: float) -> tuple[Array, Array]:
     """Newton step of the multipliers and of the shape, both of shape (n, 3), damped like that of Levenberg.
 
     Args:
         system: The derivatives.
-        free: Free components, shape (3 n,).
+        basis: Motions of the nodes, sparse (3 n, m).
         damping: Factor of the squared motion across the surface, over the area, beside the function.
     """
     across, along = system.ways
-    curved = across.T @ system.curvature
+    curved, mixed = across.T @ system.curvature, basis.T @ system.mixed
+    turning = _last(system.bodies, (basis.shape[1], across.shape[1]))
     weight = sparse.diags(damping * system.mass)
     matrix = sparse.bmat(
         [
-            [system.stiffness[free][:, free], system.mixed[free] @ across, system.mixed[free] @ along],
-            [across.T @ system.mixed.T[:, free], curved @ across - across.T @ weight @ across, curved @ along],
+            [basis.T @ system.stiffness @ basis, mixed @ across + turning, mixed @ along],
+            [across.T @ mixed.T + turning.T, curved @ across - across.T @ weight @ across, curved @ along],
             [None, along.T @ system.control.springs @ across, along.T @ system.control.springs @ along],
         ]
     ).tocsr()
-    right = -np.concatenate([system.forces[free], across.T @ system.slopes, EASED * system.evenness])
+    slopes = across.T @ system.slopes + turning.T @ (basis.T @ system.multipliers)
+    right = -np.concatenate([basis.T @ system.forces, slopes, EASED * system.evenness])
     found = _solved(matrix, right)
-    count, split = int(free.sum()), int(free.sum()) + across.shape[1]
-    multipliers = np.zeros(len(free))
-    multipliers[free] = found[:count]
+    count = basis.shape[1]
+    split = count + across.shape[1]
+    multipliers = np.asarray(basis @ found[:count])
     shape = across @ found[count:split] + along @ found[split:]
     return multipliers.reshape(-1, 3), np.asarray(shape).reshape(-1, 3)
+
+
+def _last(block: sparse.csr_matrix, shape: tuple[int, int]) -> sparse.csr_matrix:
+    """Matrix with a block in its last rows and columns, and zeros elsewhere."""
+    entries = block.tocoo()
+    rows, columns = shape[0] - block.shape[0] + entries.row, shape[1] - block.shape[1] + entries.col
+    return sparse.coo_matrix((entries.data, (rows, columns)), shape=shape).tocsr()
 
 
 def tangential_multipliers(blocks: Sequence[Block], control: MeshControl, point_loads: Array, points: Array) -> Array:

@@ -10,7 +10,8 @@ from ...geometry.measures import measures
 from ...model.parts import Bar
 from ...model.structure import Structure
 from ..form import FormStep
-from ..nearest_stress.state import NearestProblem, State, differences
+from ..nearest_stress.ratios import differences
+from ..nearest_stress.state import NearestProblem, State
 from ..plan import place
 from ..wishes import Wish
 from .no_form import causes, forces_in
@@ -28,7 +29,12 @@ SHRUNK = 0.3  # length of a cell over the usual one, below which a membrane clos
 UNKNOWN = (
     "The reason is not established: by the rules the edge cables are strong enough and no ring is too far, and no "
     "trial with stronger cables, without loads or with equal stress has a form. Refine the mesh, or begin with another "
-    "first shape, such as that of projected_stress."
+    "first shape, as that of projected_stress."
+)
+
+UNTRIED = (
+    "The reason is not established: by the rules the edge cables are strong enough and no ring is too far. Try without "
+    "the constraints, refine the mesh, or begin with another first shape, as that of projected_stress."
 )
 
 
@@ -39,7 +45,7 @@ def reason_of(
     failure: str,
     tolerance: float,
     far: float,
-    is_found: Trial,
+    is_found: Trial | None,
 ) -> str:
     """Tell of the reason for which a form is not that of the wish, in words; empty if it is the nearest one.
 
@@ -50,7 +56,8 @@ def reason_of(
         failure: Failure of the search for its form, in words; empty without one.
         tolerance: Accepted change in a step [-].
         far: Mean difference of stress and wish above which the form is not that of the wish [-].
-        is_found: Trial of another problem, near to the wish at once or by the whole search: True if it has a form.
+        is_found: Trial of another problem, near to the wish at once or by the whole search: True if it has a form; None
+            under constraints, for which there is none.
     """
     structure, where = problem.structure, _worst(problem, state)
     weak = weak_edges(structure, structure.points, _wished(problem), forces_in(structure))
@@ -79,7 +86,7 @@ def _wished(problem: NearestProblem) -> dict[str, Array]:
     return found
 
 
-def _established(problem: NearestProblem, state: State, weak: WeakEdges, lone: str, is_found: Trial) -> str:
+def _established(problem: NearestProblem, state: State, weak: WeakEdges, lone: str, is_found: Trial | None) -> str:
     """Sentences on the reason that is established, or on that none is."""
     structure = problem.structure
     ring = far_ring(structure, structure.points, _wished(problem))
@@ -88,11 +95,13 @@ def _established(problem: NearestProblem, state: State, weak: WeakEdges, lone: s
         return causes(stronger.words, lone) if stronger else causes(weak.words, ring, lone)
     if ring or lone:
         return causes(ring, lone)
-    return _by_trial(problem, weak, is_found) or _neck(problem, state) or UNKNOWN
+    return _by_trial(problem, weak, is_found) or _neck(problem, state) or (UNTRIED if is_found is None else UNKNOWN)
 
 
-def _by_trial(problem: NearestProblem, weak: WeakEdges, is_found: Trial) -> str:
+def _by_trial(problem: NearestProblem, weak: WeakEdges, is_found: Trial | None) -> str:
     """Tell of the cause without which a form is found, in words; empty without one."""
+    if is_found is None:
+        return ""
     if problem.loads and is_found(NearestProblem(problem.structure, (), problem.wishes), True):
         return "The loads are too large for the stress wished for: without them a form is found."
     if weak.edges and (stronger := _with_stronger_edges(problem, weak, is_found)):
@@ -107,8 +116,10 @@ def _by_trial(problem: NearestProblem, weak: WeakEdges, is_found: Trial) -> str:
     return ""
 
 
-def _with_stronger_edges(problem: NearestProblem, weak: WeakEdges, is_found: Trial) -> WeakEdges | None:
+def _with_stronger_edges(problem: NearestProblem, weak: WeakEdges, is_found: Trial | None) -> WeakEdges | None:
     """Edge cables with the forces of the first form found by trial; None without one."""
+    if is_found is None:
+        return None
     cells = sum(len(block.cells) for block in problem.membranes.values())
     given, trials = forces_in(problem.structure), list(weak.trials())[: max(FEW, WORK // max(cells, 1))]
     # Near their limit cables are worth the whole search, a longer one.

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from constrained import assert_last_good
 from fx_membrane import (
     Analysis,
     Cable,
@@ -132,17 +133,16 @@ def test_mast_between_supports_is_no_matter():
     ids=["sail", "guyed", "star", "nearly a star"],
 )
 def test_bars_that_shrink_to_a_point_are_named(structure, message):
-    with pytest.raises(RuntimeError, match=rf"^Form finding stopped.*step \d+.*{message}"):
-        updated_reference(structure)
+    with pytest.warns(UnsettledFormWarning, match=rf"Form finding stopped.*step \d+.*{message}"):
+        assert_last_good(updated_reference(structure))
 
 
-@pytest.mark.mpi
 def test_sheet_held_at_one_point_has_no_form():
     points = PLAN.copy()
     points[CENTRE, 2] = 0.5
     structure = Structure(points, {"sheet": Membrane(TRIANGLES, FABRIC, 2e3)}, [Support([*RIM, CENTRE])])
-    with pytest.raises(RuntimeError, match=r"^Form finding stopped.*step \d+.*held at a single point"):
-        updated_reference(structure)
+    with pytest.warns(UnsettledFormWarning, match=r"Form finding stopped.*step \d+.*held at a single point"):
+        assert_last_good(updated_reference(structure))
 
 
 def test_form_with_a_stress_that_is_far_off_has_not_settled():

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from constrained import assert_last_good
 from fx_membrane import (
     Analysis,
     Cable,
@@ -140,5 +141,5 @@ def test_more_than_the_cables_can_hold_is_refused_with_the_missing_force():
 
 def test_another_reason_is_named_as_it_is():
     structure, _ = guyed_sail(1.02, edge=0.2)
-    with pytest.raises(RuntimeError, match="edge cables are too weak"):
-        updated_reference(structure)
+    with pytest.warns(UnsettledFormWarning, match="edge cables are too weak"):
+        assert_last_good(updated_reference(structure))

@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from constrained import assert_last_good
 from fx_membrane import (
     Analysis,
     Cable,
@@ -81,20 +82,19 @@ def held_on_three_sides(force, n=12):
 
 def test_force_below_stress_times_half_the_span_is_named():
     assert updated_reference(held_on_three_sides(6.5)).converged
-    with pytest.raises(
-        RuntimeError, match=r"'edge' around \(0, -3, 0\) has 5 over a span of 6; .* of 2 .* than 6, stress"
+    with pytest.warns(
+        UnsettledFormWarning, match=r"'edge' around \(0, -3, 0\) has 5 over a span of 6; .* of 2 .* than 6, stress"
     ):
-        updated_reference(held_on_three_sides(5.0), max_iterations=300)
+        assert_last_good(updated_reference(held_on_three_sides(5.0), max_iterations=300))
 
 
-@pytest.mark.mpi_once
 @pytest.mark.parametrize("scale", [1.0, 1e3])
 def test_collapse_of_weak_edges_says_where_and_how_much(scale):
-    with pytest.raises(
-        RuntimeError,
+    with pytest.warns(
+        UnsettledFormWarning,
         match=r"collapses around cell \d+ of part 'film', \(.*too weak.* more than 2(0\.78|\.078e\+04) and",
     ):
-        updated_reference(polygon(3, 5.0 * scale, scale=scale), max_iterations=300)
+        assert_last_good(updated_reference(polygon(3, 5.0 * scale, scale=scale), max_iterations=300))
 
 
 @pytest.mark.parametrize("cables", ["horizontal force", "force"])
@@ -174,10 +174,10 @@ def rings(height, upper=10.0, n=8, stress=2.0):
 
 def test_ring_too_far_from_its_base_is_named_with_the_distance():
     message = r"too far from its base: .* around \(0, 0, \S+\), of radius 10, is 14 away from it, .*about 13\.[123]"
-    with pytest.raises(RuntimeError, match=message):
-        updated_reference(rings(14.0))
-    with pytest.raises(RuntimeError, match=r"of radius 1, is 8 away .*reaches about 3\."):
-        updated_reference(rings(8.0, upper=1.0))
+    with pytest.warns(UnsettledFormWarning, match=message):
+        assert_last_good(updated_reference(rings(14.0)))
+    with pytest.warns(UnsettledFormWarning, match=r"of radius 1, is 8 away .*reaches about 3\."):
+        assert_last_good(updated_reference(rings(8.0, upper=1.0)))
     assert updated_reference(rings(12.0)).converged
 
 
@@ -195,8 +195,10 @@ def test_edge_without_hold_is_named():
     right = points[rim][:, :, 0].min(axis=1) == 2
     three = Cable(rim[~right], 2e4, 40.0)
     structure = Structure(points, {"film": film, "edge": three}, [Support([0, 4, 20, 24])])
-    with pytest.raises(RuntimeError, match=r"edge of part 'film' around \(2, .*has neither a cable with a force nor"):
-        updated_reference(structure, max_iterations=300)
+    with pytest.warns(
+        UnsettledFormWarning, match=r"edge of part 'film' around \(2, .*has neither a cable with a force"
+    ):
+        assert_last_good(updated_reference(structure, max_iterations=300))
     with pytest.warns(
         UnsettledFormWarning, match=r"edge of part 'film' around \(2, .*has neither a cable with a force"
     ):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from constrained import assert_last_good
 from films import CORNERS, FABRIC, RIM, TRIANGLES, film, saddle
 from fx_membrane import (
     Cable,
@@ -12,6 +13,7 @@ from fx_membrane import (
     Pressure,
     Structure,
     Support,
+    UnsettledFormWarning,
     boundary_edges,
     rectangle,
     updated_reference,
@@ -60,12 +62,11 @@ def test_settings_out_of_range(settings, message):
         updated_reference(film()[0], **settings)
 
 
-@pytest.mark.mpi
 def test_film_without_an_equilibrium_is_reported():
     # A film of tension on four points only shrinks to lines between them.
     structure = Structure(saddle(), {"film": Membrane(TRIANGLES, FABRIC, prestress=1e3)}, [Support(CORNERS)])
-    with pytest.raises(RuntimeError, match=r"^Form finding stopped.*step \d+"):
-        updated_reference(structure)
+    with pytest.warns(UnsettledFormWarning, match=r"form is that of step \d+.*Form finding stopped.*step \d+"):
+        assert_last_good(updated_reference(structure))
 
 
 @pytest.mark.parametrize(
@@ -85,7 +86,6 @@ def test_compressive_prestress_is_refused(film, edge, message):
         updated_reference(Structure(points, parts, [Support([0, 4, 20, 24])]))
 
 
-@pytest.mark.mpi
 def test_edge_cables_too_weak_for_the_film_collapse():
     # A circle of radius force / stress = 1.5 m cannot span 10 m.
     points, triangles = rectangle(10.0, 10.0, 8, 8)
@@ -93,5 +93,5 @@ def test_edge_cables_too_weak_for_the_film_collapse():
         "film": Membrane(triangles, Fabric(5e5, 0.3), prestress=2e3),
         "edge": Cable(boundary_edges(triangles), 1e6, 3e3),
     }
-    with pytest.raises(RuntimeError, match="the shape collapses"):
-        updated_reference(Structure(points, parts, [Support([0, 8, 72, 80])]))
+    with pytest.warns(UnsettledFormWarning, match="the shape collapses"):
+        assert_last_good(updated_reference(Structure(points, parts, [Support([0, 8, 72, 80])])))

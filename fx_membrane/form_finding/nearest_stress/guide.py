@@ -1,0 +1,140 @@
+"""Constraints on the way to the nearest stress: motions of nodes, and cables whose force is no wish but given."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from ...model.structure import Structure
+from ...model.supports import Support
+from ..balance.constrained_balance import Balance, ConstrainedBalance
+from ..constraints.bodies import tangents
+from ..constraints.motions import Motions
+from ..plan import Plan
+
+Array = NDArray[np.float64]
+
+
+class MotionGuide:
+    """Motions of nodes that supports and constraints leave, at a shape.
+
+    Args:
+        motions: The motions.
+    """
+
+    def __init__(self, motions: Motions) -> None:
+        self.motions = motions
+        self.free = ~motions.held  # components of nodes that move one by one, shape (n, 3)
+        self.free[motions.slides] = True
+        for body in motions.bodies:
+            self.free[body.nodes] = False
+        basis, columns = motions.basis()
+        self.single = basis[:, : columns[0][0] if columns else basis.shape[1]]
+
+    def projected(self, triads: Array) -> Array:
+        """Directions of nodes, shape (n, 3, 3), with those of sliding nodes projected on their way."""
+        ways, slides = self.motions.free, self.motions.slides
+        if len(slides):
+            triads = triads.copy()
+            triads[slides] = triads[slides] @ ways @ ways.swapaxes(1, 2)
+        return triads
+
+    def of_bodies(self, points: Array) -> sparse.csc_matrix:
+        """Motions of rings and rigid bodies in a shape, orthonormal columns, sparse (3 n, k)."""
+        rows, columns, values, count = [np.zeros(0, int)], [np.zeros(0, int)], [np.zeros(0)], 0
+        for body in self.motions.bodies:
+            block = tangents(body, points)[0]
+            rows.append(np.repeat((3 * body.nodes[:, None] + np.arange(3)).ravel(), block.shape[1]))
+            columns.append(np.tile(count + np.arange(block.shape[1]), 3 * len(body.nodes)))
+            values.append(block.ravel())
+            count += block.shape[1]
+        entries = np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))
+        return sparse.coo_matrix(entries, shape=(points.size, count)).tocsc()
+
+    def turning(self, points: Array, forces: Array) -> sparse.csr_matrix:
+        """Derive the work of forces on each motion of bodies by each, sparse (k, k).
+
+        Args:
+            points: The shape, shape (n, 3) [m].
+            forces: Forces on the nodes, shape (n, 3) [N].
+        """
+        blocks = [tangents(body, points, forces)[1] for body in self.motions.bodies]
+        return sparse.block_diag(blocks).tocsr() if blocks else sparse.csr_matrix((0, 0))
+
+    def basis(self, points: Array) -> sparse.csr_matrix:
+        """All motions in a shape, sparse (3 n, m)."""
+        if not self.motions.bodies:
+            return self.single
+        return sparse.hstack([self.single, self.of_bodies(points)]).tocsr()
+
+
+class CableGuide:
+    """Cables whose force, or the geometry that gives it, is that of a constraint.
+
+    Args:
+        structure: The structure in its first shape.
+        balance: Its balance under constraints.
+        plans: Membranes in that shape, with the stress wished for.
+    """
+
+    def __init__(self, structure: Structure, balance: ConstrainedBalance, plans: Mapping[str, Plan]) -> None:
+        self.balance, targets = balance, balance.targets
+        self.given = {name: np.zeros(len(bar.cells), dtype=bool) for name, bar in targets.bars.items()}
+        for constraint, cells in targets.given:
+            self.given[constraint.part][cells] = True
+        for name, line, *_ in targets.targets:
+            self.given[name][line.cells] = True
+        self.first = balance.start(plans)
+
+    def densities(self, points: Array, before: Mapping[str, Array] | None) -> dict[str, Array]:
+        """Force densities that constraints give in a shape, from those of a shape before, by part [N/m]."""
+        targets = self.balance.targets
+        return targets.mixed(targets.by_force(points), self.first if before is None else before)
+
+    def forces(self, points: Array, densities: Mapping[str, Array]) -> dict[str, Array]:
+        """Give the forces of bars in a shape of some force densities, by part, shape (cells,) [N]."""
+        asked = self.balance.targets.asked(points, densities)
+        return {name: bar.prestress_tensors().ravel() for name, bar in asked.items()}
+
+    def growth(self, name: str, acting: NDArray[np.bool_], corners: Array) -> Callable[[Array], Array]:
+        """Return the factor of the forces of acting cells of a bar, of corners, over those of some corners."""
+        kinds = self.balance.targets.kinds[name][acting]
+        steered = np.zeros(len(self.given[name]), dtype=bool)  # of given geometry: one force in each solve
+        for of, line, *_ in self.balance.targets.targets:
+            steered[line.cells] |= of == name
+        by_density = (kinds == "force density") & ~steered[acting]
+        horizontal = (kinds == "horizontal force") & ~steered[acting]
+
+        def ratio(at: Array) -> Array:
+            way = at[:, 1] - at[:, 0]
+            length, flat = np.linalg.norm(way, axis=1), np.linalg.norm(way[:, :2], axis=1)
+            return np.where(by_density, length, np.where(horizontal, length / np.where(horizontal, flat, 1.0), 1.0))
+
+        first = ratio(corners)
+        return lambda at: ratio(at) / first
+
+    def balanced(self, start: Array, plans: dict[str, Plan], densities: dict[str, Array]) -> Balance:
+        """Balance that meets the constraints; force densities of other bars stay.
+
+        Raises:
+            ValueError, RuntimeError: There is none.
+        """
+        found = self.balance.settled(start, plans, densities, 1, meets_forces=True)
+        if isinstance(found, str):
+            raise RuntimeError(found)
+        return found
+
+
+def as_held(structure: Structure, balance: ConstrainedBalance) -> Structure:
+    """Structure with nodes of constraints as supports, and cables of constraints with a force, to tell of its edges."""
+    parts = dict(structure.parts)
+    for name, bar in balance.targets.bars.items():
+        force = bar.prestress_tensors().ravel().copy()
+        for of, line, *_ in balance.targets.targets:
+            if of == name:
+                force[line.cells] = np.maximum(force[line.cells], 1.0)
+        parts[name] = replace(bar, prestress=force)
+    nodes = np.flatnonzero(balance.motions.guided)
+    return replace(structure, parts=parts, supports=[*structure.supports, *([Support(nodes)] if len(nodes) else [])])
