@@ -19,7 +19,7 @@ SHOWN = {
     "report", "sail_mesh", "stability", "updated_reference",
 }  # fmt: skip
 # Packages that Debian does not have, or that are optional.
-NEEDS = {"ParaViewSeries": "pyvista", "geodesic": "potpourri3d", "warp_along": "potpourri3d"}
+NEEDS = {"ParaViewSeries": "pyvista", "geodesic": "potpourri3d", "warp_along": "potpourri3d", "write_scene": "plotly"}
 
 
 def examples(name):

@@ -1,0 +1,155 @@
+"""Scenes in a browser: numbers of every stage and field, no request, no error, pictures that are not blank."""
+
+import io
+import json
+import urllib.parse
+
+import numpy as np
+import pytest
+
+import chromium
+from fx_membrane import write_scene
+from scene_models import EVIL, results
+
+pytest.importorskip("plotly")
+pytestmark = [
+    pytest.mark.serial,
+    pytest.mark.skipif(not chromium.program(), reason="no Chromium: apt install chromium, or run .ci/browser"),
+]
+
+
+@pytest.fixture(scope="module")
+def found():
+    return results()
+
+
+@pytest.fixture(scope="module")
+def address(found, tmp_path_factory):
+    file = tmp_path_factory.mktemp("scene") / "roof.html"
+    write_scene(found, file, title=f"Roof {EVIL}", force_unit="kN")
+    return file.as_uri()
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory, address):
+    with chromium.page(tmp_path_factory.mktemp("profile")) as page:
+        page.size(400, 500)
+        page.open(address)
+        yield page
+
+
+@pytest.fixture
+def page(browser, address):
+    """Open a small page, since each point costs without a graphics card; in the end it has neither asked nor failed."""
+    browser.size(400, 500)
+    yield browser
+    assert browser.messages == []
+    assert {request.split("#")[0] for request in browser.requests} == {address}
+
+
+def expected(state):
+    """Least and largest value by field, from NumPy."""
+    moved = {"displacement": np.linalg.norm(state.displacement, axis=1)}
+    moved |= {f"displacement {axis}": state.displacement[:, row] for row, axis in enumerate("xyz")}
+    fabric = state.membrane(EVIL)
+    bars = [part for part in state.parts.values() if part.dimension == 1]
+    states = [(part.state[:, None] == ["taut", "wrinkled", "slack"]).argmax(axis=1) for part in [fabric]]
+    states += [np.where(part.slack, 2, 0) for part in bars]
+    values = moved | {
+        "state": np.concatenate(states),
+        "strain warp": fabric.strain[:, 0, 0],
+        "strain weft": fabric.strain[:, 1, 1],
+        "strain shear": fabric.strain[:, 0, 1],
+        "principal stress I": fabric.principal[:, 0],
+        "principal stress II": fabric.principal[:, 1],
+        "stress along warp": fabric.warp_weft_stress[:, 0],
+        "stress along weft": fabric.warp_weft_stress[:, 1],
+        "strain": np.concatenate([part.strain for part in bars]),
+        "force": np.concatenate([part.force for part in bars]),
+    }
+    return {name: (found.min(), found.max()) for name, found in values.items()}
+
+
+def test_every_stage_and_field_shows_the_least_and_largest_value(page, found):
+    fields = json.loads(page.run("JSON.stringify(scene.fields.map((field) => field.name))"))
+    for stage, state in found.items():
+        values = expected(state)
+        assert set(fields) == set(values)
+        for field in fields:
+            wanted = urllib.parse.urlencode({"stage": stage, "field": field})
+            shown = page.change(f"location.hash = {json.dumps(wanted)}")
+            assert (shown["stage"], shown["field"]) == (stage, field)
+            assert (shown["least"], shown["largest"]) == values[field]
+            np.testing.assert_allclose(shown["drawn"], values[field], rtol=1e-6)  # as float32, from the traces
+            if field == "state":
+                continue
+            words = page.run("['least', 'largest'].map((end) => document.querySelector(`b.${end}`).textContent)")
+            assert [float(word) for word in words] == [float(f"{value:.5g}") for value in values[field]]
+            unit = page.run("document.querySelector('#legend h2').textContent")
+            assert unit.startswith(f"{field} [")
+
+
+@pytest.mark.parametrize(("width", "height"), [(1400, 900), (390, 800)])
+def test_picture_fills_the_window(page, width, height):
+    image = pytest.importorskip("matplotlib.image")
+    page.size(width, height)
+    page.change("control.field.value = 8; control.field.dispatchEvent(new Event('change'))")
+    page.run("new Promise((done) => setTimeout(done, 500))")  # the observer of the size draws anew
+    assert page.run("document.documentElement.scrollWidth - document.documentElement.clientWidth") <= 0
+    box = page.run("(({x, y, width, height}) => [x, y, width, height])(figure.getBoundingClientRect())")
+    x, y, wide, high = map(int, box)
+    assert wide == page.run("document.documentElement.clientWidth")  # without a scroll bar
+    assert high > 0.4 * height
+    pixels = image.imread(io.BytesIO(page.picture()))[y : y + high, x : x + wide, :3]
+    coloured = np.ptp(pixels, axis=2) > 0.2
+    assert 0.03 < coloured.mean() < 0.6
+    rows, columns = np.flatnonzero(coloured.any(axis=1)), np.flatnonzero(coloured.any(axis=0))
+    assert max(np.ptp(rows) / high, np.ptp(columns) / wide) > 0.4
+
+
+def test_pointer_tells_the_values_of_cell_and_node(page, found):
+    state = found["snow"]
+    page.change("location.hash = 'stage=snow&field=principal+stress+I'")
+    page.run("document.querySelector('[data-view=plan]').click()")
+    middle = page.run("(({x, y, width, height}) => [x + width / 2, y + height / 2])(figure.getBoundingClientRect())")
+    for shift in range(20):
+        page.mouse("mouseMoved", middle[0] + 31 + shift, middle[1] - 61)
+        page.run("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        lines = page.run("hover.hidden ? '' : hover.textContent").split("\n")
+        if lines[0].startswith(f"{EVIL}, cell "):
+            break
+    cell, word = lines[0].removeprefix(f"{EVIL}, cell ").split(", ")
+    fabric = state.membrane(EVIL)
+    assert word == fabric.state[int(cell)]
+    assert lines[1] == f"principal stress I {float(f'{fabric.principal[int(cell), 0]:.5g}'):g} kN/m"
+    node = int(lines[2].split()[1])
+    assert node in state.structure.parts[EVIL].cells[int(cell)]
+    assert float(lines[3].split()[1]) == pytest.approx(np.linalg.norm(state.displacement[node]), rel=1e-4)
+
+
+def test_deformation_factor_moves_the_nodes(page, found):
+    state = found["snow"]
+    page.change("location.hash = 'stage=snow&scale=10'")
+    drawn = np.array(page.run("Array.from(drawn[0].trace.z)"))
+    cells = state.structure.parts[EVIL].cells.ravel()
+    height = state.structure.points[cells, 2] + 10 * state.displacement[cells, 2]
+    np.testing.assert_allclose(drawn + page.run("scene.origin[2]"), height, atol=1e-5)
+    shown = page.change("control.factor.value = 1e30; control.factor.dispatchEvent(new Event('change'))")
+    assert 1e3 < shown["scale"] < 1e10  # still a picture
+    assert page.run("location.hash").startswith("#stage=snow&field=")
+
+
+def test_keys_reach_all_controls_and_turn_the_structure(page):
+    reached = []
+    page.run("document.activeElement.blur(); document.getElementById('more').open = true")
+    for _ in range(40):
+        page.key("Tab", code="Tab", windowsVirtualKeyCode=9)
+        reached.append(page.run("(({id, textContent}) => id || textContent)(document.activeElement)"))
+    wanted = {"stage", "field", "slider", "factor", "Plan", "mesh", "supports", "loads", "common", "figure"}
+    assert wanted <= {name[:20] for name in reached}
+    eye = "JSON.stringify([camera.eye, zoom])"
+    before = page.run(f"figure.focus(); {eye}")
+    page.key("ArrowLeft", code="ArrowLeft", windowsVirtualKeyCode=37)
+    turned = page.run(eye)
+    page.key("+", text="+")
+    assert before != turned != page.run(eye)
