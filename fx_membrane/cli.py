@@ -128,9 +128,11 @@ def convert(source: Path, target: Path) -> None:
 
 @main.command()
 @click.argument("results", type=CASE)
-def show(results: Path) -> None:
+@click.option("--html", type=CASE, help="Write an interactive scene, one page for browsers, in the place of text.")
+def show(results: Path, html: Path | None) -> None:
     """Print the checks and extremes of saved results: results.fxm of a run."""
     from .files.archive import load_results  # noqa: PLC0415
+    from .files.scene.write import write_scene  # noqa: PLC0415
     from .results.checks import checks, table  # noqa: PLC0415
     from .results.report import report as told  # noqa: PLC0415
     from .results.states import StageResults  # noqa: PLC0415
@@ -138,6 +140,10 @@ def show(results: Path) -> None:
     found = load_results(results)
     if not isinstance(found, StageResults):
         raise ValueError(f"{results} holds a form, without stages; give results.fxm of a run.")
+    if html:
+        write_scene(found, html)
+        click.echo(f"Wrote {html}")
+        return
     for state in found.values():
         shown = told(state, force_unit=found.force_unit, length_unit=found.length_unit)
         click.echo(f"{shown}\n{table(checks(state))}")
@@ -147,17 +153,22 @@ def show(results: Path) -> None:
 @click.argument("results", type=CASE)
 @click.argument("target", type=CASE)
 @click.option("--title", help="Title of the report; that of the case if not given.")
-def report(results: Path, target: Path, title: str | None) -> None:
+@click.option("--scene", type=CASE, help="Write an interactive scene, too, and link the report to it.")
+def report(results: Path, target: Path, title: str | None, scene: Path | None) -> None:
     """Write a report of saved results as .html or .pdf."""
     from .files.archive import load_results  # noqa: PLC0415
     from .files.report.write import write_report  # noqa: PLC0415
+    from .files.scene.write import write_scene  # noqa: PLC0415
     from .results.states import StageResults  # noqa: PLC0415
 
     found = load_results(results)
     if not isinstance(found, StageResults):
         raise ValueError(f"{results} holds a form, without stages; give results.fxm of a run.")
     title = title or found.title or "Structural analysis"
-    write_report(found, target, title=title, force_unit=found.force_unit, length_unit=found.length_unit)
+    if scene:
+        write_scene(found, scene, title=title)
+    force, length = found.force_unit, found.length_unit
+    write_report(found, target, title=title, scene=scene, force_unit=force, length_unit=length)
     click.echo(f"Wrote {target}")
 
 

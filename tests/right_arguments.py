@@ -247,8 +247,9 @@ CASES = {
     write_tables: WRITER,
     write_paraview: WRITER,
     write_report: (
-        {"results": RESULTS, "path": "a.html", "title": "Roof", "pictures": False, **UNIT_NAMES},
-        {"results": "object", "path": "object", "title": "text", "pictures": "truth", **UNIT_KINDS},
+        {"results": RESULTS, "path": "a.html", "title": "Roof", "pictures": False, "scene": None,
+         **UNIT_NAMES},
+        {"results": "object", "path": "object", "title": "text", "pictures": "truth", "scene": "object?", **UNIT_KINDS},
     ),
     write_scene: (
         {"results": RESULTS, "path": "a.html", "title": "Roof", **UNIT_NAMES},
