@@ -15,6 +15,7 @@ from .fields import described, encoded, fields
 from .views import Shown, views
 
 MOST = 100_000  # triangles that a browser turns without waiting
+FAR = 10  # sizes of a structure from zero, beyond which coordinates are told from an origin of their own
 ARROWS = 400  # forces drawn at once; more hide the structure
 
 
@@ -28,7 +29,8 @@ def document(shown: Shown, title: str, force: str, length: str) -> dict[str, Any
     kept = {name: numbers for name, (numbers, _) in drawn.items()}
     every = fields(structure, seen, length)
     nodes = np.flatnonzero(_drawn(structure, [corners for _, corners in drawn.values()]))
-    origin = structure.points[nodes].mean(axis=0).round() + 0.0  # float32 far from zero has no digits left
+    middle = structure.points[nodes].mean(axis=0)
+    origin = np.where(np.abs(middle) > FAR * structure.size, middle.round(), 0.0)  # there float32 has no digits left
     return {
         "title": title,
         "force": force,

@@ -89,7 +89,7 @@ def _of_nodes(field: Field, structure: Structure, view: View) -> dict[str, Any] 
     ends = {"least": first_largest(-values), "largest": first_largest(values)}
     told: dict[str, Any] = {"least": float(values.min()), "largest": float(values.max())}
     for end, row in ends.items():
-        told[f"{end}_at"] = f"node {nodes[row]} at {_place(structure.points[nodes[row]])}"
+        told[f"{end}_at"] = f"node {nodes[row]} at {_place(structure, structure.points[nodes[row]])}"
     return told
 
 
@@ -108,9 +108,11 @@ def _extremes(structure: Structure, values: Mapping[str, NDArray[Any]]) -> dict[
         part = parts[owners[row]]
         place = structure.points[structure.parts[part].cells[cells[row]]].mean(axis=0)
         told[end] = float(sign * signed.max())
-        told[f"{end}_at"] = f"cell {cells[row]} of {part} at {_place(place)}"
+        told[f"{end}_at"] = f"cell {cells[row]} of {part} at {_place(structure, place)}"
     return told
 
 
-def _place(point: NDArray[np.float64]) -> str:
-    return f"({', '.join(f'{coordinate + 0.0:.4g}' for coordinate in point)})"
+def _place(structure: Structure, point: NDArray[np.float64]) -> str:
+    """Coordinates to four digits of the size of the structure, wherever its origin is."""
+    digits = 3 - int(np.floor(np.log10(structure.size)))
+    return f"({', '.join(f'{round(coordinate, digits) + 0.0:.15g}' for coordinate in point.tolist())})"

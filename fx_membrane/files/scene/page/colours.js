@@ -69,8 +69,8 @@ function legendOf(number, stage, common) {
     bar.append(band);
   }
   const ends = element("div", "ends");
-  ends.append(element("span", "", shown(range.low)), element("span", "", shown((range.low + range.high) / 2)));
-  ends.append(element("span", "", shown(range.high)));
+  const ticks = range.colours.length > 1 ? [range.low, (range.low + range.high) / 2, range.high] : [range.high];
+  ends.append(...ticks.map((value) => element("span", "", entry ? shown(value) : "")));
   const scaleBox = element("div", "scale");
   scaleBox.append(bar, ends);
   row.append(scaleBox);

@@ -84,12 +84,12 @@ function moved(change) {
 }
 
 function turned(aside, up) {
-  const { x, y, z } = camera.eye;
-  const [flat, long] = [Math.hypot(x, y), Math.hypot(x, y, z)];
+  const { eye, center } = camera;
+  const [x, y, z] = AXES.map((axis) => eye[axis] - center[axis]);
   const around = Math.atan2(y, x) + aside;
-  const height = Math.min(Math.max(Math.atan2(z, flat) + up, -1.57), 1.57);
-  const eye = { x: long * Math.cos(height) * Math.cos(around), y: long * Math.cos(height) * Math.sin(around) };
-  camera = { ...camera, eye: { ...eye, z: long * Math.sin(height) } };
+  const height = Math.min(Math.max(Math.atan2(z, Math.hypot(x, y)) + up, -1.57), 1.57);
+  const way = [Math.cos(height) * Math.cos(around), Math.cos(height) * Math.sin(around), Math.sin(height)];
+  camera = { ...camera, eye: from(center, way) };
 }
 
 const KEYS = {

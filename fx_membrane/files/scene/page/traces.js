@@ -58,24 +58,28 @@ function edgesOf(part, at) {
   if (!edgeCells.has(part)) {
     const seen = new Set();
     const rows = [];
+    const beside = []; // a cell that has the edge
     for (let c = 0; c < part.cells.length; c += 3) {
       for (let side = 0; side < 3; side++) {
         const [a, b] = [part.cells[c + side], part.cells[c + ((side + 1) % 3)]].sort((m, n) => m - n);
-        if (!seen.has(a * nodes.length + b)) rows.push(a, b);
+        if (seen.has(a * nodes.length + b)) continue;
         seen.add(a * nodes.length + b);
+        rows.push(a, b);
+        beside.push(c / 3);
       }
     }
-    edgeCells.set(part, { corners: 2, cells: Int32Array.from(rows) });
+    edgeCells.set(part, { corners: 2, cells: Int32Array.from(rows), beside });
   }
   const edges = edgeCells.get(part);
   const line = { color: "#5a6772", width: 1 };
-  return { trace: { type: "scatter3d", mode: "lines", ...cornersOf(edges, at, true), line }, owner: { edges, step: 3 } };
+  return { trace: { type: "scatter3d", mode: "lines", ...cornersOf(edges, at, true), line }, owner: { part, edges, step: 3 } };
 }
 
 function supportsOf(at) {
   const held = Int32Array.from(nodes.keys()).filter((node) => supports[node]);
   const xyz = AXES.map((_, axis) => Float64Array.from(held, (node) => at[3 * node + axis]));
-  const marker = { color: scene.colours.ink, size: held.length > 50 ? 2 : 4, symbol: Array.from(held, (n) => (supports[n] === 7 ? "square" : "diamond")) };
+  const width = held.length > 500 ? 1.5 : held.length > 50 ? 2 : 3.5;
+  const marker = { color: scene.colours.ink, size: width, symbol: Array.from(held, (n) => (supports[n] === 7 ? "square" : "diamond")) };
   const trace = { type: "scatter3d", mode: "markers", x: xyz[0], y: xyz[1], z: xyz[2], marker };
   return { trace, owner: { held } };
 }

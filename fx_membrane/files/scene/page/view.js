@@ -1,14 +1,10 @@
 // The picture: axes to one scale, an orthographic camera, and the values under the pointer.
 const figure = document.getElementById("figure");
-const VIEWS = {
-  oblique: { eye: { x: 1.1, y: -1.76, z: 1.21 } },
-  plan: { eye: { x: 0, y: -0.002, z: 2.4 } },
-  front: { eye: { x: 0, y: -2.4, z: 0 } },
-  side: { eye: { x: 2.4, y: 0, z: 0 } },
-};
+const DISTANCE = 2.4;
+const VIEWS = { oblique: [1, -1.6, 1.1], plan: [0, -0.001, 1], front: [0, -1, 0], side: [1, 0, 0] }; // z is up in all
 const CONFIG = {
   displaylogo: false,
-  scrollZoom: false, // plotly's own zoom of an orthographic camera warns in the console, and forgets itself
+  scrollZoom: false, // the page has its own, beside buttons and keys
   modeBarButtons: [["toImage"]],
   toImageButtonOptions: { filename: "scene" },
 };
@@ -25,20 +21,29 @@ function aspects() {
   return Object.fromEntries(AXES.map((axis, at) => [axis, (zoom * fit() * spans[at]) / size]));
 }
 
+// The eye at its distance from a centre, in a direction: plotly moves it nearer to zoom, which shows nothing here.
+function from(center, way) {
+  const long = Math.hypot(...way) / DISTANCE;
+  return Object.fromEntries(AXES.map((axis, at) => [axis, center[axis] + way[at] / long]));
+}
+
 function cameraOf(view) {
-  const middle = { x: 0, y: 0, z: 0 };
-  return { ...VIEWS[view], center: middle, up: { x: 0, y: 0, z: 1 }, projection: { type: "orthographic" } };
+  const center = { x: 0, y: 0, z: 0 };
+  return { eye: from(center, VIEWS[view]), center, up: { x: 0, y: 0, z: 1 }, projection: { type: "orthographic" } };
 }
 
 let camera = cameraOf("oblique");
 
 // The user turns plotly's own copy of the camera: it is taken over before the next drawing.
 function remember() {
-  if (figure.layout) camera = figure.layout.scene.camera;
+  if (!figure.layout) return;
+  const { eye, center } = figure.layout.scene.camera;
+  const way = AXES.map((axis) => eye[axis] - center[axis]);
+  camera = { ...camera, eye: from(center, way), center };
 }
 
 function axesOf(traces, visible) {
-  const layout = { aspectmode: "manual", dragmode: "turntable", hovermode: "closest", camera };
+  const axes = { aspectmode: "manual", dragmode: "turntable", hovermode: "closest", camera };
   const ends = AXES.map((axis) => {
     const end = [Infinity, -Infinity];
     for (const { trace } of traces) {
@@ -51,11 +56,11 @@ function axesOf(traces, visible) {
   });
   const room = 0.04 * size;
   spans = ends.map(([low, high]) => high - low + 2 * room);
-  layout.aspectratio = aspects();
+  axes.aspectratio = aspects();
   AXES.forEach((axis, at) => {
     const away = scene.origin[at];
     const beside = away ? ` ${away < 0 ? "−" : "+"} ${Math.abs(away)}` : "";
-    layout[`${axis}axis`] = {
+    axes[`${axis}axis`] = {
       range: [ends[at][0] - room, ends[at][1] + room],
       title: { text: `${axis} [${scene.length}]${beside}` },
       visible,
@@ -67,18 +72,21 @@ function axesOf(traces, visible) {
       showbackground: false,
     };
   });
-  return layout;
+  return axes;
 }
+
+// One layout for all drawings: plotly's mouse keeps the first one.
+const layout = {
+  scene: {},
+  margin: { l: 0, r: 0, t: 0, b: 0 },
+  paper_bgcolor: "#ffffff",
+  font: { family: "system-ui, 'DejaVu Sans', sans-serif", size: 12, color: scene.colours.ink },
+};
 
 function draw(choice) {
   remember();
   drawn = tracesOf(choice);
-  const layout = {
-    scene: axesOf(drawn, choice.axes),
-    margin: { l: 0, r: 0, t: 0, b: 0 },
-    paper_bgcolor: "#ffffff",
-    font: { family: "system-ui, 'DejaVu Sans', sans-serif", size: 12, color: scene.colours.ink },
-  };
+  Object.assign(layout.scene, axesOf(drawn, choice.axes));
   return Plotly.react(figure, drawn.map(({ trace }) => trace), layout, CONFIG);
 }
 
@@ -87,7 +95,8 @@ function look() {
 }
 
 function place(node) {
-  return AXES.map((_, axis) => shown(points[3 * node + axis] + scene.origin[axis])).join(", ");
+  const digits = Math.min(Math.max(0, 4 - Math.floor(Math.log10(size))), 20);
+  return AXES.map((_, axis) => Number((points[3 * node + axis] + scene.origin[axis]).toFixed(digits))).join(", ");
 }
 
 function vector(values, at) {
@@ -115,18 +124,19 @@ function cellWords(part, row, choice) {
   const lines = [`${part.name}, cell ${part.numbers[row]}${states ? `, ${STATES[states[row]]}` : ""}`];
   for (const number of new Set([choice.field, part.bar ? forceField : choice.field])) {
     const values = number === stateField ? null : cellular(choice.stage, number, part);
-    if (values) lines.push(`${scene.fields[number].name} ${shown(values[row])} ${scene.fields[number].unit}`);
+    const { name, unit } = scene.fields[number];
+    if (values) lines.push(`${name} ${shown(values[row])}${unit === "-" ? "" : ` ${unit}`}`);
   }
   return lines;
 }
 
-// Lines on a point of a trace: its cell and its nearest node.
+// Lines on a point of a trace: its cell, or one beside its edge, and its nearest node.
 function words(curve, point, choice) {
   const { owner } = drawn[curve];
   if (owner.held) return nodeWords(owner.held[point], choice);
   const row = Math.floor(point / owner.step);
   if (owner.forces) return nodeWords(owner.forces[row], choice);
-  const { corners, cells } = owner.part || owner.edges;
+  const { corners, cells } = owner.edges || owner.part;
   const node = cells[row * corners + Math.min(point % owner.step, corners - 1)];
-  return [...(owner.part ? cellWords(owner.part, row, choice) : []), ...nodeWords(node, choice)];
+  return [...cellWords(owner.part, owner.edges ? owner.edges.beside[row] : row, choice), ...nodeWords(node, choice)];
 }
