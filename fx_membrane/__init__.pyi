@@ -25,7 +25,7 @@ from .files.paraview import ParaViewSeries, SeriesWarning, write_paraview
 from .files.report.write import write_report
 from .files.scene.write import write_scene
 from .files.tables import write_tables
-from .form_finding.constraints import (
+from .form_finding.constraints.kinds import (
     CableDensity,
     CableForce,
     CableLength,
@@ -37,7 +37,7 @@ from .form_finding.constraints import (
 )
 from .form_finding.force_density import force_density
 from .form_finding.form import Form, FormStep
-from .form_finding.masts_and_stays import masts_and_stays
+from .form_finding.masts.masts_and_stays import masts_and_stays
 from .form_finding.natural_force_density import natural_force_density
 from .form_finding.prescribed_stress import prescribed_stress
 from .form_finding.projected_stress import projected_stress

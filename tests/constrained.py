@@ -17,7 +17,7 @@ from fx_membrane import (
     polyline,
     rectangle,
 )
-from fx_membrane.form_finding.cable_lines import lines_of
+from fx_membrane.form_finding.constraints.cable_lines import lines_of
 
 FABRIC = Fabric(Et=6e5, nu=0.3)
 

@@ -15,7 +15,7 @@ import pytest
 from mpi4py import MPI
 
 from fx_membrane import Analysis, Stage
-from fx_membrane.form_finding.ring_reach import reach
+from fx_membrane.form_finding.reasons.ring_reach import reach
 
 DEMOS = Path(__file__).parent.parent / "demos"
 PICTURES: dict[str, list[str]] = {

@@ -36,13 +36,12 @@ def structure_from_file(
 ) -> Structure:
     """Structure of a mesh file of another program: DXF, OBJ, STL, PLY, COMPAS JSON or gmsh's msh, by its ending.
 
-    | ending | group | faces, lines | points |
-    |---|---|---|---|
-    | .dxf | layer | 3DFACE, MESH, polyface meshes; LINE, polylines; blocks too | POINT |
-    | .obj | group or object | faces; lines | |
-    | .stl, .ply | name of the file without its ending | faces | |
-    | .json | "edges", "faces", "supports" | those of a network, graph or mesh | `is_support` |
-    | .msh | physical group, see `structure_from_gmsh` | | |
+    - .dxf: a group is a layer. Faces are 3DFACE, MESH and polyface meshes, lines are LINE and polylines, points are
+      POINT; blocks are taken, too.
+    - .obj: a group is a group or an object, of faces or lines.
+    - .stl, .ply: the group of all faces has the name of the file without its ending.
+    - .json: the groups "edges", "faces" and "supports" are those of a network, graph or mesh, by `is_support`.
+    - .msh: a group is a physical group, see `structure_from_gmsh`.
 
     Corners of DXF and STL at the same place are one node; the other formats number their nodes. No file runs code.
 

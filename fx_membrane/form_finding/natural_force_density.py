@@ -22,13 +22,13 @@ from ..model.parts import Membrane, Part
 from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
 from ..solvers.progress import Pulse
-from .cable_forces import check_bars
+from .balance.cable_forces import check_bars
+from .balance.constrained_balance import ConstrainedBalance
+from .balance.membrane_balance import collapse_of, stressed
 from .cell_reference import check_tension, reference_of, warp_at
-from .constrained_balance import ConstrainedBalance
-from .constraints import Constraint
+from .constraints.hand_over import handed_over
+from .constraints.kinds import Constraint
 from .form import Form, FormStep, refuse_terms
-from .hand_over import handed_over
-from .membrane_balance import collapse_of, stressed
 from .shape_change import change_of_shape, check_collapse
 from .updated_reference import UnsettledFormWarning
 

@@ -30,14 +30,14 @@ from ..model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
 from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
 from ..solvers.progress import Pulse
-from .cable_forces import check_bars
+from .balance.cable_forces import check_bars
 from .form import Form, FormStep, refuse_terms
-from .nearest_start import even_state, near_state
-from .nearest_state import NearestProblem, State
-from .nearest_system import step_of, system_of
+from .nearest_stress.start import even_state, near_state
+from .nearest_stress.state import NearestProblem, State
+from .nearest_stress.system import step_of, system_of
 from .plan import Field
+from .reasons.stress_limits import check_edges, reason_of, remarks_of
 from .shape_change import change_of_shape
-from .stress_limits import check_edges, reason_of, remarks_of
 from .updated_reference import UnsettledFormWarning
 from .wishes import wishes_of
 

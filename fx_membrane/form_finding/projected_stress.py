@@ -24,19 +24,19 @@ from ..model.parts import Membrane
 from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
 from ..solvers.progress import Pulse
-from .cable_forces import MEASURES, check_bars, difference
-from .cable_targets import MET
-from .constrained_balance import ConstrainedBalance
-from .constraints import Constraint
+from .balance.cable_forces import MEASURES, check_bars, difference
+from .balance.constrained_balance import ConstrainedBalance
+from .balance.membrane_balance import collapse_of, stressed
+from .constraints.cable_targets import MET
+from .constraints.hand_over import handed_over
+from .constraints.kinds import Constraint
 from .form import Form, FormStep, refuse_terms
-from .hand_over import handed_over
-from .membrane_balance import collapse_of, stressed
-from .no_form import causes, forces_in
 from .plan import Field, Plan, place, plan_of
+from .reasons.no_form import causes, forces_in
+from .reasons.unheld import free_edge
+from .reasons.weak_edges import weak_edges
 from .shape_change import change_of_shape
-from .unheld import free_edge
 from .updated_reference import STRAY, UnsettledFormWarning
-from .weak_edges import weak_edges
 
 Array = NDArray[np.float64]
 

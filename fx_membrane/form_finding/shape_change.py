@@ -8,8 +8,8 @@ from ..geometry.measures import measures, normals
 from ..geometry.topology import boundary_edges
 from ..model.parts import Bar, Membrane
 from ..model.structure import Structure
-from .line_tangents import line_tangents, unit
-from .no_form import cause
+from .reasons.line_tangents import line_tangents, unit
+from .reasons.no_form import cause
 
 # Fraction of its first length, or of the root of its first area, below which a cell counts as collapsed.
 GONE = 1e-3

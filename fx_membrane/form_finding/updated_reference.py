@@ -42,7 +42,7 @@ from ..solvers.base import Iteration, Solution
 from ..solvers.newton import Newton
 from ..solvers.progress import Pulse
 from .form import Form, FormStep, refuse_terms
-from .mast_balance import Step, balance_masts
+from .masts.mast_balance import Step, balance_masts
 from .shape_change import change_of_shape, check_collapse, collapse
 
 SAME = 1e-12  # relative change of the loads that counts as none

@@ -36,8 +36,8 @@ from fx_membrane import (
     updated_reference,
 )
 from fx_membrane.form_finding.form import relative_difference
-from fx_membrane.form_finding.nearest_start import near_state
-from fx_membrane.form_finding.nearest_state import NearestProblem
+from fx_membrane.form_finding.nearest_stress.start import near_state
+from fx_membrane.form_finding.nearest_stress.state import NearestProblem
 from fx_membrane.form_finding.wishes import wishes_of
 from fx_membrane.geometry.measures import aspects, measures, normals, projected
 from fx_membrane.solvers.progress import Pulse

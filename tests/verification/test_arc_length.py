@@ -26,6 +26,8 @@ import pytest
 
 from fx_membrane import Mast, PointLoad, PrescribedDisplacement, Stage, Structure, Support, equilibrium_path
 
+SOURCE = "closed form of a von Mises truss"
+
 A, H, EA = 1.0, 0.4, 1e5
 L = np.hypot(A, H)
 LENGTH, POST = 4.0, 2e4
@@ -71,7 +73,7 @@ def counted_right(path, negative):
 
 
 @pytest.mark.parametrize("steps", [3, 10, 50])
-def test_snap_through(steps):
+def test_snap_through(steps, verified):
     path = equilibrium_path(truss(), Stage("push", [PointLoad(APEX, (0, 0, -1.5 * LIMIT))], increments=steps))
     z = H + path.displacements[:, APEX, 2]
     force, stiffness = struts(z)
@@ -81,6 +83,7 @@ def test_snap_through(steps):
     np.testing.assert_allclose(1.5 * LIMIT * path.load_factors, force, rtol=0, atol=WITHIN)
     assert (np.diff(z) < 0).all()
     assert counted_right(path, np.where(stiffness < 0, 1, 0))
+    verified("limit load [N]", LIMIT, 1.5 * LIMIT * path.load_factors[path.limit_points[0]])
     assert z[path.limit_points] == pytest.approx([SNAP, -SNAP], abs=NEAR)
     assert path.load_factors[path.limit_points] == pytest.approx([1 / 1.5, -1 / 1.5], rel=1e-9)
 

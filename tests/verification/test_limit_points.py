@@ -30,6 +30,8 @@ from fx_membrane import (
 )
 from surfaces import half_disc
 
+SOURCE = "closed form of a von Mises truss; fine paths"
+
 
 def cap(n, rise):
     points, triangles = rectangle(8.0, 8.0, n, n, "right")
@@ -63,7 +65,7 @@ def test_first_limit_points_whatever_the_steps(net, steps):
 
 
 @pytest.mark.parametrize("steps", [1, 2, 20])
-def test_a_load_fifty_times_too_large(steps):
+def test_a_load_fifty_times_too_large(steps, verified):
     a, h, EA = 1.0, 0.4, 1e5
     points = [[-a, 0, 0], [a, 0, 0], [0, 0, h]]
     truss = Structure(points, {"struts": Mast([[0, 2], [1, 2]], EA)}, [Support([0, 1]), Support(2, "y")])
@@ -71,6 +73,7 @@ def test_a_load_fifty_times_too_large(steps):
     path = equilibrium_path(truss, Stage("push", [PointLoad(2, (0, 0, -50 * limit))], increments=steps))
     assert path.complete
     assert path.load_factors[path.limit_points] == pytest.approx([1 / 50, -1 / 50], rel=1e-9)
+    verified("load factor of a limit point", 1 / 50, path.load_factors[path.limit_points[0]])
     z = h + path.displacements[path.limit_points, 2, 2]
     assert z == pytest.approx([h / np.sqrt(3), -h / np.sqrt(3)], abs=1e-4 * h)
 

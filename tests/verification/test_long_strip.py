@@ -44,6 +44,8 @@ from fx_membrane import (
     rectangle,
 )
 
+SOURCE = "funicular curve by quadrature; H. M. Irvine, Cable Structures"
+
 L, SPAN, N0, EA, Q = LOADED = (10.0, 10.0, 100.0, 2000.0, 60.0)
 NU = 0.3
 MESHES = (8, 16, 32, 64)
@@ -123,11 +125,12 @@ def solve_strip(n):
 
 
 @pytest.mark.parametrize("solve", [solve_cable, solve_strip])
-def test_second_order_to_the_closed_form(solve):
+def test_second_order_to_the_closed_form(solve, verified):
     values, reference = np.array([solve(n) for n in MESHES]), exact(LOADED)
     assert reference[0] > 0.2 * L  # large displacements
     np.testing.assert_allclose(orders(values, reference), 2, rtol=0, atol=0.03)
     np.testing.assert_allclose(extrapolate(values), reference, rtol=1e-7)
+    verified("sag of a cable and of a strip [m]", reference[0], values[-1, 0], orders(values, reference)[-1, 0])
 
 
 @pytest.mark.parametrize("n", [4, 16])

@@ -27,6 +27,8 @@ from fx_membrane import (
     updated_reference,
 )
 
+SOURCE = "catenoid, Scherk, helicoid; H. A. Schwarz"
+
 STRESS = 2.0
 
 
@@ -89,12 +91,13 @@ def found(surface, n, tolerance=1e-3):
 
 
 @pytest.mark.parametrize("surface", [scherk, pytest.param(sail, marks=pytest.mark.mpi), helicoid, catenoid])
-def test_area_converges_with_second_order(surface):
+def test_area_converges_with_second_order(surface, verified):
     areas = np.array([found(surface, n).steps[-1].area for n in (8, 16, 32)])
     errors = areas - EXACT[surface]
     orders = np.log2(errors[:-1] / errors[1:])
     np.testing.assert_allclose(orders, 2, atol=0.1)
     assert (4 * areas[2] - areas[1]) / 3 == pytest.approx(EXACT[surface], rel=2e-4)
+    verified(f"area: {surface.__name__} [m2]", EXACT[surface], areas[2], orders[-1])
 
 
 @pytest.mark.mpi

@@ -43,6 +43,8 @@ from fx_membrane.assembly.problem import Problem
 from fx_membrane.solvers.curvature import lowest_mode
 from taylor import remainders
 
+SOURCE = "Taylor's theorem"
+
 ALONE = pytest.mark.serial  # other numbers for what is collective already
 N = 6
 CENTRE = (N + 1) * (N // 2) + N // 2
@@ -83,7 +85,7 @@ SADDLES = {
 @pytest.mark.parametrize(
     "load", [PointLoad(CENTRE, (4.0, 2.0, -15.0)), DistributedLoad((0.0, 0.0, -20.0), "sail")], ids=["point", "dead"]
 )
-def test_newton_is_quadratic(name, load):
+def test_newton_is_quadratic(name, load, verified):
     stages = [Stage("prestress"), Stage("load", loads=[load], after="prestress")]
     state = Analysis(SADDLES[name], Newton(line_search=False)).run(stages)["load"]
     residuals = np.array([iteration.residual for _, iteration in state.history])
@@ -92,6 +94,7 @@ def test_newton_is_quadratic(name, load):
     assert residuals[-1] < 1e-6
     assert residuals[-1] < residuals[-2] / 40 < residuals[-3] / 40**2
     assert orders[-1] == pytest.approx(2, abs=0.3)
+    verified("order of Newton's method", 2.0, orders[-1])
 
 
 @pytest.mark.parametrize("name", SADDLES)
@@ -147,9 +150,11 @@ def taylor(request):
 @pytest.mark.parametrize(
     ("row", "order"), [(0, 2), (1, 3), (2, 2)], ids=["energy, residual", "energy, tangent", "residual, tangent"]
 )
-def test_taylor_remainders(taylor, row, order):
+def test_taylor_remainders(taylor, row, order, verified):
     remainder = taylor[row]
-    np.testing.assert_allclose(np.log2(remainder[:-1] / remainder[1:]), order, rtol=0, atol=0.05)
+    observed = np.log2(remainder[:-1] / remainder[1:])
+    np.testing.assert_allclose(observed, order, rtol=0, atol=0.05)
+    verified("order of a Taylor remainder", order, observed[-1])
 
 
 @pytest.mark.parametrize("name", SADDLES)

@@ -35,6 +35,8 @@ from fx_membrane import (
     rectangle,
 )
 
+SOURCE = "Timoshenko, Goodier, Theory of Elasticity, torsion"
+
 N0, ET, A = 1.0, 50.0, 1.0
 MESHES = np.array([8, 16, 32, 64])
 SMALL, LARGE = 1e-5, 4.0
@@ -73,11 +75,12 @@ def test_series():
     assert -8 * energy == pytest.approx(0.1406, abs=0.5e-4)
 
 
-def test_small_load_converges_to_the_linear_membrane():
+def test_small_load_converges_to_the_linear_membrane(verified):
     values, exact = on_all_meshes(SMALL, "right"), linear_solution(SMALL)
     error = np.abs(values - exact)
     np.testing.assert_allclose(np.log2(error[:-1] / error[1:]), 2, rtol=0, atol=0.05)
     np.testing.assert_allclose(extrapolate(values), exact, rtol=1e-5)
+    verified("deflection of the centre [m]", exact[0], values[-1, 0], np.log2(error[-2, 0] / error[-1, 0]))
 
 
 def test_small_load_with_diagonals_to_the_centre():

@@ -33,6 +33,8 @@ from fx_membrane import (
     rectangle,
 )
 
+SOURCE = "M. Stein, J. M. Hedgepeth, NASA TN D-813, 1961"
+
 H, EH, NU, S0 = 1.0, 1e6, 0.3, 1.0
 P = S0 * H
 FIRST = 2 * P / (EH * H**2)  # curvature at the first wrinkle
@@ -95,11 +97,12 @@ def test_without_wrinkles(factor):
 
 
 @pytest.mark.parametrize("factor", [1.0, 2.0, 4.0])
-def test_with_wrinkles(factor):
+def test_with_wrinkles(factor, verified):
     values = np.array([bend(factor * FIRST, n) for n in MESHES])
     error = values[:, :2] - [1, moment(factor * FIRST)]
     order = np.log2(error[:-1] / error[1:])
     np.testing.assert_allclose(order[:, 1], 2, rtol=0, atol=0.05)
+    verified("moment over P H", moment(factor * FIRST), values[-1, 1], order[-1, 1])
     assert order[:, 0].mean() == pytest.approx(2, abs=0.15)
     left = (4 * error[-1] - error[-2]) / 3
     assert (np.abs(left) < np.abs(error[-1]) * [0.25, 0.1]).all()

@@ -7,8 +7,8 @@ from constrained import cone
 from fx_membrane import (
     Ring,
 )
-from fx_membrane.form_finding.bodies import settled
-from fx_membrane.form_finding.motions import motions_of
+from fx_membrane.form_finding.constraints.bodies import settled
+from fx_membrane.form_finding.constraints.motions import motions_of
 from models import rotation
 
 

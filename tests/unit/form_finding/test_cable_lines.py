@@ -6,7 +6,7 @@ import pytest
 from fx_membrane import (
     polyline,
 )
-from fx_membrane.form_finding.cable_lines import lines_of
+from fx_membrane.form_finding.constraints.cable_lines import lines_of
 from models import rotation
 
 

@@ -21,7 +21,7 @@ from fx_membrane import (
     natural_force_density,
     projected_stress,
 )
-from fx_membrane.form_finding.cable_lines import lines_of
+from fx_membrane.form_finding.constraints.cable_lines import lines_of
 from fx_membrane.geometry.measures import measures
 from models import rotation
 

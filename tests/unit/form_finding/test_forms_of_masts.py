@@ -15,7 +15,7 @@ from fx_membrane import (
     Support,
     updated_reference,
 )
-from fx_membrane.form_finding.bar_balance import balanced_points
+from fx_membrane.form_finding.masts.bar_balance import balanced_points
 
 ANGLES = np.radians([0, 120, 240])
 FEET = np.column_stack([3 * np.cos(ANGLES), 3 * np.sin(ANGLES), 0 * ANGLES])

@@ -22,8 +22,8 @@ from fx_membrane import (
     rectangle,
     updated_reference,
 )
-from fx_membrane.form_finding.no_form import cause
-from fx_membrane.form_finding.ring_reach import reach
+from fx_membrane.form_finding.reasons.no_form import cause
+from fx_membrane.form_finding.reasons.ring_reach import reach
 from fx_membrane.geometry.measures import normals
 
 FABRIC = Fabric(Et=600.0, nu=0.3)

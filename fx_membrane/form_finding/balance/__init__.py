@@ -1,0 +1,1 @@
+"""Equilibrium of prescribed stresses: the linear systems that form finding solves."""

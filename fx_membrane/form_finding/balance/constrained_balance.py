@@ -1,0 +1,132 @@
+"""Balance of membranes, bars and loads under constraints, step by step towards the geometry of cables."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...checks import validation
+from ...model.structure import Structure
+from ..constraints.cable_targets import MET, CableTargets
+from ..constraints.kinds import CableConstraint, Constraint, NodeConstraint
+from ..constraints.motions import motions_of
+from ..plan import Plan
+from .cable_forces import Acceleration, difference
+from .membrane_balance import balanced, nodal_loads
+
+Array = NDArray[np.float64]
+
+STEPS = 100  # maximum number of solves towards the geometry of cables
+LARGEST = 3.0  # factor on a force density in one step
+NEAR = 1e-6  # accepted relative change of a force towards a wanted geometry
+
+
+class Balance(NamedTuple):
+    """Shape in balance.
+
+    Attributes:
+        points: Positions of the nodes, shape (n, 3) [m].
+        reactions: Forces of supports and constraints, shape (n, 3) [N].
+        wanted: Force densities of bars that the shape asks for, by part, shape (cells,) [N/m].
+        densities: Those it is in balance with.
+    """
+
+    points: Array
+    reactions: Array
+    wanted: dict[str, Array]
+    densities: dict[str, Array]
+
+
+class ConstrainedBalance:
+    """Balance of a structure with loads under constraints.
+
+    Args:
+        structure: The structure in its first shape.
+        loads: Loads on it.
+        constraints: Constraints of cables and nodes.
+        axes: Two axes of the plan and its normal as columns, shape (3, 3) [-].
+        measure: Meaning of the prestress of cables, one of `MEASURES`.
+        collapse: Function of a shape and the number of its step, that tells of its collapse in words.
+
+    Raises:
+        ValueError: A constraint does not fit the structure or its supports.
+    """
+
+    def __init__(
+        self,
+        structure: Structure,
+        loads: Sequence[Any],
+        constraints: Sequence[Constraint],
+        axes: Array,
+        measure: str,
+        collapse: Callable[[Array, int], str],
+    ) -> None:
+        given = validation.instances("constraints", constraints, Constraint)
+        self.structure, self.loads, self.collapse = structure, loads, collapse
+        self.motions = motions_of(structure, [one for one in given if isinstance(one, NodeConstraint)])
+        of_cables = [one for one in given if isinstance(one, CableConstraint)]
+        self.targets = CableTargets(structure, of_cables, axes, measure, self.motions.guided)
+
+    def start(self, plans: Mapping[str, Plan]) -> dict[str, Array]:
+        """Force densities of the first step, by part, shape (cells,) [N/m]."""
+        stress = max((float(np.abs(plan.stress).max()) for plan in plans.values()), default=0.0)
+        force = float(np.abs(nodal_loads(self.structure, self.loads, self.structure.points)).sum())
+        return self.targets.start(stress * self.structure.size + force or 1.0)
+
+    def acceleration(self) -> Acceleration:
+        """Return an acceleration of the steps, bounded where the geometry of cables is given."""
+        return Acceleration(LARGEST if self.targets.targets else np.inf)
+
+    def __call__(
+        self,
+        start: Array,
+        plans: Mapping[str, Plan],
+        densities: dict[str, Array],
+        number: int,
+        reference: Array | None = None,
+    ) -> Balance | str:
+        """Solve for the shape of given force densities; a sentence on its collapse, if it has none.
+
+        Args:
+            start: Shape with the held nodes in place, shape (n, 3) [m].
+            plans: Membranes in their reference.
+            densities: Force densities of bars, by part, shape (cells,) [N/m].
+            number: Number of the step.
+            reference: Shape in which a line of given geometry has one force; the shape found, if not given.
+
+        Raises:
+            ValueError, RuntimeError: There is no balance in the first step; later ones have an earlier shape to keep.
+        """
+        try:
+            points, reactions = balanced(self.structure, self.loads, start, plans, densities, self.motions)
+        except (ValueError, RuntimeError) as failure:
+            if number == 1:
+                raise
+            return str(failure)
+        try:
+            collapse = self.collapse(points, number) or self.targets.out_of_range(points, densities)
+            wanted = {} if collapse else self.targets.wanted(points, densities, reference)
+            return collapse or Balance(points, reactions, wanted, densities)
+        except ValueError as upright:
+            return str(upright)
+
+    def settled(
+        self, start: Array, plans: Mapping[str, Plan], densities: dict[str, Array], number: int
+    ) -> Balance | str:
+        """Solve as often as the geometry of cables asks for, with the other force densities given.
+
+        A line of given geometry has one force for its lengths in the start. Args and Raises as for a call.
+        """
+        accelerated, words = self.acceleration(), ""
+        reference = start
+        for _ in range(STEPS):
+            found = self(start, plans, densities, number, reference)
+            if isinstance(found, str):
+                return found
+            miss, words = self.targets.miss(found.points, densities, found.wanted)
+            wanted = self.targets.mixed(densities, found.wanted)
+            if miss <= MET and difference(densities, wanted) <= NEAR:
+                return found
+            densities, start = accelerated(densities, wanted), found.points
+        return f"{words or 'a force does not settle'} after {STEPS} solves; give a value nearer to that."

@@ -1,0 +1,1 @@
+"""Masts, struts and stays in forms, and the forces that balance in them."""

@@ -1,0 +1,118 @@
+"""Form of bars alone, where the steps of form finding find none: as of a mast between guys.
+
+A step takes the force of a bar for a force per length, with which a mast that pushes has a stiffness below zero. The
+lengths are found here from the balance of the forces themselves, by least squares with a trust region.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+from scipy.sparse import csr_matrix
+
+from ...model.structure import Structure
+
+Array = NDArray[np.float64]
+
+BALANCED = 1e-12  # accepted unbalanced force, relative to the largest of a bar
+SHORT = 1e-2  # share of its first length, below which a bar counts as shrunk to a point
+STEPS = (1, 5, 20)  # numbers of steps, tried in turn, in which the unbalanced forces of the first shape are let go
+TRIES = 20  # of each
+EPS = 1e-15
+FOLLOWED = 1e-6  # unbalanced force, above which a step has lost its way
+TURNED = 0.5  # cosine of the angle by which a mast turns at most
+
+
+def has_free_masts(structure: Structure) -> bool:
+    """Return True if the structure has bars only, with a free mast among them."""
+    free = ~structure.supported.all(axis=1)
+    parts = structure.parts.values()
+    return all(part.dimension == 1 for part in parts) and any(
+        part.is_strut and bool(free[part.cells].any()) for part in parts
+    )
+
+
+def balanced_points(structure: Structure, loads: Array, pulse: Callable[[str], None]) -> Array | None:
+    """Positions of the nodes in which forces of bars, each the prestress, balance loads on the nodes.
+
+    Args:
+        structure: The first shape, of bars alone.
+        loads: Loads on the nodes, shape (n, 3) [N].
+        pulse: Told at each try how far the search is.
+
+    Returns:
+        Positions, shape (n, 3) [m]; None where none were found.
+    """
+    parts = structure.parts.values()
+    cells = np.concatenate([part.cells for part in parts])
+    forces = np.concatenate([part.prestress_tensors().ravel() for part in parts])
+    used = np.zeros(len(structure.points), dtype=bool)
+    used[cells] = True
+    free = ~structure.supported & used[:, None]
+    force, size = np.abs(forces).max(), structure.size
+
+    def placed(unknowns: Array) -> Array:
+        points = structure.points.copy()
+        points[free] = unknowns * size
+        return points
+
+    def residual(unknowns: Array) -> Array:
+        direction = _lines(placed(unknowns), cells)[1]
+        total = loads.copy()
+        for end, sign in zip(cells.T, (1, -1), strict=True):
+            np.add.at(total, end, sign * forces[:, None] * direction)
+        return np.asarray(total[free] / force)
+
+    def jacobian(unknowns: Array) -> csr_matrix:
+        pulse(f"balance of bars, unbalanced share of the largest force {np.abs(residual(unknowns)).max():.1e}")
+        length, direction = _lines(placed(unknowns), cells)
+        across = np.eye(3) - direction[:, :, None] * direction[:, None, :]
+        blocks = (forces / length)[:, None, None] * across * (size / force)
+        return _assembled(blocks, cells, free)
+
+    start = structure.points[free] / size
+    first = residual(start)
+    for count in STEPS:
+        x = start
+        for left in np.linspace(1, 0, count + 1)[1:]:  # share of the first unbalanced forces
+            rest = left * first
+            x = least_squares(
+                lambda x, rest=rest: residual(x) - rest, x, jacobian, xtol=EPS, ftol=EPS, gtol=EPS, max_nfev=TRIES
+            ).x
+            if np.abs(residual(x) - rest).max() > FOLLOWED:
+                break
+        points = placed(x)
+        if np.abs(residual(x)).max() <= BALANCED and is_standing(structure, points):
+            return points
+    return None
+
+
+def is_standing(structure: Structure, points: Array) -> bool:
+    """Return True if no bar has shrunk to a point, and no mast has turned by more than 60 degrees."""
+    for part in structure.parts.values():
+        first, before = _lines(structure.points, part.cells)
+        now, after = _lines(points, part.cells)
+        turned = part.is_strut and (np.sum(before * after, axis=1) < TURNED).any()
+        if turned or (now < SHORT * first).any():
+            return False
+    return True
+
+
+def _lines(points: Array, cells: NDArray[np.int64]) -> tuple[Array, Array]:
+    """Lengths of bars, shape (cells,) [m], and their directions, shape (cells, 3)."""
+    way = points[cells[:, 1]] - points[cells[:, 0]]
+    length = np.maximum(np.linalg.norm(way, axis=1), np.finfo(float).tiny)
+    return length, way / length[:, None]
+
+
+def _assembled(blocks: Array, cells: NDArray[np.int64], free: NDArray[np.bool_]) -> csr_matrix:
+    """Assemble the derivative of the forces on the free components from blocks of bars, shape (cells, 3, 3)."""
+    number = np.full(free.shape, -1)
+    number[free] = np.arange(free.sum())
+    signs = np.array([[-1, 1], [1, -1]])
+    rows = np.broadcast_to(number[cells][:, :, None, :, None], (len(cells), 2, 2, 3, 3))
+    columns = np.broadcast_to(number[cells][:, None, :, None, :], rows.shape)
+    values = signs[None, :, :, None, None] * blocks[:, None, None]
+    kept = (rows >= 0) & (columns >= 0)
+    return csr_matrix((values[kept], (rows[kept], columns[kept])), shape=(free.sum(), free.sum()))

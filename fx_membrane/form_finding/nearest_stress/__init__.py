@@ -1,0 +1,1 @@
+"""The shape in exact equilibrium whose stress is nearest to a wish."""

@@ -1,0 +1,187 @@
+"""Newton's equations of the nearest stress: equilibrium, the optimum over shapes, and an even mesh, solved at once."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from petsc4py import PETSc
+from scipy import sparse
+
+from ...geometry.measures import measures
+from ...solvers import factorization
+from .cells import Block
+from .mesh_control import MeshControl, Ways
+
+Array = NDArray[np.float64]
+
+FIRST = 1e-5  # length of a difference for first derivatives, over the size of the cell
+SECOND = 1e-3  # the same, for second ones
+EASED = 0.65  # share of the springs' imbalance taken in a step: their derivative leaves out how directions turn
+
+
+class System(NamedTuple):
+    """Derivatives of the function of multipliers and shape, see `nearest_cells`.
+
+    Attributes:
+        forces: First ones by the multipliers, the unbalanced forces, shape (3 n,) [N].
+        slopes: First ones by the shape, shape (3 n,).
+        stiffness: Second ones by the multipliers, sparse (3 n, 3 n).
+        mixed: Those of the forces by the shape.
+        curvature: Second ones by the shape.
+        mass: Area at each component of the nodes, shape (3 n,) [m2].
+        control: Control of the mesh.
+        ways: Directions of the nodes.
+        evenness: Imbalance of its springs, shape (k,).
+    """
+
+    forces: Array
+    slopes: Array
+    stiffness: sparse.csr_matrix
+    mixed: sparse.csr_matrix
+    curvature: sparse.csr_matrix
+    mass: Array
+    control: MeshControl
+    ways: Ways
+    evenness: Array
+
+
+def system_of(
+    blocks: Sequence[Block], control: MeshControl, point_loads: Array, points: Array, multipliers: Array
+) -> System:
+    """Take the derivatives in a shape with multipliers, both of shape (n, 3), under forces on the nodes [N]."""
+    n = len(points)
+    forces, slopes, mass = -point_loads.copy(), np.zeros((n, 3)), np.zeros(n)
+    matrices: list[list[tuple[NDArray[np.int64], Array]]] = [[], [], []]
+    for block in blocks:
+        corners, there = points[block.cells], multipliers[block.cells]
+        size = measures(points, block.cells)
+        length = np.sqrt(size) if block.cells.shape[1] == 3 else size
+        by_shape = _slopes(block, corners, there, FIRST * length)
+        for corner, part, slope in zip(
+            block.cells.T, block.forces(corners, there).swapaxes(0, 1), by_shape[1].swapaxes(0, 1), strict=True
+        ):
+            np.add.at(forces, corner, part)
+            np.add.at(slopes, corner, slope)
+            np.add.at(mass, corner, length**2 / block.cells.shape[1])
+        curvature = _curvatures(block, corners, there, SECOND * length)
+        for entries, blockwise in zip(matrices, (block.stiffnesses(corners), by_shape[0], curvature), strict=True):
+            entries.append((block.cells, blockwise))
+    ways = control.ways(points)
+    stiffness, mixed, curved = (_assembled(n, entries) for entries in matrices)
+    evenness = control.imbalance(points, ways)
+    return System(forces.ravel(), slopes.ravel(), stiffness, mixed, curved, np.repeat(mass, 3), control, ways, evenness)
+
+
+def step_of(system: System, free: NDArray[np.bool_], damping: float) -> tuple[Array, Array]:
+    """Newton step of the multipliers and of the shape, both of shape (n, 3), damped like that of Levenberg.
+
+    Args:
+        system: The derivatives.
+        free: Free components, shape (3 n,).
+        damping: Factor of the squared motion across the surface, over the area, beside the function.
+    """
+    across, along = system.ways
+    curved = across.T @ system.curvature
+    weight = sparse.diags(damping * system.mass)
+    matrix = sparse.bmat(
+        [
+            [system.stiffness[free][:, free], system.mixed[free] @ across, system.mixed[free] @ along],
+            [across.T @ system.mixed.T[:, free], curved @ across - across.T @ weight @ across, curved @ along],
+            [None, along.T @ system.control.springs @ across, along.T @ system.control.springs @ along],
+        ]
+    ).tocsr()
+    right = -np.concatenate([system.forces[free], across.T @ system.slopes, EASED * system.evenness])
+    found = _solved(matrix, right)
+    count, split = int(free.sum()), int(free.sum()) + across.shape[1]
+    multipliers = np.zeros(len(free))
+    multipliers[free] = found[:count]
+    shape = across @ found[count:split] + along @ found[split:]
+    return multipliers.reshape(-1, 3), np.asarray(shape).reshape(-1, 3)
+
+
+def tangential_multipliers(blocks: Sequence[Block], control: MeshControl, point_loads: Array, points: Array) -> Array:
+    """Multipliers along the surfaces and lines of a shape that balance the forces there, shape (n, 3)."""
+    forces, entries = -point_loads.copy(), []
+    for block in blocks:
+        corners = points[block.cells]
+        entries.append((block.cells, block.stiffnesses(corners)))
+        for corner, part in zip(
+            block.cells.T, block.forces(corners, np.zeros_like(corners)).swapaxes(0, 1), strict=True
+        ):
+            np.add.at(forces, corner, part)
+    along = control.ways(points).along
+    if not along.shape[1]:
+        return np.zeros_like(points)
+    stiffness = (along.T @ _assembled(len(points), entries) @ along).tocsr()
+    return np.asarray(along @ _solved(stiffness, -(along.T @ forces.ravel()))).reshape(points.shape)
+
+
+def _solved(matrix: sparse.csr_matrix, right: Array) -> Array:
+    """Solution of a linear system, on this process alone.
+
+    Raises:
+        RuntimeError: The matrix is singular.
+    """
+    A = PETSc.Mat().createAIJ(matrix.shape, csr=(matrix.indptr, matrix.indices, matrix.data), comm=PETSc.COMM_SELF)
+    ksp = PETSc.KSP().create(PETSc.COMM_SELF)
+    ksp.setOperators(A)
+    factorization.choose(ksp, A, symmetric=False)
+    b, x = A.createVecLeft(), A.createVecRight()
+    b.array[:] = right
+    ksp.solve(b, x)
+    found = x.array.copy()
+    for each in (ksp, A, b, x):
+        each.destroy()
+    if not np.isfinite(found).all():
+        raise RuntimeError("Newton's equations of the nearest stress are singular")
+    return found
+
+
+def _moved(corners: Array, length: Array, *moves: tuple[int, int]) -> Array:
+    """Corners with components moved by lengths, each in a sense."""
+    moved = corners.copy()
+    flat = moved.reshape(len(moved), -1)
+    for number, sense in moves:
+        flat[:, number] += sense * length
+    return moved
+
+
+def _slopes(block: Block, corners: Array, multipliers: Array, length: Array) -> tuple[Array, Array]:
+    """Take derivatives of forces and energies by the shape, shapes (cells, 3 k, 3 k) and (cells, k, 3)."""
+    count = corners.shape[1] * 3
+    mixed, slopes = np.zeros((len(corners), count, count)), np.zeros((len(corners), count))
+    for number in range(count):
+        up, down = (_moved(corners, length, (number, sense)) for sense in (1, -1))
+        rise = block.forces(up, multipliers) - block.forces(down, multipliers)
+        mixed[:, :, number] = rise.reshape(len(corners), count) / (2 * length[:, None])
+        slopes[:, number] = (block.energies(up, multipliers) - block.energies(down, multipliers)) / (2 * length)
+    return mixed, slopes.reshape(corners.shape)
+
+
+def _curvatures(block: Block, corners: Array, multipliers: Array, length: Array) -> Array:
+    """Second derivatives of energies by the shape, shape (cells, 3 k, 3 k)."""
+    count = corners.shape[1] * 3
+    found = np.zeros((len(corners), count, count))
+
+    def energies(*moves: tuple[int, int]) -> Array:
+        return block.energies(_moved(corners, length, *moves), multipliers)
+
+    here = energies()
+    up = [energies((number, 1)) for number in range(count)]
+    for i in range(count):
+        for j in range(i + 1):
+            both = energies((i, 1), (j, 1)) - up[i] - up[j] + here
+            found[:, i, j] = found[:, j, i] = both / length**2
+    return found
+
+
+def _assembled(n: int, entries: Sequence[tuple[NDArray[np.int64], Array]]) -> sparse.csr_matrix:
+    rows, columns, values = [], [], []
+    for cells, blocks in entries:
+        numbers = (3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), -1)
+        rows.append(np.repeat(numbers, numbers.shape[1], axis=1).ravel())
+        columns.append(np.tile(numbers, (1, numbers.shape[1])).ravel())
+        values.append(blocks.reshape(-1))
+    entries_of = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
+    return sparse.coo_matrix(entries_of, shape=(3 * n, 3 * n)).tocsr()

@@ -1,0 +1,1 @@
+"""Reasons for which prescribed stresses have no form, in words with numbers and places."""

@@ -1,0 +1,65 @@
+"""Reasons for which prescribed stresses have no form, in words with numbers and places."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.measures import normals, projected
+from ...model.parts import Membrane
+from ...model.structure import Structure
+from .ring_reach import far_ring
+from .unheld import free_edge, lone_point
+from .weak_edges import weak_edges
+
+Array = NDArray[np.float64]
+
+UNEQUAL = 1.05  # ratio of principal stresses, above which they count as unequal
+
+
+def cause(structure: Structure, points: Array) -> str:
+    """Tell of weak edge cables, rings too far away, edges and points without hold, or else of unequal stress.
+
+    Returns:
+        Sentences; empty without any, which does not mean that there is a form.
+    """
+    stresses = stresses_in(structure, points)
+    found = [weak_edges(structure, points, stresses, forces_in(structure)), far_ring(structure, points, stresses)]
+    found += [free_edge(structure, points), lone_point(structure, points)]
+    return causes(*found) or _unequal(structure)
+
+
+def causes(*found: str) -> str:
+    """Join the causes that are not empty to sentences."""
+    return " ".join(f"{words}." for words in found if words)
+
+
+def _unequal(structure: Structure) -> str:
+    """Tell of a membrane whose stress is unlike along warp and weft."""
+    for name, part in structure.parts.items():
+        if isinstance(part, Membrane):
+            least, largest = np.linalg.eigvalsh(part.prestress_tensors()).mean(axis=0)
+            if largest > UNEQUAL * least:
+                return (
+                    f"The stress of part {name!r} is {largest / least:.3g} times as large in one direction as in the "
+                    "other, which few surfaces carry everywhere: stress in plan (projected_stress) has more forms."
+                )
+    return ""
+
+
+def stresses_in(structure: Structure, points: Array) -> Mapping[str, Array]:
+    """Prestress of membranes in a shape as tensors in space, by name, shape (cells, 3, 3) [N/m]."""
+    found = {}
+    for name, part in structure.parts.items():
+        if isinstance(part, Membrane):
+            normal = normals(points, part.cells)
+            warp = projected(structure.warp(name), normal)
+            frame = np.stack([warp, np.cross(normal, warp)], axis=2)
+            found[name] = frame @ part.prestress_tensors() @ frame.swapaxes(1, 2)
+    return found
+
+
+def forces_in(structure: Structure) -> Mapping[str, Array]:
+    """Prestress of cables, by name, shape (cells,) [N]."""
+    cables = ((name, part) for name, part in structure.parts.items() if part.dimension == 1 and not part.is_strut)
+    return {name: part.prestress_tensors().ravel() for name, part in cables}

@@ -1,0 +1,115 @@
+"""Rings too far from the base of their membrane: how high a membrane of constant stress ratio can hold one.
+
+On a surface of revolution the stresses n_s along meridians and n_t along rings balance if d(r n_s) / dr = n_t, and
+r n_s sin(phi) is constant, with the slope phi of the meridian. A constant ratio k = n_s / n_t gives r n_s ~ r^(1/k), so
+sin(phi) = (c / r)^(1/k) with the neck c. The height between neck and radius r is the integral of tan(phi):
+
+    h(c, r) = c k int_0^U cosh(u)^(k - 1) du,  cosh(U) = (r / c)^(1/k)
+
+which is c arcosh(r / c), a catenoid, for k = 1. Radii a and b reach the maximum over c of h(c, a) + h(c, b).
+"""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.optimize import minimize_scalar
+from scipy.sparse.csgraph import connected_components
+from scipy.special import roots_legendre
+
+from ...checks import validation
+from ...geometry.measures import lengths, normals
+from ...geometry.topology import boundary_cells, boundary_edges
+from ...model.structure import Structure
+
+Array = NDArray[np.float64]
+
+ROUND = 0.35  # deviation of the distances from the centre, relative to the radius, up to which a loop counts as a ring
+ZERO = 1e-9  # coordinate of a centre over the radius, that counts as rounding
+NODES, WEIGHTS = roots_legendre(40)
+
+
+def reach(a: float, b: float, ratio: float = 1.0) -> float:
+    """Largest distance along their axis of two rings with a membrane between them [m].
+
+    Args:
+        a: Radius of a ring [m].
+        b: Radius of the other [m].
+        ratio: Stress along meridians over that along rings [-].
+    """
+
+    def height(neck: float, radius: float) -> float:
+        end = np.arccosh(max((radius / neck) ** (1 / ratio), 1.0))
+        return float(neck * ratio * end / 2 * (WEIGHTS @ np.cosh(end * (NODES + 1) / 2) ** (ratio - 1)))
+
+    least = min(a, b)
+    found = minimize_scalar(lambda c: -height(c, a) - height(c, b), bounds=(1e-6 * least, least), method="bounded")
+    return max(-float(found.fun), height(least, max(a, b)))
+
+
+class Ring(NamedTuple):
+    """Held round edge of a membrane: its nodes, centre (3,), axis (3,), radius [m], and stress ratio there [-]."""
+
+    nodes: NDArray[np.int64]
+    centre: Array
+    axis: Array
+    radius: float
+    ratio: float
+
+
+def far_ring(structure: Structure, points: Array, stresses: Mapping[str, Array]) -> str:
+    """Tell of a held ring that is too far from the base of its membrane, in words; empty without one.
+
+    The base is the held rest of the boundary, or the largest ring if there is none.
+
+    Args:
+        structure: The structure.
+        points: Its shape, shape (n, 3) [m].
+        stresses: By membrane, stress in space, shape (cells, 3, 3) [N/m].
+    """
+    held = structure.supported.all(axis=1)
+    for name, stress in stresses.items():
+        cells = structure.parts[name].cells
+        rings = sorted(_rings(points, cells, stress, held), key=lambda ring: ring.radius)
+        boundary = np.unique(boundary_edges(cells)) if rings else np.zeros(0, dtype=np.int64)
+        base = np.setdiff1d(boundary[held[boundary]], np.concatenate([ring.nodes for ring in rings] or [boundary]))
+        if not len(base) and rings:
+            base = rings.pop().nodes
+        for ring in rings:
+            away = points[base] - ring.centre
+            rise = float(np.abs(away @ ring.axis).min())
+            width = float(lengths(away - np.outer(away @ ring.axis, ring.axis)).max())
+            high = reach(ring.radius, max(width, ring.radius), ring.ratio)
+            if rise > high:
+                return (
+                    f"A ring is too far from its base: that of part {name!r} around "
+                    f"{validation.format_point(ring.centre)}, of radius {ring.radius:.4g}, is {rise:.4g} away from it, "
+                    f"and a membrane with {ring.ratio:.3g} times as much stress across the ring as along it reaches "
+                    f"about {high:.3g}"
+                )
+    return ""
+
+
+def _rings(points: Array, triangles: NDArray[np.int64], stress: Array, held: NDArray[np.bool_]) -> list[Ring]:
+    """Round edges of a membrane that are held all around."""
+    edges, cells = boundary_edges(triangles), boundary_cells(triangles)
+    links = sparse.coo_matrix((np.ones(len(edges)), edges.T), shape=(len(points), len(points)))
+    loop = connected_components(links, directed=False)[1][edges[:, 0]]
+    closed = [k for k in np.unique(loop) if held[edges[loop == k]].all()]
+    found = []
+    for k in closed:
+        nodes = np.unique(edges[loop == k])
+        centre = points[nodes].mean(axis=0)
+        axis = np.linalg.svd(points[nodes] - centre, full_matrices=False)[2][-1]
+        distance = lengths(points[nodes] - centre)
+        if distance.std() > ROUND * distance.mean():
+            continue
+        along = np.diff(points[edges[loop == k]], axis=1)[:, 0]
+        along /= lengths(along)[:, None]
+        across = np.cross(normals(points, triangles[cells[loop == k]]), along)
+        n_s, n_t = (np.einsum("ki,kij,kj->k", v, stress[cells[loop == k]], v).mean() for v in (across, along))
+        centre = np.where(np.abs(centre) > ZERO * distance.mean(), centre, 0.0)
+        found.append(Ring(nodes, centre, axis, float(distance.mean()), float(n_s / n_t)))
+    return found
