@@ -50,7 +50,7 @@ def document(shown: Shown, title: str, force: str, length: str) -> dict[str, Any
             }
             for name, part in structure.parts.items()
         ],
-        "fields": [field._asdict() for field in every],
+        "fields": [{"name": field.name, "unit": field.unit, "group": field.group} for field in every],
         "stages": [
             {
                 "name": view.name,

@@ -1,7 +1,7 @@
 """Fields of a scene: their least and largest values with places, and their values as texts."""
 
 import base64
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,14 +20,22 @@ class Field(NamedTuple):
     """One quantity that a scene can show.
 
     Attributes:
-        name: Its name.
-        unit: Its unit.
+        head: Its name and unit, as in tables: "force [kN]".
         group: What has it: `NODES`, `MEMBRANES`, `BARS`, or `STATE` for the states of all cells.
     """
 
-    name: str
-    unit: str
+    head: str
     group: str
+
+    @property
+    def name(self) -> str:
+        """Its name, without the unit."""
+        return self.head.partition(" [")[0]
+
+    @property
+    def unit(self) -> str:
+        """Its unit; empty for states."""
+        return self.head.partition(" [")[2][:-1]
 
 
 def encoded(values: Any, kind: str) -> str:
@@ -41,12 +49,11 @@ def fields(structure: Structure, views: Iterable[View], length: str) -> list[Fie
     found: dict[Field, None] = {}
     for view in views:
         if view.displacement is not None:
-            found |= {Field(name, length, NODES): None for name in DISPLACEMENTS}
+            found |= {Field(f"{name} [{length}]", NODES): None for name in DISPLACEMENTS}
         for part, columns in view.columns.items():
             for head in columns:
-                name, _, unit = head.partition(" [")
                 group = MEMBRANES if structure.parts[part].dimension == 2 else BARS
-                found[Field(name, unit[:-1], STATE if name == "state" else group)] = None
+                found[Field(head, STATE if head == "state" else group)] = None
     order = [NODES, STATE, MEMBRANES, BARS]
     return sorted(found, key=lambda field: order.index(field.group))
 
@@ -57,11 +64,10 @@ def described(
     """Field of a view as plain data: extremes of all cells, values of the drawn ones by part; None if it has none."""
     if field.group == NODES:
         return _of_nodes(field, structure, view)
-    head = f"{field.name} [{field.unit}]" if field.unit else field.name
     values = {
-        part: columns[head]
+        part: columns[field.head]
         for part, columns in view.columns.items()
-        if head in columns and _has(field, structure, part)
+        if field.head in columns and _has(field, structure, part)
     }
     if not values:
         return None
@@ -85,30 +91,36 @@ def _of_nodes(field: Field, structure: Structure, view: View) -> dict[str, Any] 
     nodes = np.flatnonzero(structure.used)
     axis = DISPLACEMENTS.index(field.name) - 1
     moved = view.displacement[nodes]
-    values = np.linalg.norm(moved, axis=1) if axis < 0 else moved[:, axis]
-    ends = {"least": first_largest(-values), "largest": first_largest(values)}
-    told: dict[str, Any] = {"least": float(values.min()), "largest": float(values.max())}
-    for end, row in ends.items():
-        told[f"{end}_at"] = f"node {nodes[row]} at {_place(structure, structure.points[nodes[row]])}"
-    return told
+    points = structure.points
+
+    def place(row: int) -> str:
+        return f"node {nodes[row]} at {_place(structure, points[nodes[row]])}"
+
+    return _ends(np.linalg.norm(moved, axis=1) if axis < 0 else moved[:, axis], place)
 
 
 def _extremes(structure: Structure, values: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-    """Least and largest value of all parts and their cells; None for both where no value is a number."""
-    told: dict[str, Any] = {"least": None, "largest": None, "least_at": "", "largest_at": ""}
-    joined = np.concatenate([found.astype(np.float64) for found in values.values()])
-    if not np.isfinite(joined).any():
-        return told
+    """Least and largest value of the cells of all parts."""
     owners = np.repeat(np.arange(len(values)), [len(found) for found in values.values()])
     cells = np.concatenate([np.arange(len(found)) for found in values.values()])
     parts = list(values)
-    for end, sign in (("least", -1), ("largest", 1)):
-        signed = np.where(np.isfinite(joined), sign * joined, -np.inf)
-        row = first_largest(signed)
+
+    def place(row: int) -> str:
         part = parts[owners[row]]
-        place = structure.points[structure.parts[part].cells[cells[row]]].mean(axis=0)
-        told[end] = float(sign * signed.max())
-        told[f"{end}_at"] = f"cell {cells[row]} of {part} at {_place(structure, place)}"
+        centre = structure.points[structure.parts[part].cells[cells[row]]].mean(axis=0)
+        return f"cell {cells[row]} of {part} at {_place(structure, centre)}"
+
+    return _ends(np.concatenate([found.astype(np.float64) for found in values.values()]), place)
+
+
+def _ends(values: NDArray[np.float64], place: Callable[[int], str]) -> dict[str, Any]:
+    """Least and largest value with the places of their rows; None for both where no value is a number."""
+    told: dict[str, Any] = {"least": None, "largest": None, "least_at": "", "largest_at": ""}
+    if np.isfinite(values).any():
+        for end, sign in (("least", -1), ("largest", 1)):
+            signed = np.where(np.isfinite(values), sign * values, -np.inf)
+            told[end] = float(sign * signed.max())
+            told[f"{end}_at"] = place(first_largest(signed))
     return told
 
 

@@ -4,6 +4,7 @@ import base64
 import json
 import re
 import sys
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import numpy as np
@@ -266,3 +267,29 @@ def test_stage_names_are_those_of_the_dictionary(found, tmp_path):
     write_scene(StageResults({"winter": found["snow"]}), tmp_path / "scene.html")
     _, scene = opened(tmp_path / "scene.html")
     assert scene["stages"][0]["name"] == "winter"
+
+
+@pytest.mark.serial
+def test_values_that_are_no_numbers_have_no_extremes(found, tmp_path):
+    """As in the start of a solve that failed."""
+    state = found["snow"]
+    fabric = state.membrane(EVIL)
+    principal = fabric.principal.copy()
+    principal[3] = np.nan
+    none = np.full_like(state.displacement, np.nan)
+    parts = {**state.parts, EVIL: replace(fabric, principal=principal, strain=np.full_like(fabric.strain, np.nan))}
+    write_scene(replace(state, parts=parts, displacement=none, loads=none), tmp_path / "scene.html")
+    _, scene = opened(tmp_path / "scene.html")
+    for name in ("displacement", "strain warp"):
+        assert entry(scene, 0, name)[0]["least"] is None
+    assert entry(scene, 0, "principal stress I")[0]["largest"] == np.nanmax(principal[:, 0])
+
+
+@pytest.mark.serial
+def test_units_may_be_empty_or_have_brackets(found, tmp_path):
+    write_scene(found, tmp_path / "scene.html", force_unit="", length_unit="m [x]")
+    _, scene = opened(tmp_path / "scene.html")
+    told, unit = entry(scene, 1, "force")
+    assert (unit, told["largest"]) == ("", max(found["snow"].cable(name).force.max() for name in ("cable", "stay")))
+    told, unit = entry(scene, 1, "principal stress I")
+    assert (unit, told["largest"]) == ("/m [x]", found["snow"].membrane(EVIL).principal[:, 0].max())
