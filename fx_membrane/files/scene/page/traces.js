@@ -36,9 +36,11 @@ function meshOf(part, at, choice) {
   const count = part.cells.length / 3;
   const corner = (first) => Int32Array.from({ length: count }, (_, cell) => 3 * cell + first);
   const look = { flatshading: true, lighting: EVEN, lightposition: { x: 1e3, y: -2e3, z: 5e3 } };
-  const colour = found
-    ? { intensity: found.values, showscale: false, ...scale(shades(found.number, choice.stage, choice.common)) }
-    : { color: scene.colours.fabric };
+  // Without values all are zero, in one colour: plotly would keep the colours of the picture before.
+  const none = { low: 0, high: 0, colours: [scene.colours.fabric] };
+  const intensity = found ? found.values : new Float32Array(part.cells.length);
+  const range = scale(found ? shades(found.number, choice.stage, choice.common) : none);
+  const colour = { intensity, showscale: false, ...range };
   const trace = { type: "mesh3d", ...cornersOf(part, at, false), i: corner(0), j: corner(1), k: corner(2) };
   return { trace: { ...trace, ...look, ...colour }, owner: { part, step: 3 }, found };
 }
@@ -109,14 +111,20 @@ function arrowsOf(forces, at, colour) {
   };
 }
 
+// Each trace keeps its name over all pictures, so that plotly never updates one with the data of another.
 function tracesOf(choice) {
   const at = positions(choice.stage, choice.factor);
-  const visible = parts.filter((part) => part.visible);
-  const drawn = visible.map((part) => (part.bar ? linesOf(part, at, choice) : meshOf(part, at, choice)));
-  if (choice.mesh) drawn.push(...visible.filter((part) => !part.bar).map((part) => edgesOf(part, at)));
-  if (choice.supports) drawn.push(supportsOf(at));
-  if (choice.loads) drawn.push(arrowsOf(choice.stage.loads, at, "#c2571a"));
-  if (choice.reactions) drawn.push(arrowsOf(choice.stage.reactions, at, "#2563ad"));
-  for (const { trace } of drawn) Object.assign(trace, { hoverinfo: "none", showlegend: false });
+  const drawn = [];
+  const add = (uid, made) => {
+    Object.assign(made.trace, { uid, hoverinfo: "none", showlegend: false });
+    drawn.push(made);
+  };
+  parts.forEach((part, number) => {
+    if (part.visible) add(`part ${number}`, part.bar ? linesOf(part, at, choice) : meshOf(part, at, choice));
+    if (part.visible && choice.mesh && !part.bar) add(`edges ${number}`, edgesOf(part, at));
+  });
+  if (choice.supports) add("supports", supportsOf(at));
+  if (choice.loads) add("loads", arrowsOf(choice.stage.loads, at, "#c2571a"));
+  if (choice.reactions) add("reactions", arrowsOf(choice.stage.reactions, at, "#2563ad"));
   return drawn;
 }

@@ -14,7 +14,7 @@ let spans = [1, 1, 1];
 
 // Length of the longest structure that fits at any turn: plotly's orthographic camera sees a height of 2.
 function fit() {
-  return Math.min(2.1, (1.7 * figure.clientWidth) / Math.max(figure.clientHeight, 1));
+  return Math.min(2.1, (1.5 * figure.clientWidth) / Math.max(figure.clientHeight, 1));
 }
 
 function aspects() {

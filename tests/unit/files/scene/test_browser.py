@@ -92,9 +92,15 @@ def test_every_stage_and_field_shows_the_least_and_largest_value(page, found):
             assert unit.startswith(f"{field} [")
 
 
+def colours(page, box):
+    """Pixels of a part of the window that are not grey, shape (high, wide)."""
+    image = pytest.importorskip("matplotlib.image")
+    x, y, wide, high = box
+    return np.ptp(image.imread(io.BytesIO(page.picture()))[y : y + high, x : x + wide, :3], axis=2) > 0.2
+
+
 @pytest.mark.parametrize(("width", "height"), [(1400, 900), (390, 800)])
 def test_picture_fills_the_window(page, width, height):
-    image = pytest.importorskip("matplotlib.image")
     page.size(width, height)
     page.change("control.field.value = 8; control.field.dispatchEvent(new Event('change'))")
     same = (
@@ -108,11 +114,21 @@ def test_picture_fills_the_window(page, width, height):
     x, y, wide, high = map(int, box)
     assert wide == page.run("document.documentElement.clientWidth")  # without a scroll bar
     assert high > 0.4 * height
-    pixels = image.imread(io.BytesIO(page.picture()))[y : y + high, x : x + wide, :3]
-    coloured = np.ptp(pixels, axis=2) > 0.2
+    coloured = colours(page, (x, y, wide, high))
     assert 0.03 < coloured.mean() < 0.6
     rows, columns = np.flatnonzero(coloured.any(axis=1)), np.flatnonzero(coloured.any(axis=0))
     assert max(np.ptp(rows) / high, np.ptp(columns) / wide) > 0.4
+
+
+def test_membranes_without_the_field_have_no_colours_of_the_field_before(page):
+    whole = (0, 0, 400, 500)
+    page.run("document.querySelector('[data-view=plan]').click()")
+    shares = []
+    for field in ("principal stress I", "force", "displacement"):
+        page.change(f"location.hash = {json.dumps(urllib.parse.urlencode({'stage': 'snow', 'field': field}))}")
+        page.run(FRAMES)
+        shares.append(colours(page, whole).mean())
+    assert shares[1] < 0.5 * min(shares[0], shares[2])
 
 
 def test_pointer_tells_the_values_of_cell_and_node(page, found):
