@@ -13,6 +13,7 @@ FLAGS = (
     "--headless", "--no-sandbox", "--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
     "--disable-background-networking", "--disable-dev-shm-usage", "--no-first-run", "--remote-debugging-pipe",
 )  # fmt: skip
+FRAMES = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
 HARMLESS = ("willReadFrequently", "GPU stall due to ReadPixels")
 
 
@@ -31,7 +32,7 @@ class Page:
 
     def __init__(self, to, back):
         self._to, self._back, self._numbers, self._session = to, back, itertools.count(1), None
-        self.messages, self.requests = [], []
+        self.messages, self.requests, self._loaded = [], [], False
         target = self.call("Target.createTarget", url="about:blank")["targetId"]
         self._session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log", "Network"):
@@ -50,7 +51,10 @@ class Page:
 
     def open(self, address):
         """Open an address, and wait until the page says what it shows."""
+        self._loaded = False
         self.call("Page.navigate", url=address)
+        while not self._loaded:
+            self._next()
         return self.shown()
 
     def run(self, script):
@@ -61,10 +65,9 @@ class Page:
 
     def shown(self):
         """Wait until the page has drawn, and return its own account of the picture."""
-        wait = """new Promise((done) => { const ask = () => document.body && document.body.dataset.shown ?
-            requestAnimationFrame(() => requestAnimationFrame(() => done(document.body.dataset.shown))) :
-            setTimeout(ask, 20); ask(); })"""
-        return json.loads(self.run(wait))
+        while not (shown := self.run(f"{FRAMES}.then(() => document.body?.dataset.shown || '')")):
+            assert not self.messages, self.messages  # it may never draw
+        return json.loads(shown)
 
     def change(self, script):
         """Run a script that changes the picture, and wait for the next one."""
@@ -92,6 +95,7 @@ class Page:
             letters += letter
         message = json.loads(letters)
         told = message.get("params", {})
+        self._loaded |= message.get("method") == "Page.loadEventFired"
         if message.get("method") == "Network.requestWillBeSent":
             self.requests.append(told["request"]["url"])
         texts = {

@@ -111,7 +111,8 @@ function arrowsOf(forces, at, colour) {
   };
 }
 
-// Each trace keeps its name over all pictures, so that plotly never updates one with the data of another.
+// Each trace keeps its name over all pictures, so that plotly never updates one with the data of another. It must be fit
+// for a selector of CSS.
 function tracesOf(choice) {
   const at = positions(choice.stage, choice.factor);
   const drawn = [];
@@ -120,8 +121,8 @@ function tracesOf(choice) {
     drawn.push(made);
   };
   parts.forEach((part, number) => {
-    if (part.visible) add(`part ${number}`, part.bar ? linesOf(part, at, choice) : meshOf(part, at, choice));
-    if (part.visible && choice.mesh && !part.bar) add(`edges ${number}`, edgesOf(part, at));
+    if (part.visible) add(`part-${number}`, part.bar ? linesOf(part, at, choice) : meshOf(part, at, choice));
+    if (part.visible && choice.mesh && !part.bar) add(`edges-${number}`, edgesOf(part, at));
   });
   if (choice.supports) add("supports", supportsOf(at));
   if (choice.loads) add("loads", arrowsOf(choice.stage.loads, at, "#c2571a"));

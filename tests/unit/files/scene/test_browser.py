@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import chromium
+from chromium import FRAMES
 from fx_membrane import write_scene
 from scene_models import EVIL, results
 
@@ -16,7 +17,6 @@ pytestmark = [
     pytest.mark.serial,
     pytest.mark.skipif(not chromium.program(), reason="no Chromium: apt install chromium, or run .ci/browser"),
 ]
-FRAMES = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
 
 
 @pytest.fixture(scope="module")
@@ -129,6 +129,21 @@ def test_membranes_without_the_field_have_no_colours_of_the_field_before(page):
         page.run(FRAMES)
         shares.append(colours(page, whole).mean())
     assert shares[1] < 0.5 * min(shares[0], shares[2])
+
+
+def test_parts_and_marks_are_shown_and_hidden(page):
+    page.change("location.hash = 'stage=snow&field=principal+stress+I&scale=2'")  # one that changes
+    names = "drawn.map(({trace}) => trace.uid)"
+    every = page.run(names)
+    assert every == ["part-0", "edges-0", "part-1", "part-2", "part-3", "supports"]
+    for switch in ("#parts input", "#supports", "#loads", "#reactions", "#axes", "#common"):
+        page.change(f"document.querySelector('{switch}').click()")
+    assert page.run(names) == ["part-1", "part-2", "part-3", "loads", "reactions"]
+    ends = page.run("[...document.querySelector('.ends').children].map((end) => Number(end.textContent))")
+    assert ends[0] < page.shown()["least"] or ends[-1] > page.shown()["largest"]  # those of all stages
+    for switch in ("#parts input", "#supports", "#loads", "#reactions", "#axes", "#common"):
+        page.change(f"document.querySelector('{switch}').click()")
+    assert page.run(names) == every
 
 
 def test_pointer_tells_the_values_of_cell_and_node(page, found):
