@@ -29,6 +29,10 @@ def write(demos, folder, run=True):
     names = sorted(demo.stem for demo in demos.glob("*.py"))
     for name in names:
         nbformat.write(page(demos / f"{name}.py", run), folder / f"{name}.ipynb")
+    for script in sorted((demos / "cookbook").glob("*.py")):
+        title = script.stem.replace("_", " ").capitalize()
+        (folder / f"cookbook-{script.stem}.md").write_text(f"# {title}, short\n\n```python\n{script.read_text()}```\n")
+        names.append(f"cookbook-{script.stem}")
     entries = "\n".join(names)
     (folder / "index.md").write_text(
         f"# Gallery\n\nThe scripts in `demos/`, as they run.\n\n```{{toctree}}\n:maxdepth: 1\n\n{entries}\n```\n"

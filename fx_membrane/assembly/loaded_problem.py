@@ -101,7 +101,7 @@ class LoadedProblem(LoadedStructure):
         return lambda length: energy(length) - without_potential(length)
 
     def residual(self, x: PETSc.Vec, b: PETSc.Vec | None = None) -> PETSc.Vec:
-        """Residual: internal minus external nodal forces [N], Gil (50); at constrained components, the reaction.
+        """Residual: internal minus external nodal forces [N], Gil (42), (50), (71); the reaction where constrained.
 
         Args:
             x: Displacement [m].

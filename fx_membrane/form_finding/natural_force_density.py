@@ -21,6 +21,7 @@ from ..model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
 from ..model.parts import Membrane, Part
 from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
+from ..runtime.processes import together
 from ..solvers.progress import Pulse
 from .balance.cable_forces import check_bars
 from .balance.constrained_balance import ConstrainedBalance
@@ -29,6 +30,9 @@ from .cell_reference import check_tension, reference_of, warp_at
 from .constraints.hand_over import handed_over
 from .constraints.kinds import Constraint
 from .form import Form, FormStep, refuse_terms
+from .reasons.no_form import causes
+from .reasons.unheld import lone_point
+from .same_input import refuse_different_input
 from .shape_change import change_of_shape, check_collapse
 from .updated_reference import UnsettledFormWarning
 
@@ -89,16 +93,24 @@ def natural_force_density(
         >>> errors[-1] < errors[0]
         True
     """
-    validation.instance("natural_force_density structure", structure, Structure)
-    refuse_terms(structure)
-    stage = Stage("form", validation.instances("loads", loads, PointLoad | DistributedLoad | PlanLoad | Pressure))
-    check_stages(structure, [stage])
-    iterations = validation.positive_integer("iterations", iterations)
-    tolerance = validation.positive("tolerance", tolerance)
-    check_bars(structure)
-    membranes = {name: part for name, part in structure.parts.items() if isinstance(part, Membrane)}
-    for name, part in membranes.items():
-        check_tension(name, part, structure.points, part.prestress_tensors())
+    with together(MPI.COMM_WORLD):
+        validation.instance("natural_force_density structure", structure, Structure)
+        refuse_terms(structure)
+        stage = Stage("form", validation.instances("loads", loads, PointLoad | DistributedLoad | PlanLoad | Pressure))
+        check_stages(structure, [stage])
+        iterations = validation.positive_integer("iterations", iterations)
+        tolerance = validation.positive("tolerance", tolerance)
+        check_bars(structure)
+        membranes = {name: part for name, part in structure.parts.items() if isinstance(part, Membrane)}
+        for name, part in membranes.items():
+            check_tension(name, part, structure.points, part.prestress_tensors())
+    settings = {
+        "loads": stage.loads,
+        "iterations": iterations,
+        "tolerance": tolerance,
+        "constraints": constraints,
+    }
+    refuse_different_input(structure, settings, {})
 
     balance = ConstrainedBalance(
         structure,
@@ -122,15 +134,21 @@ def natural_force_density(
                 nearest, best, error = form, len(steps), steps[-1].stress_error
     if form is None:
         raise RuntimeError(f"Form finding has no form after its first iteration: {collapse}")
+    lone, words = lone_point(structure, structure.points), ""
     if collapse:
         form, reached, steps = nearest, len(steps), steps[:best]
-        warnings.warn(
+        words = (
             f"The form is that of iteration {best}, whose stress is nearest to the prestress, in equilibrium with the "
-            f"stress it is handed over with; iteration {reached + 1} found none: {collapse}",
-            UnsettledFormWarning,
-            stacklevel=2,
+            f"stress it is handed over with; iteration {reached + 1} found none: {collapse}"
         )
-    return replace(form, steps=steps, converged=steps[-1].stress_error <= tolerance)
+    elif lone:
+        words = (
+            "The form is in equilibrium with the stress it is handed over with, but it depends on the mesh. "
+            f"{causes(lone)}"
+        )
+    if words:
+        warnings.warn(words, UnsettledFormWarning, stacklevel=2)
+    return replace(form, steps=steps, converged=steps[-1].stress_error <= tolerance and not lone)
 
 
 def _step(

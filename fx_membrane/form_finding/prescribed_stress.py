@@ -29,6 +29,7 @@ from ..checks import validation
 from ..model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
 from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
+from ..runtime.processes import together
 from ..solvers.progress import Pulse
 from .balance.cable_forces import check_bars
 from .form import Form, FormStep, refuse_terms
@@ -36,7 +37,10 @@ from .nearest_stress.start import even_state, near_state
 from .nearest_stress.state import NearestProblem, State
 from .nearest_stress.system import step_of, system_of
 from .plan import Field
-from .reasons.stress_limits import check_edges, reason_of, remarks_of
+from .reasons.axis_balance import remarks_of
+from .reasons.nearest_reasons import reason_of
+from .reasons.unheld import check_edges
+from .same_input import refuse_different_input
 from .shape_change import change_of_shape
 from .updated_reference import UnsettledFormWarning
 from .wishes import wishes_of
@@ -49,6 +53,7 @@ WAYS = 14  # maximum number of shares tried
 SHORTEST = 0.02  # share, below which no further one is tried
 LOOSE = 1e-2  # tolerance of the states on the way
 ON_WAY = 12  # maximum number of steps of each
+ON_TRIAL = 25  # the same of a trial without one cause of a failure
 DAMPING = 1e-2  # first factor of Levenberg's damping
 FACTOR = 6.0  # its change from try to try
 TRIES = 7  # maximum number of tries of a step
@@ -114,20 +119,27 @@ def prescribed_stress(
         >>> form.converged, bool(form.differences["film"].max() < 0.2)
         (True, True)
     """
-    validation.instance("prescribed_stress structure", structure, Structure)
-    refuse_terms(structure)
-    kinds = PointLoad | DistributedLoad | PlanLoad | Pressure
-    stage = Stage("form", validation.instances("loads", loads, kinds))
-    check_stages(structure, [stage])
-    tolerance = validation.positive("tolerance", tolerance)
-    max_iterations = validation.positive_integer("max_iterations", max_iterations)
-    check_bars(structure)
-    wishes = wishes_of(structure, stress, warp)
-    check_edges(structure)
+    with together(MPI.COMM_WORLD):
+        validation.instance("prescribed_stress structure", structure, Structure)
+        refuse_terms(structure)
+        kinds = PointLoad | DistributedLoad | PlanLoad | Pressure
+        stage = Stage("form", validation.instances("loads", loads, kinds))
+        check_stages(structure, [stage])
+        tolerance = validation.positive("tolerance", tolerance)
+        max_iterations = validation.positive_integer("max_iterations", max_iterations)
+        check_bars(structure)
+        wishes = wishes_of(structure, stress, warp)
+        check_edges(structure)
+    settings = {"loads": stage.loads, "tolerance": tolerance, "max_iterations": max_iterations}
+    refuse_different_input(structure, settings, {"stress": stress, "warp": warp})
     problem = NearestProblem(structure, stage.loads, wishes)
     pulse = Pulse("form finding", MPI.COMM_WORLD.rank == 0)
     state, steps, failure = _nearest(problem, pulse, tolerance, max_iterations)
-    trouble = reason_of(problem, state, steps, failure, tolerance, FAR)
+
+    def is_found(other: NearestProblem, at_once: bool) -> bool:
+        return _is_found(other, pulse, tolerance, max_iterations, at_once)
+
+    trouble = reason_of(problem, state, steps, failure, tolerance, FAR, is_found)
     if trouble:
         warnings.warn(
             f"The form is in equilibrium with the stress it is handed over with, but {trouble}",
@@ -162,6 +174,19 @@ def _nearest(problem: NearestProblem, pulse: Pulse, tolerance: float, most: int)
             state, share, length = reached[0], following, length * LONGER
     words = f"no form is found beyond {100 * share:.0f} % of the way from an even stress to the wish"
     return problem.measured(*state[:5], 0.0), [], words
+
+
+def _is_found(problem: NearestProblem, pulse: Pulse, tolerance: float, most: int, at_once: bool) -> bool:
+    """Return True if a form is found in a few steps, from a shape near to the wish or by the whole search."""
+    few = min(most, ON_TRIAL)
+    try:
+        if at_once:
+            state, steps, failure = _settled(problem, near_state(problem, pulse), pulse, tolerance, few)
+        else:
+            state, steps, failure = _nearest(problem, pulse, tolerance, few)
+    except (RuntimeError, ValueError):
+        return False
+    return not failure and state.mean <= FAR and steps[-1].change <= tolerance
 
 
 def _reached(

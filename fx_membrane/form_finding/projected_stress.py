@@ -18,11 +18,13 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
+from ..checks.calls import unfit
 from ..geometry.measures import measures
 from ..model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
 from ..model.parts import Membrane
 from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
+from ..runtime.processes import together
 from ..solvers.progress import Pulse
 from .balance.cable_forces import MEASURES, check_bars, difference
 from .balance.constrained_balance import ConstrainedBalance
@@ -32,9 +34,8 @@ from .constraints.hand_over import handed_over
 from .constraints.kinds import Constraint
 from .form import Form, FormStep, refuse_terms
 from .plan import Field, Plan, place, plan_of
-from .reasons.no_form import causes, forces_in
-from .reasons.unheld import free_edge
-from .reasons.weak_edges import weak_edges
+from .reasons.plan_reasons import reasons_in_plan
+from .same_input import refuse_different_input
 from .shape_change import change_of_shape
 from .updated_reference import STRAY, UnsettledFormWarning
 
@@ -119,17 +120,27 @@ def projected_stress(
         >>> form.steps[-1].stress_error < 0.1
         True
     """
-    validation.instance("projected_stress structure", structure, Structure)
-    refuse_terms(structure)
-    kinds = PointLoad | DistributedLoad | PlanLoad | Pressure
-    stage = Stage("form", validation.instances("loads", loads, kinds))
-    check_stages(structure, [stage])
-    fields = _checked_fields(structure, stress)
-    validation.choice("cables", cables, MEASURES, f"one of {list(MEASURES)}")
-    axes = _axes(validation.direction("direction", direction))
-    tolerance = validation.positive("tolerance", tolerance)
-    max_iterations = validation.positive_integer("max_iterations", max_iterations)
-    check_bars(structure)
+    with together(MPI.COMM_WORLD):
+        validation.instance("projected_stress structure", structure, Structure)
+        refuse_terms(structure)
+        kinds = PointLoad | DistributedLoad | PlanLoad | Pressure
+        stage = Stage("form", validation.instances("loads", loads, kinds))
+        check_stages(structure, [stage])
+        fields = _checked_fields(structure, stress)
+        validation.choice("cables", cables, MEASURES, f"one of {list(MEASURES)}")
+        axes = _axes(validation.direction("direction", direction))
+        tolerance = validation.positive("tolerance", tolerance)
+        max_iterations = validation.positive_integer("max_iterations", max_iterations)
+        check_bars(structure)
+    settings = {
+        "loads": stage.loads,
+        "cables": cables,
+        "direction": direction,
+        "tolerance": tolerance,
+        "max_iterations": max_iterations,
+        "constraints": constraints,
+    }
+    refuse_different_input(structure, settings, {"stress": fields})
     balance = ConstrainedBalance(
         structure, stage.loads, constraints, axes, cables, lambda shape, _: collapse_of(structure, shape)
     )
@@ -165,9 +176,8 @@ def projected_stress(
         points, reactions, densities, count = kept
         fold, steps = f"it is that of step {count}, and in later ones {fold}", steps[:count]
     problem = collapse or fold or _excess(error, tolerance, len(steps), miss, words) or _motion(plans, points, axes)
+    problem = reasons_in_plan(structure, plans, axes, first, problem, bool(constraints))
     if problem:
-        unheld = "" if constraints else free_edge(structure, structure.points)
-        problem = " ".join(filter(None, (problem, causes(_weak_edges(structure, plans, axes, first), unheld))))
         warnings.warn(
             f"The form is in equilibrium with the stress it is handed over with, but {problem}",
             UnsettledFormWarning,
@@ -191,9 +201,9 @@ def _checked_fields(structure: Structure, stress: Any) -> dict[str, Field]:
     for name, field in fields.items():
         if not isinstance(name, str) or name not in structure.parts_of(Membrane):
             raise ValueError(f"stress names {validation.short_repr(name)}, which is no membrane of the structure.")
-        if not callable(field):
+        if shown := unfit(field, 1):
             raise ValueError(
-                f"stress of part {name!r} is {validation.short_repr(field)}; give a function of place, or the number "
+                f"stress of part {name!r} is {shown}; give a function of place, or the number "
                 "as the prestress of the part."
             )
     return fields
@@ -221,15 +231,6 @@ def _fold(plans: Mapping[str, Plan], points: Array, axes: Array) -> str:
     return ""
 
 
-def _weak_edges(structure: Structure, plans: Mapping[str, Plan], axes: Array, densities: Mapping[str, Array]) -> str:
-    """Tell of the edge cable that lacks most force in plan, in words; empty if none is too weak."""
-    plane = axes[:, :2]
-    flat = structure.points @ plane @ plane.T
-    stresses = {name: plane @ plan.stress @ plane.T for name, plan in plans.items()}
-    forces = {name: densities[name] * measures(flat, structure.parts[name].cells) for name in forces_in(structure)}
-    return weak_edges(structure, flat, stresses, forces)
-
-
 def _excess(error: float, tolerance: float, steps: int, miss: float, words: str) -> str:
     """Tell how far cables are from the forces or the geometry prescribed, in words; empty if they are near."""
     if miss > MET:
@@ -251,7 +252,6 @@ def _motion(plans: Mapping[str, Plan], points: Array, axes: Array) -> str:
             return (
                 f"nodes of part {name!r} have moved in plan, and its stress there is off by {100 * stray[cell]:.3g} % "
                 f"of the largest prescribed, in cell {cell} at {place(points, plan.cells, cell)}: it does not balance "
-                "in the plan given. Draw edges with cables as arcs, of radius force over stress; or start again from "
-                "dataclasses.replace(structure, points=form.points)."
+                "in the plan given."
             )
     return ""

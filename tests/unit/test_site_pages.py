@@ -9,8 +9,6 @@ PAGES = Path(__file__).parents[2] / ".ci" / "site" / "how-to"
 CELL = re.compile(r"```\{code-cell\} ipython3\n(.*?)```", re.DOTALL)
 NOTEBOOK_ONLY = re.compile(r"^(from IPython.*|Image\(.*)$", re.MULTILINE)
 
-pytestmark = pytest.mark.serial
-
 
 @pytest.mark.parametrize(
     "page", [page for page in sorted(PAGES.glob("*.md")) if CELL.search(page.read_text())], ids=lambda page: page.stem

@@ -2,11 +2,7 @@
 
 import json
 
-import pytest
-
 from verification_table import CASES, ROOT, ROW, long_table, read_records, readme_rows, short_table, title
-
-pytestmark = pytest.mark.serial
 
 
 def test_readme_has_a_row_for_each_case():

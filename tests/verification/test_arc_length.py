@@ -72,6 +72,7 @@ def counted_right(path, negative):
     return np.array_equal(np.delete(path.negative_pivots, path.limit_points), np.delete(negative, path.limit_points))
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("steps", [3, 10, 50])
 def test_snap_through(steps, verified):
     path = equilibrium_path(truss(), Stage("push", [PointLoad(APEX, (0, 0, -1.5 * LIMIT))], increments=steps))
@@ -116,6 +117,7 @@ def test_snap_back_under_a_load():
     assert path.complete
 
 
+@pytest.mark.mpi
 def test_snap_back_of_a_driven_displacement():
     down = -2.5
     drive = Stage("drive", displacements=[PrescribedDisplacement(TOP, (0, 0, down))], increments=20)
@@ -158,7 +160,6 @@ def star_dome():
     return Structure(points, {"bars": Mast(bars, 1e4)}, [Support(range(7, 13))])
 
 
-@pytest.mark.serial  # 500 points, after those of the shorter paths
 def test_loops_of_a_star_dome():
     """The dome upside down is the same, with opposite loads: its path loops from the one to the other."""
     dome = star_dome()

@@ -96,7 +96,7 @@ def rope(n, span=100.0, rise=0.0):
     return Structure(points, {"rope": Cable(polyline(range(n + 1)), 1e7)}, [Support([0, n])])
 
 
-@pytest.mark.mpi
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("rise", [0.0, 30.0])
 @pytest.mark.parametrize("method", [projected_stress, natural_force_density])
 def test_parabola_of_given_sag(method, rise, verified):
@@ -205,7 +205,7 @@ def test_ring_floats_at_half_height(seed):
     np.testing.assert_allclose(np.log2(errors[1] / errors[2]), 2, atol=0.15)
 
 
-@pytest.mark.mpi
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("seed", [None, 2])
 def test_ring_rises_to_half_height_under_stress_in_projection(seed):
     turn = np.eye(3) if seed is None else rotation(seed)

@@ -52,6 +52,7 @@ def inflate(n, stretch, rows=2):
     return Analysis(structure, Newton(rtol=1e-12)).run(stages)["inflate"]
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("stretch", STRETCHES)
 def test_radius_and_force_along(stretch, verified):
     error = []

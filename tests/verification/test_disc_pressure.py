@@ -135,6 +135,7 @@ def test_second_order(p, follower, rise, force, verified):
     verified("rise of the centre [m]", rise, values[-1, 0], np.log2(error[-2, 0] / error[-1, 0]))
 
 
+@pytest.mark.mpi
 def test_load_is_pressure_times_area_within_the_edge():
     state = solve(100e3, True, 8)
     edges = boundary_edges(state.structure.parts["disc"].cells)

@@ -72,6 +72,7 @@ def test_double_frequencies_are_double(modes):
         assert not entry.growth.any()
 
 
+@pytest.mark.mpi
 def test_first_shape(states, modes):
     error = []
     for state, entry in zip(states, modes, strict=True):

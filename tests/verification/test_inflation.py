@@ -122,7 +122,7 @@ def test_stress_of_the_bubble(bubbles):
     assert mean[-1] < 5e-3
 
 
-@pytest.mark.mpi
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("rise", [0.5, 1.0, 2.0])
 def test_newton_with_the_plane_is_quadratic(rise):
     """Disturbed by h, in displacement and load factor, a step leaves h^2, even close to the limit point."""

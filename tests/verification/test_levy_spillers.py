@@ -71,6 +71,7 @@ def test_table_1(state, node, component, printed):
     assert displacement(state, node)[component] == pytest.approx(printed, abs=0.5e-3)
 
 
+@pytest.mark.mpi
 def test_displacements_to_all_digits(state, verified):
     assert displacement(state, NODE_1) == pytest.approx([0.01442143, 0.01442143, 1.42907122], abs=0.5e-8)
     assert displacement(state, NODE_2) == pytest.approx([0.0, 0.01685578, 2.59996224], abs=0.5e-8)

@@ -44,7 +44,7 @@ def cap(n, rise):
 NETS = {"coarse": (4, 0.75, 6, 800.0, 2), "middle": (6, 0.75, 8, 800.0, 1), "fine": (8, 0.5, 20, 200.0, 2)}
 
 
-@pytest.fixture(scope="module", params=[pytest.param("coarse", marks=pytest.mark.mpi), "middle", "fine"])
+@pytest.fixture(scope="module", params=["coarse", "middle", "fine"])
 def net(request):
     """Structure, loads, first limit points."""
     n, rise, node, load, count = NETS[request.param]
@@ -53,6 +53,7 @@ def net(request):
     return cap(n, rise), loads, path.load_factors[path.limit_points[:count]]
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("steps", [1, 3, 5, 10, 40])
 def test_first_limit_points_whatever_the_steps(net, steps):
     structure, loads, expected = net
@@ -94,7 +95,7 @@ def snowed_under(kept, rise):
     return equilibrium_path(start, snow, 2.0, max_points=45)
 
 
-@pytest.mark.parametrize("rise", [pytest.param(0.4, marks=pytest.mark.mpi), 0.8])
+@pytest.mark.parametrize("rise", [0.4, 0.8])
 def test_wrinkled_limit_point(rise):
     path, reference = snowed_under(1e-4, rise), snowed_under(1e-6, rise)
     first, expected = path.limit_points[0], reference.load_factors[reference.limit_points[0]]

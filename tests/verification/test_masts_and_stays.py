@@ -37,6 +37,7 @@ def at_rest(form, loads=()):
     return state.largest_displacement <= 1e-12 * form.structure.size
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("seed", [None, 0, 1])
 @pytest.mark.parametrize(("lean", "reach", "width"), [(0.0, 4.0, 2.0), (-1.0, 5.0, 1.0), (2.0, 6.0, 3.0)])
 def test_shear_legs(lean, reach, width, seed, verified):
@@ -56,6 +57,7 @@ def test_shear_legs(lean, reach, width, seed, verified):
     assert at_rest(guyed)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("k", [6, 12])
 def test_cable_dome(k, verified):
     outer, middle, inner, rise, drop, W = 10.0, 6.0, 1.0, 0.25, 0.5, 500.0

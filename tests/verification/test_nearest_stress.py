@@ -161,6 +161,7 @@ def test_round_robin_example_1():
     assert np.log2((areas[1] - areas[0]) / (areas[2] - areas[1])) == pytest.approx(2, abs=0.5)
 
 
+@pytest.mark.mpi
 def test_form_of_a_form_is_that_form():
     structure = rings(8, circle(2.0), square(7.0), 5.0, prestress=(4e3, 2e3))
     one = prescribed_stress(structure, warp={"film": RadialDirection()}, tolerance=1e-6)

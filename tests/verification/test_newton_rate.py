@@ -45,7 +45,6 @@ from taylor import remainders
 
 SOURCE = "Taylor's theorem"
 
-ALONE = pytest.mark.serial  # other numbers for what is collective already
 N = 6
 CENTRE = (N + 1) * (N // 2) + N // 2
 STEPS = 2e-3 / 2.0 ** np.arange(4)
@@ -81,6 +80,7 @@ SADDLES = {
 }
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("name", SADDLES)
 @pytest.mark.parametrize(
     "load", [PointLoad(CENTRE, (4.0, 2.0, -15.0)), DistributedLoad((0.0, 0.0, -20.0), "sail")], ids=["point", "dead"]
@@ -147,6 +147,7 @@ def taylor(request):
     return np.array([first, second, third])
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     ("row", "order"), [(0, 2), (1, 3), (2, 2)], ids=["energy, residual", "energy, tangent", "residual, tangent"]
 )
@@ -157,6 +158,7 @@ def test_taylor_remainders(taylor, row, order, verified):
     verified("order of a Taylor remainder", order, observed[-1])
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("name", SADDLES)
 def test_tangent_is_symmetric(name):
     """All forces have a potential here."""
@@ -181,6 +183,7 @@ LOADS = {
 }
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("name", SADDLES)
 def test_tangent_with_pressure_is_consistent_and_not_symmetric(name):
     structure, rng = SADDLES[name], np.random.default_rng(5)
@@ -222,7 +225,7 @@ def after_one_step(problem, equilibrium, step, direction, stiffness=None):
     return b.norm(PETSc.NormType.NORM_INFINITY)
 
 
-@pytest.mark.parametrize("share", [pytest.param(1.0, marks=ALONE), 1e-4], ids=["full", "wrinkling"])
+@pytest.mark.parametrize("share", [1e-4, 1.0], ids=["wrinkling", "full"])
 @pytest.mark.parametrize("load", LOADS)
 @pytest.mark.parametrize("name", SADDLES)
 def test_one_step_squares_the_error(name, load, share):
@@ -268,7 +271,8 @@ def disturbed(problem, equilibrium, step, direction):
     return b.norm(PETSc.NormType.NORM_INFINITY)
 
 
-@pytest.mark.parametrize("pressure", [20.0, *(pytest.param(p, marks=ALONE) for p in (60.0, -20.0, -60.0))])
+@pytest.mark.mpi_once
+@pytest.mark.parametrize("pressure", [20.0, 60.0, -20.0, -60.0])
 @pytest.mark.parametrize("name", SADDLES)
 def test_newton_under_pressure_is_quadratic(name, pressure):
     """Below 1e-4 of the largest reaction a residual r is followed by less than c r^2.

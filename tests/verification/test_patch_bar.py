@@ -42,6 +42,7 @@ def energy_density(stretch, N0):
     return N0 * E + EA * E**2 / 2
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("direction", DIRECTIONS)
 @pytest.mark.parametrize(("kind", "N0", "stretch"), [(Cable, 50.0, 1.08), (Mast, 50.0, 1.08), (Mast, -50.0, 0.93)])
 def test_prescribed_elongation(kind, N0, stretch, direction, verified):
@@ -61,6 +62,7 @@ def test_prescribed_elongation(kind, N0, stretch, direction, verified):
     assert state.energy == pytest.approx(KNOTS[-1] * energy_density(stretch, N0), rel=1e-12)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("axis", range(3))
 @pytest.mark.parametrize(("kind", "N"), [(Cable, 600.0), (Mast, 600.0), (Mast, -400.0)])
 def test_force_at_the_end(kind, N, axis):
@@ -79,6 +81,7 @@ def test_force_at_the_end(kind, N, axis):
     assert state.energy == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("direction", DIRECTIONS)
 @pytest.mark.parametrize("kind", [Cable, Mast])
 def test_force_between_the_ends(kind, direction):

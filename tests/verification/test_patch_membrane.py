@@ -71,6 +71,7 @@ def closed_form(material, prestress):
     return F, E, sigma0 + CE, np.sum(sigma0 * E) + np.sum(CE * E) / 2
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("turn", TURNS)
 @pytest.mark.parametrize(
     ("material", "prestress"), [(ISOTROPIC, 100.0), (ISOTROPIC, SHEARED), (WOVEN, (120.0, 70.0)), (WOVEN, SHEARED)]
@@ -94,6 +95,7 @@ def test_affine_displacement_of_the_edge_gives_the_uniform_state(material, prest
     verified("largest stress [N/m]", principal[0], patch.principal[:, 0].max())
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("turn", TURNS[1:])
 @pytest.mark.parametrize("material", [ISOTROPIC, WOVEN])
 def test_warp_and_weft_do_not_depend_on_the_orientation_in_space(material, turn):

@@ -123,6 +123,7 @@ def test_scalloped_sail_follows_its_corners(axis, verified):
     np.testing.assert_allclose(state.reactions, expected, rtol=0, atol=1e-10 * force)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("axis", AXES)
 def test_edge_moved_at_once(axis):
     """All edges of a woven membrane with a sheared prestress and cables across, turned by 170 degrees in one step.
@@ -164,6 +165,7 @@ def tent():
     return Structure(points, parts), held
 
 
+@pytest.mark.mpi
 def test_tent_with_mast_and_ties():
     structure, held = tent()
     stages, turn = motion(structure.points, held, AXES[2], "at rest")

@@ -118,7 +118,7 @@ def test_balloon_is_unstable_where_the_pressure_falls(paths):
         assert (path.negative_pivots[rises] == 0).all()
 
 
-@pytest.mark.mpi
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("name", LAWS)
 def test_path_from_the_sphere_without_stress(name):
     """The same largest pressure as from the filled sphere, where the pressure is flat: 1e-8."""

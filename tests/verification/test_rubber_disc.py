@@ -91,7 +91,6 @@ def test_published_values():
     assert exact(1.0) == pytest.approx((RISE, STRETCH), abs=2e-9)
 
 
-@pytest.mark.mpi
 def test_inflated(verified):
     found = []
     for n in MESHES:

@@ -82,6 +82,7 @@ def test_stress_is_the_same_everywhere():
     assert worst[-1] < 0.005
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("stretch", STRETCHES)
 def test_reactions_in_the_planes_of_symmetry(stretch):
     state = eighth(8, stretch)

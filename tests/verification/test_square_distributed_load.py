@@ -20,6 +20,8 @@ log(1/h), 0.03 on the coarsest mesh: 2 within 0.05. The extrapolation (4 fine - 
 rest is of the order (h/a)^4 log(a/h), 3e-7 at h/a = 1/64, times a constant: 1e-5.
 """
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -43,6 +45,7 @@ SMALL, LARGE = 1e-5, 4.0
 ODD = np.arange(1, 400, 2)
 
 
+@cache
 def solve(q, n, diagonals):
     """Centre deflection and energy."""
     points, triangles = rectangle(A, A, n, n, diagonals)
@@ -109,6 +112,7 @@ def test_finer_meshes_have_less_energy():
     assert np.all(np.diff(on_all_meshes(LARGE, "right")[:, 1]) < 0)
 
 
+@pytest.mark.mpi
 def test_stiffening_is_of_second_order_in_the_load():
     """w/q sinks with q^2 at first: by four times as much for twice the load, up to terms of relative size
     Et/N0 (pi w/a)^2 = 3e-4 at the larger load."""

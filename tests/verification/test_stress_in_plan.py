@@ -105,6 +105,7 @@ def arcs(n, stress, force):
     return Structure(points, parts, [Support(corners)])
 
 
+@pytest.mark.mpi
 def test_canopy_between_arcs_keeps_its_plan():
     moved, forces = [], []
     for n in (8, 16, 32):

@@ -60,6 +60,7 @@ def loaded(structure, *more):
     return Analysis(structure).run([Stage("load", [DistributedLoad((0, 0, -Q), "string"), *more])])["load"]
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("standing", [True, False])
 def test_discrete_shape_of_the_string(standing):
     n, bed = 24, ElasticBed("string", K)

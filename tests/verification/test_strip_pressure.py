@@ -108,6 +108,7 @@ def exact(N0, p):
     return np.array([rise, n, n * np.cos(alpha)])
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(("N0", "p", "rise", "n"), CASES)
 def test_closed_form(N0, p, rise, n):
     assert arc(N0, p)[0] == pytest.approx(rise, rel=2e-9)
@@ -138,6 +139,7 @@ def test_load_is_pressure_times_projected_area():
     np.testing.assert_allclose(state.equilibrium.reaction_moment, -state.equilibrium.load_moment, rtol=0, atol=1e-8)
 
 
+@pytest.mark.mpi
 def test_suction_gives_the_mirror_image():
     mirrored = solve(1e4, -1e3, 8).displacement * [1, 1, -1]
     np.testing.assert_allclose(mirrored, solve(1e4, 1e3, 8).displacement, rtol=0, atol=1e-12)

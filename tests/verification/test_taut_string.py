@@ -43,6 +43,7 @@ def exact(n, force, length=L, mass=MASS):
     return np.sqrt(6 * force / mass * (1 - c) / (2 + c)) * N / length / (2 * np.pi)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("kind", [Cable, Mast])
 def test_taut_string(kind, verified):
     state = Analysis(string(kind)).run([Stage("rest")])["rest"]

@@ -47,6 +47,7 @@ def shear(fabric, gamma, share=1e-4):
     return Analysis(structure, Newton(rtol=1e-12)).run([stage])["shear"]
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
 @pytest.mark.parametrize("gamma", [1e-4, 0.02, 0.3])
 def test_isotropic(nu, gamma, verified):
@@ -75,6 +76,7 @@ def test_isotropic(nu, gamma, verified):
     np.testing.assert_allclose(force, F @ S[:, 1], rtol=0, atol=1e-9 * scale)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     ("fabric", "modulus", "G"),
     [

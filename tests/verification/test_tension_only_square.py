@@ -43,6 +43,7 @@ CASES = [
 ]
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(("node", "force", "bars", "diagonals"), CASES)
 def test_forces_of_stiff_bars(node, force, bars, diagonals, verified):
     error = []
@@ -71,6 +72,7 @@ def test_share_of_the_slack_cable(node, force, bars, diagonals):
         assert 0 < np.abs(change).max() < 1.01 * np.abs(expected).max() / np.sqrt(2)
 
 
+@pytest.mark.mpi
 def test_load_turns_round():
     """The state is independent of the load history."""
     direct, after = solve(1e6, 3, -P), solve(1e6, 3, -P, before=P)

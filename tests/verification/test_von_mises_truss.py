@@ -72,6 +72,7 @@ def test_tangent(z, verified):
     np.testing.assert_allclose(np.abs(result.directions), expected, rtol=0, atol=1e-12)
 
 
+@pytest.mark.mpi
 def test_at_the_limit_point():
     result = stability(pushed(LIMIT), 2)
     np.testing.assert_allclose(result.stiffnesses, [0, tangent(LIMIT)[0]], rtol=1e-12, atol=1e-14 * EA / L)
@@ -84,6 +85,7 @@ def test_free_out_of_its_plane(z):
     assert result.negative == np.count_nonzero(tangent(z) < 0)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("z", HEIGHTS)
 def test_small_motions(z):
     modes = natural_frequencies(pushed(z), 2)
@@ -95,6 +97,7 @@ def test_small_motions(z):
     assert np.abs(modes.shapes).max(axis=(1, 2)) == pytest.approx(apex**-0.5, rel=1e-12)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("share", [0.9, 0.999])
 def test_under_a_load(share):
     """Fractions of the load at the limit point; the height is the largest root of the cubic 2 EA E z / L + load."""

@@ -56,6 +56,7 @@ def filled(segments, term, level):
     return Analysis(structure).run(stages)["water"]
 
 
+@pytest.mark.mpi
 def test_brim_full_as_published():
     assert exact(0.0) == pytest.approx((1.9074976068, 112_710.4597), rel=1e-9)
 

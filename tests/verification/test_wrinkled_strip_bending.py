@@ -18,6 +18,8 @@ within 0.05 of M, 0.15 of P on the average of the meshes; extrapolation leaves 4
 a row.
 """
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -52,6 +54,7 @@ def moment(curvature):
     return linear / 2 if linear <= 1 / 3 else 0.5 - np.sqrt(2 * P / (EH * H**2 * curvature)) / 3
 
 
+@cache
 def bend(curvature, n, share=1e-7):
     """P and M of the reactions over P and P H, and the wrinkled share of the cells."""
     points, triangles = rectangle(H, H, n, n, "right")
@@ -96,6 +99,7 @@ def test_without_wrinkles(factor):
     np.testing.assert_allclose(bend(factor * FIRST, 8, share=1.0), values[0], rtol=1e-9)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("factor", [1.0, 2.0, 4.0])
 def test_with_wrinkles(factor, verified):
     values = np.array([bend(factor * FIRST, n) for n in MESHES])

@@ -24,7 +24,7 @@ def cause(structure: Structure, points: Array) -> str:
         Sentences; empty without any, which does not mean that there is a form.
     """
     stresses = stresses_in(structure, points)
-    found = [weak_edges(structure, points, stresses, forces_in(structure)), far_ring(structure, points, stresses)]
+    found = [weak_edges(structure, points, stresses, forces_in(structure)).words, far_ring(structure, points, stresses)]
     found += [free_edge(structure, points), lone_point(structure, points)]
     return causes(*found) or _unequal(structure)
 

@@ -92,11 +92,23 @@ def far_ring(structure: Structure, points: Array, stresses: Mapping[str, Array])
     return ""
 
 
+def has_ring(structure: Structure, triangles: NDArray[np.int64]) -> bool:
+    """Return True for a membrane of these cells with several boundaries, one of them held all around."""
+    held, edges = structure.supported.all(axis=1), boundary_edges(triangles)
+    loop = _loops(edges)
+    return len(np.unique(loop)) > 1 and any(held[edges[loop == k]].all() for k in np.unique(loop))
+
+
+def _loops(edges: NDArray[np.int64]) -> NDArray[np.int32]:
+    """Return the number of the closed boundary of each edge, shape (edges,)."""
+    links = sparse.coo_matrix((np.ones(len(edges)), edges.T), shape=(edges.max(initial=-1) + 1,) * 2)
+    return np.asarray(connected_components(links, directed=False)[1][edges[:, 0]])
+
+
 def _rings(points: Array, triangles: NDArray[np.int64], stress: Array, held: NDArray[np.bool_]) -> list[Ring]:
     """Round edges of a membrane that are held all around."""
     edges, cells = boundary_edges(triangles), boundary_cells(triangles)
-    links = sparse.coo_matrix((np.ones(len(edges)), edges.T), shape=(len(points), len(points)))
-    loop = connected_components(links, directed=False)[1][edges[:, 0]]
+    loop = _loops(edges)
     closed = [k for k in np.unique(loop) if held[edges[loop == k]].all()]
     found = []
     for k in closed:

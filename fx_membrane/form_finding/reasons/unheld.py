@@ -7,44 +7,47 @@ from ...checks import validation
 from ...geometry.topology import boundary_edges
 from ...model.parts import Bar, Membrane
 from ...model.structure import Structure
+from .edge_lines import keys_of
 
 Array = NDArray[np.float64]
 
 
+def check_edges(structure: Structure) -> None:
+    """Refuse an edge of a membrane that neither a bar with a force, nor a support, nor another membrane holds.
+
+    Raises:
+        ValueError: There is one.
+    """
+    found = _unheld(structure, structure.points)
+    if found is not None:
+        raise ValueError(
+            f"Part {found[0]!r} has an edge at {found[1]} with neither cable nor support, where no stress across it "
+            "balances; put a cable there, or hold its nodes."
+        )
+
+
 def free_edge(structure: Structure, points: Array) -> str:
     """Tell of an edge of a membrane with neither a bar nor supports, in words; empty without one."""
-    held, count = structure.supported.any(axis=1), len(points)
-    loaded = [
-        part.cells[part.prestress_tensors().ravel() != 0] for part in structure.parts.values() if isinstance(part, Bar)
-    ]
-    membranes = {name: part for name, part in structure.parts.items() if isinstance(part, Membrane)}
-    edges = {name: boundary_edges(part.cells) for name, part in membranes.items()}
-    none = np.zeros(0, dtype=np.int64)
-    seams, times = np.unique(
-        np.concatenate([none, *(_keys(segments, count) for segments in edges.values())]), return_counts=True
-    )
-    carried = np.concatenate([seams[times > 1], *(_keys(cells, count) for cells in loaded)])
-    for name, segments in edges.items():
-        free = np.flatnonzero(~np.isin(_keys(segments, count), carried) & ~held[segments].all(axis=1))
-        if len(free):
-            where = validation.format_point(points[segments[free[len(free) // 2]]].mean(axis=0))
-            return f"The edge of part {name!r} around {where} has neither a cable with a force nor a support"
-    return ""
+    found = _unheld(structure, points)
+    if found is None:
+        return ""
+    return f"The edge of part {found[0]!r} around {found[1]} has neither a cable with a force nor a support"
 
 
 def lone_point(structure: Structure, points: Array) -> str:
     """Tell of a membrane that is held at a single point within it, in words; empty without one."""
     held = structure.supported.all(axis=1)
-    shared = np.zeros(len(points), dtype=bool)
-    for part in structure.parts.values():
-        if isinstance(part, Bar):
-            shared[part.cells] = True
-        else:
-            shared[boundary_edges(part.cells)] = True
-            shared[part.cells[held[part.cells].sum(axis=1) > 1]] = True
     for name, part in structure.parts.items():
-        nodes = np.unique(part.cells)
-        alone = nodes[held[nodes] & ~shared[nodes]]
+        if not isinstance(part, Membrane):
+            continue
+        on = np.isin(np.arange(len(points)), part.cells)
+        shared = np.zeros(len(points), dtype=bool)
+        shared[boundary_edges(part.cells)] = True
+        shared[part.cells[held[part.cells].sum(axis=1) > 1]] = True
+        for bar in structure.parts.values():
+            if isinstance(bar, Bar):  # only a cable within the membrane leads its force to the point
+                shared[bar.cells[(bar.prestress_tensors().ravel() > 0) & on[bar.cells].all(axis=1)]] = True
+        alone = np.flatnonzero(on & held & ~shared)
         if len(alone):
             return (
                 f"Part {name!r} is held at a single point within it, node {alone[0]} at "
@@ -54,6 +57,21 @@ def lone_point(structure: Structure, points: Array) -> str:
     return ""
 
 
-def _keys(segments: NDArray[np.int64], count: int) -> NDArray[np.int64]:
-    """One number for each segment, whichever its sense."""
-    return np.asarray(segments.min(axis=1) * count + segments.max(axis=1))
+def _unheld(structure: Structure, points: Array) -> tuple[str, str] | None:
+    """Membrane with an edge that nothing holds, and its place; None without one."""
+    held, count = structure.supported.any(axis=1), len(points)
+    loaded = [
+        part.cells[part.prestress_tensors().ravel() != 0] for part in structure.parts.values() if isinstance(part, Bar)
+    ]
+    membranes = {name: part for name, part in structure.parts.items() if isinstance(part, Membrane)}
+    edges = {name: boundary_edges(part.cells) for name, part in membranes.items()}
+    none = np.zeros(0, dtype=np.int64)
+    seams, times = np.unique(
+        np.concatenate([none, *(keys_of(segments, count) for segments in edges.values())]), return_counts=True
+    )
+    carried = np.concatenate([seams[times > 1], *(keys_of(cells, count) for cells in loaded)])
+    for name, segments in edges.items():
+        free = np.flatnonzero(~np.isin(keys_of(segments, count), carried) & ~held[segments].all(axis=1))
+        if len(free):
+            return name, validation.format_point(points[segments[free[len(free) // 2]]].mean(axis=0))
+    return None

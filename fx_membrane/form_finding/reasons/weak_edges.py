@@ -1,58 +1,158 @@
 """Edge cables too weak for the stress of the membrane that they bound: which, and the force that they need.
 
-A stress n pulls at an edge of span L with n L in all. The ends of its cable turn from the chord by asin(n L / (2 T)).
-So a force T below n L / 2 has no form: the radius T / n of the arc is then below half the span. Where two edges meet,
-their turns together stay below the angle of their chords, or the cables cross. For a stress that is constant in a plane
-both are exact; elsewhere they are a guide.
+A force T below half the pull n L of a stress n over a span L has no form: the radius T / n of the arc is then below
+half the span. Nor have arcs that cross each other or a held edge, see `edge_arcs`. For a stress that is constant in a
+plane this is exact; elsewhere it is a guide, and a method may need more: then its trials say how much.
 """
 
-from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
-from ...checks import validation
-from ...geometry.measures import normals
-from ...geometry.topology import boundary_cells, boundary_edges
+from ...checks.values import format_point
 from ...model.structure import Structure
-from ..constraints.cable_lines import lines_of
-from .line_tangents import line_tangents
+from .edge_arcs import Conflict, conflicts_of, fitting_turns, turns_of
+from .edge_lines import Edge, edges_of, held_segments, rim_of
 
 Array = NDArray[np.float64]
 
-CORNER = 2  # edges that meet in a corner of a membrane
-ENOUGH = 1e6  # factor on forces beyond which no corner is looked for
+SAME = 1e-9  # relative excess of a force that counts as rounding
+DIGITS = 4  # of forces in words
+FACTORS = (1.1, 1.25, 1.5, 2.0, 3.0)  # on the forces that edge cables need, tried in turn
+GUIDED = 2.0  # factor on forces up to which less than the rule asks for is tried
+LISTED = 8  # parts named at most
 
 
-class Edge(NamedTuple):
-    """Edge with a cable, between two ends.
+@dataclass(frozen=True)
+class WeakEdges:
+    """Edges with cables, and the force that each needs.
 
     Attributes:
-        part: Name of the cable.
-        ends: Its first and last node, shape (2,).
-        chord: Vector between them, shape (3,) [m].
-        pull: Sum of the forces of the membrane on it, normal to the chord, shape (3,) [N].
-        force: Mean force of the cable [N].
-        middle: Place on it, shape (3,) [m].
+        points: Positions of the nodes, shape (n, 3) [m].
+        edges: All edges with cables.
+        needs: Force above which each has a form, its own if that is enough, shape (edges,) [N].
+        conflicts: Arcs that meet under the forces now, the worst first.
+        tried: True if the forces needed are those of a form found by trial.
     """
 
-    part: str
-    ends: NDArray[np.int64]
-    chord: Array
-    pull: Array
-    force: float
-    middle: Array
+    points: Array
+    edges: list[Edge]
+    needs: Array
+    conflicts: list[Conflict]
+    tried: bool = False
 
     @property
-    def need(self) -> float:
-        """Least force with a form [N], which is half the pull."""
-        return float(np.linalg.norm(self.pull) / 2)
+    def weak(self) -> list[int]:
+        """Numbers of the edges that are too weak."""
+        return [k for k, edge in enumerate(self.edges) if self.needs[k] > edge.force * (1 + SAME)]
+
+    @property
+    def largest(self) -> float:
+        """Largest ratio of a force needed to the force there [-]."""
+        return max(float(need) / edge.force for need, edge in zip(self.needs, self.edges, strict=True))
+
+    @property
+    def words(self) -> str:
+        """Sentence on the edge that lacks most, without its full stop; empty if none is too weak."""
+        if not self.weak:
+            return ""
+        worst = max(self.weak, key=lambda k: self.needs[k] / self.edges[k].force)
+        conflict = next((one for one in self.conflicts if worst in one.edges), None)
+        words = self._of_span(worst) if conflict is None else self._of_conflict(conflict)
+        named = {worst} if conflict is None else set(conflict.edges)
+        return f"Some edge cables are too weak: {words}{', as by trial' * self.tried}{self._others(named)}"
+
+    def trials(self) -> Iterator["WeakEdges"]:
+        """Give forces to try, in turn, rounded up as in words: of the edges too weak, or of all if none is."""
+        now = np.array([edge.force for edge in self.edges])
+        if self.weak and self.largest <= GUIDED:  # near its limit the rule may ask for too much
+            yield self._with(np.sqrt(now * self.needs), True)
+        if self.weak:
+            yield self._with(self.needs, False)
+        for factor in FACTORS:
+            yield self._with(factor * self.needs, True)
+
+    def _with(self, needs: Array, tried: bool) -> "WeakEdges":
+        chosen, rounded = self.weak or list(range(len(self.edges))), self.needs.copy()
+        rounded[chosen] = [_rounded_up(float(need)) for need in needs[chosen]]
+        return replace(self, needs=rounded, tried=tried)
+
+    def forces(self, forces: Mapping[str, Array], margin: float) -> dict[str, Array]:
+        """Return forces of cables, by name, shape (cells,) [N], raised above their need by a margin where too weak."""
+        given = {name: force.copy() for name, force in forces.items()}
+        for k in self.weak:
+            edge, need = self.edges[k], (1 + margin) * self.needs[k]
+            if np.ptp(forces[edge.part]) <= SAME * forces[edge.part].max():  # a cable of one force keeps to one
+                given[edge.part] = np.maximum(given[edge.part], need)
+            else:
+                given[edge.part][edge.cells] *= need / edge.force
+        return given
+
+    def _of_span(self, k: int) -> str:
+        edge, need = self.edges[k], f"{self.needs[k]:.4g}"
+        stress = 2 * edge.need / edge.span
+        rule = f"needs more than {edge.need:.4g}, stress times half the span"
+        if self.tried and self.needs[k] > edge.need:
+            rule += f", and as an arc with room for the mesh more than {need}"
+        elif self.tried:
+            rule = f"needs more than {need}"
+        return (
+            f"that of part {edge.part!r} around {format_point(edge.middle)} has {edge.force:.4g} over a span of "
+            f"{edge.span:.4g}; the stress of {stress:.4g} there {rule}"
+        )
+
+    def _of_conflict(self, conflict: Conflict) -> str:
+        """Tell of edges whose arcs would meet, the one that needs most first."""
+        among = sorted(conflict.edges, key=lambda k: -self.needs[k])
+        mine, weak = [self.edges[k] for k in among], [k for k in among if k in self.weak]
+        names = " and ".join(dict.fromkeys(repr(edge.part) for edge in mine))
+        have = " and ".join(f"{edge.force:.4g}" for edge in mine)
+        spans = " and ".join(f"{edge.span:.4g}" for edge in mine)
+        need = " and ".join(f"{self.needs[k]:.4g}" for k in weak)
+        middles = " and ".join(format_point(edge.middle) for edge in mine)
+        if conflict.other is not None:
+            return (
+                f"that of part {names} around {middles} has {have} over a span of {spans}, and would meet the held "
+                f"edge around {format_point(conflict.other)} as an arc of radius force over stress; it needs more than "
+                f"{need}"
+            )
+        where, there = f"around {middles}", ""
+        if conflict.node is not None:
+            where, there = f"that meet at node {conflict.node}, {format_point(self.points[conflict.node])},", "there "
+        who = "they need"
+        if len(weak) < len(mine):
+            edge = self.edges[weak[0]]
+            who = f"that of part {edge.part!r} around {format_point(edge.middle)} needs"
+        return (
+            f"those of part {names} {where} have {have} over spans of {spans}, and would cross {there}as arcs of "
+            f"radius force over stress; {who} more than {need}"
+        )
+
+    def _others(self, named: set[int]) -> str:
+        """List the need of every part, where more edges than those named are too weak."""
+        if set(self.weak) <= named:
+            return ""
+        by_part: dict[str, float] = {}
+        for k in self.weak:
+            name = self.edges[k].part
+            by_part[name] = max(by_part.get(name, 0.0), float(self.needs[k]))
+        listed = ", ".join(f"{name!r} {need:.4g}" for name, need in list(by_part.items())[:LISTED])
+        more = f" and {len(by_part) - LISTED} more" if len(by_part) > LISTED else ""
+        return f"; by part: {listed}{more}"
 
 
-def weak_edges(structure: Structure, points: Array, stresses: Mapping[str, Array], forces: Mapping[str, Array]) -> str:
-    """Tell of the edge cable that lacks most, in words; empty if none is too weak.
+def _rounded_up(force: float) -> float:
+    """Round up to the digits of words."""
+    unit = 10.0 ** (np.floor(np.log10(force)) - DIGITS + 1)
+    return float(f"{np.ceil(force / unit * (1 - SAME)) * unit:.{DIGITS}g}")
+
+
+def weak_edges(
+    structure: Structure, points: Array, stresses: Mapping[str, Array], forces: Mapping[str, Array]
+) -> WeakEdges:
+    """Find the edge cables that are too weak.
 
     Args:
         structure: The structure.
@@ -60,93 +160,11 @@ def weak_edges(structure: Structure, points: Array, stresses: Mapping[str, Array
         stresses: By membrane, stress in space, shape (cells, 3, 3) [N/m].
         forces: By cable, its force, shape (cells,) [N].
     """
-    edges = _edges(structure, points, stresses, forces)
-    weak = [(edge.need / edge.force, _of_span(edge)) for edge in edges]
-    for node in np.unique([edge.ends for edge in edges]):
-        meeting = [edge for edge in edges if node in edge.ends]
-        if len(meeting) == CORNER:
-            weak.append(_of_corner(points, int(node), meeting))
-    factor, words = max(weak, default=(0.0, ""))
-    return words if factor > 1 else ""
-
-
-def _edges(
-    structure: Structure, points: Array, stresses: Mapping[str, Array], forces: Mapping[str, Array]
-) -> list[Edge]:
-    """Edges of membranes with cables, each between supports, junctions and corners."""
-    segments, pulls = _pulls(structure, points, stresses)
-    if not len(segments):
-        return []
-    stops = structure.supported.any(axis=1) | ~line_tangents(points, segments).any(axis=1)
-    keys = _keys(segments, len(points))
-    keys, pulls = np.sort(keys), pulls[np.argsort(keys)]
-    found = []
-    for name, force in forces.items():
-        cells = structure.parts[name].cells
-        key = _keys(cells, len(points))
-        number = np.minimum(np.searchsorted(keys, key), len(keys) - 1)
-        on_edge = np.flatnonzero((keys[number] == key) & (force > 0))
-        for line in lines_of(cells, on_edge, stops) if len(on_edge) else []:
-            if not line.is_closed:
-                pull = pulls[number[line.cells]].sum(axis=0)
-                found.append(_edge(name, line.nodes, points, pull, float(force[line.cells].mean())))
-    return found
-
-
-def _keys(segments: NDArray[np.int64], count: int) -> NDArray[np.int64]:
-    """One number for each segment, whichever its sense."""
-    return np.asarray(segments.min(axis=1) * count + segments.max(axis=1))
-
-
-def _edge(name: str, nodes: NDArray[np.int64], points: Array, pull: Array, force: float) -> Edge:
-    chord = points[nodes[-1]] - points[nodes[0]]
-    across = pull - (pull @ chord) / (chord @ chord) * chord
-    return Edge(name, nodes[[0, -1]], chord, across, force, points[nodes[len(nodes) // 2]])
-
-
-def _pulls(structure: Structure, points: Array, stresses: Mapping[str, Array]) -> tuple[NDArray[np.int64], Array]:
-    """Edges of one membrane each, shape (k, 2), and the force of the membrane on each, shape (k, 3) [N]."""
-    segments, pulls = [np.zeros((0, 2), dtype=np.int64)], [np.zeros((0, 3))]
-    for name, stress in stresses.items():
-        triangles = structure.parts[name].cells
-        edges, cells = boundary_edges(triangles), boundary_cells(triangles)
-        outward = np.cross(points[edges[:, 1]] - points[edges[:, 0]], normals(points, triangles)[cells])
-        segments.append(edges)
-        pulls.append(-np.einsum("kij,kj->ki", stress[cells], outward))
-    edges = np.concatenate(segments)
-    _, number, count = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
-    outer = count[number.ravel()] == 1
-    return edges[outer], np.concatenate(pulls)[outer]
-
-
-def _of_span(edge: Edge) -> str:
-    span = float(np.linalg.norm(edge.chord))
-    return (
-        f"Some edge cables are too weak: that of part {edge.part!r} around {validation.format_point(edge.middle)} has "
-        f"{edge.force:.4g} over a span of {span:.4g}; the stress of {2 * edge.need / span:.4g} there needs more than "
-        f"{edge.need:.4g}, stress times half the span"
-    )
-
-
-def _of_corner(points: Array, node: int, meeting: Sequence[Edge]) -> tuple[float, str]:
-    """Factor by which two edges that meet lack force, and that in words; zero where the corner points inwards."""
-    away = [edge.chord if edge.ends[0] == node else -edge.chord for edge in meeting]
-    a, b = (vector / np.linalg.norm(vector) for vector in away)
-    if meeting[0].pull @ b <= 0 or meeting[1].pull @ a <= 0:
-        return 0.0, ""
-    angle = float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))
-    sines = np.array([edge.need / edge.force for edge in meeting])
-
-    def excess(factor: float) -> float:
-        return float(np.arcsin(np.minimum(sines / factor, 1.0)).sum()) - angle
-
-    least = float(sines.max())
-    factor = least if excess(least) <= 0 else brentq(excess, least, ENOUGH * least)
-    names = " and ".join(dict.fromkeys(repr(edge.part) for edge in meeting))
-    now, then = (" and ".join(f"{edge.force * k:.4g}" for edge in meeting) for k in (1.0, factor))
-    spans = " and ".join(f"{np.linalg.norm(edge.chord):.4g}" for edge in meeting)
-    return factor, (
-        f"Some edge cables are too weak: those of part {names} that meet at node {node}, "
-        f"{validation.format_point(points[node])}, have {now} over spans of {spans}, and would cross there as arcs of "
-        f"radius force over stress; they need more than {then}"
-    )
+    rim = rim_of(structure, points, stresses)
+    edges = edges_of(structure, points, rim, forces)
+    conflicts = conflicts_of(points, edges, *held_segments(structure, rim, edges))
+    fitting, met = fitting_turns(turns_of(edges), conflicts)
+    now, least = (np.array([getattr(edge, what) for edge in edges], dtype=float) for what in ("force", "need"))
+    # A turn at its limit of a quarter of a circle is that of the least force.
+    needs = np.maximum(now, np.divide(least, np.sin(fitting), where=fitting > 0, out=least.copy()))
+    return WeakEdges(points, edges, needs, met)

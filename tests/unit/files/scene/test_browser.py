@@ -14,7 +14,6 @@ from scene_models import EVIL, results
 
 pytest.importorskip("plotly")
 pytestmark = [
-    pytest.mark.serial,
     pytest.mark.skipif(not chromium.program(), reason="no Chromium: apt install chromium, or run .ci/browser"),
 ]
 

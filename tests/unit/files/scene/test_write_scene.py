@@ -81,7 +81,6 @@ def entry(scene, stage, name):
     return scene["stages"][stage]["fields"][at], scene["fields"][at]["unit"]
 
 
-@pytest.mark.serial
 def test_page_asks_for_nothing_and_names_are_no_markup(found, tmp_path):
     write_scene(found, tmp_path / "new" / "scene.html", title=f"Roof {EVIL}")
     page, scene = opened(tmp_path / "new" / "scene.html")
@@ -95,7 +94,6 @@ def test_page_asks_for_nothing_and_names_are_no_markup(found, tmp_path):
     assert [stage["name"] for stage in scene["stages"]] == list(found)
 
 
-@pytest.mark.serial
 def test_arrays_are_those_of_numpy(found, tmp_path):
     write_scene(found, tmp_path / "scene.html", force_unit="kN")
     _, scene = opened(tmp_path / "scene.html")
@@ -133,7 +131,6 @@ def test_arrays_are_those_of_numpy(found, tmp_path):
     assert told["counts"][1] > 0
 
 
-@pytest.mark.serial
 def test_size_is_that_of_the_numbers(tmp_path):
     """More cells add four bytes for each number, in base64: corners, cell number and four stresses of a cell."""
     lengths, bytes_ = [], []
@@ -147,7 +144,6 @@ def test_size_is_that_of_the_numbers(tmp_path):
     assert np.diff(lengths) < 4 / 3 * np.diff(bytes_) + 100
 
 
-@pytest.mark.serial
 def test_archive_gives_the_same_page(found, tmp_path):
     save_results(found, tmp_path / "results.fxm")
     write_scene(found, tmp_path / "one.html")
@@ -155,7 +151,6 @@ def test_archive_gives_the_same_page(found, tmp_path):
     assert (tmp_path / "one.html").read_bytes() == (tmp_path / "other.html").read_bytes()
 
 
-@pytest.mark.serial
 def test_units_and_title_are_those_of_the_results(found, tmp_path):
     named = StageResults(found)
     named.title, named.force_unit, named.length_unit = "Roof", "kip", "ft"
@@ -165,7 +160,6 @@ def test_units_and_title_are_those_of_the_results(found, tmp_path):
     assert {field["unit"] for field in scene["fields"]} == {"", "-", "ft", "kip", "kip/ft"}
 
 
-@pytest.mark.serial
 def test_forms_structures_and_single_stages(found, tmp_path):
     points, triangles = rectangle(2.0, 2.0, 4, 4)
     corners = np.flatnonzero(np.abs(points[:, 0] * points[:, 1]) == 1)
@@ -186,7 +180,6 @@ def test_forms_structures_and_single_stages(found, tmp_path):
     assert [stage["name"] for stage in scene["stages"]] == ["snow"]
 
 
-@pytest.mark.serial
 def test_structure_far_from_zero_keeps_its_shape(tmp_path):
     """Coordinates of a survey: float32 alone would round them to half a metre."""
     away = np.array([4.5e6, 5.3e6, 300.0])
@@ -197,7 +190,6 @@ def test_structure_far_from_zero_keeps_its_shape(tmp_path):
     np.testing.assert_allclose(points, roof().points, atol=1e-5)
 
 
-@pytest.mark.serial
 def test_more_triangles_than_a_browser_turns_are_drawn_coarser(found, tmp_path, monkeypatch):
     monkeypatch.setattr(document, "MOST", 40)
     write_scene(found, tmp_path / "scene.html")
@@ -219,7 +211,6 @@ def test_coarser_surface_covers_the_same_area():
     assert np.abs(np.cross(sides[:, 0], sides[:, 1])).sum() / 2 == pytest.approx(8.0, rel=0.15)
 
 
-@pytest.mark.serial
 def test_refusals(found, tmp_path):
     for path in (tmp_path / "scene.txt", tmp_path):
         with pytest.raises(ValueError, match=r"\.html"):
@@ -234,7 +225,6 @@ def test_refusals(found, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.serial
 def test_missing_plotly_is_one_sentence_and_an_earlier_page_stays(found, tmp_path, monkeypatch):
     (tmp_path / "scene.html").write_text("earlier")
     monkeypatch.setitem(sys.modules, "plotly.offline", None)
@@ -243,7 +233,6 @@ def test_missing_plotly_is_one_sentence_and_an_earlier_page_stays(found, tmp_pat
     assert (tmp_path / "scene.html").read_text() == "earlier"
 
 
-@pytest.mark.serial
 def test_library_and_policy_need_no_address(found, tmp_path):
     """Outside the library, which has addresses of maps in its texts, no address is in the page."""
     write_scene(found, tmp_path / "scene.html")
@@ -261,7 +250,6 @@ def test_first_process_writes(tmp_path_factory):
     assert (folder / "scene.html").exists()
 
 
-@pytest.mark.serial
 def test_stage_names_are_those_of_the_dictionary(found, tmp_path):
     """Stages that a user has renamed keep the new names."""
     write_scene(StageResults({"winter": found["snow"]}), tmp_path / "scene.html")
@@ -269,7 +257,6 @@ def test_stage_names_are_those_of_the_dictionary(found, tmp_path):
     assert scene["stages"][0]["name"] == "winter"
 
 
-@pytest.mark.serial
 def test_values_that_are_no_numbers_have_no_extremes(found, tmp_path):
     """As in the start of a solve that failed."""
     state = found["snow"]
@@ -285,7 +272,6 @@ def test_values_that_are_no_numbers_have_no_extremes(found, tmp_path):
     assert entry(scene, 0, "principal stress I")[0]["largest"] == np.nanmax(principal[:, 0])
 
 
-@pytest.mark.serial
 def test_units_may_be_empty_or_have_brackets(found, tmp_path):
     write_scene(found, tmp_path / "scene.html", force_unit="", length_unit="m [x]")
     _, scene = opened(tmp_path / "scene.html")

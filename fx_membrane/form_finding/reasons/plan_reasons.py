@@ -1,0 +1,64 @@
+"""Reasons for which a stress in plan leaves its plan, depends on the mesh, or has no form."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.measures import measures
+from ...model.structure import Structure
+from ..plan import Plan
+from .axis_balance import unbalanced
+from .no_form import causes, forces_in
+from .unheld import free_edge, lone_point
+from .weak_edges import weak_edges
+
+Array = NDArray[np.float64]
+
+
+def reasons_in_plan(
+    structure: Structure,
+    plans: Mapping[str, Plan],
+    axes: Array,
+    densities: Mapping[str, Array],
+    problem: str,
+    is_constrained: bool,
+) -> str:
+    """Add the reasons of a problem and its remedy, in words; empty where the form has neither.
+
+    Args:
+        structure: The structure.
+        plans: Its membranes in plan.
+        axes: Two axes of the plan and its normal as columns, shape (3, 3) [-].
+        densities: Force densities of bars in the first step, by part, shape (cells,) [N/m].
+        problem: The problem in sentences; empty without one.
+        is_constrained: True if nodes or cables have constraints, which may hold an edge.
+    """
+    lone = lone_point(structure, structure.points)
+    if not problem:
+        return f"it depends on the mesh. {causes(lone)}" if lone else ""
+    weak = _weak(structure, plans, axes, densities)
+    unheld = "" if is_constrained else free_edge(structure, structure.points)
+    found = causes(weak, unheld, lone)
+    return f"{problem} {found or _advice(structure, plans, axes)}".strip()
+
+
+def _weak(structure: Structure, plans: Mapping[str, Plan], axes: Array, densities: Mapping[str, Array]) -> str:
+    """Tell of the edge cable that lacks most force in plan, in words; empty if none is too weak."""
+    plane = axes[:, :2]
+    flat = structure.points @ plane @ plane.T
+    stresses = {name: plane @ plan.stress @ plane.T for name, plan in plans.items()}
+    forces = {name: densities[name] * measures(flat, structure.parts[name].cells) for name in forces_in(structure)}
+    return weak_edges(structure, flat, stresses, forces).words
+
+
+def _advice(structure: Structure, plans: Mapping[str, Plan], axes: Array) -> str:
+    """Sentences on the condition that a stress in plan misses, or on how to come nearer."""
+    plane = axes[:, :2]
+    for name, plan in plans.items():
+        if missed := unbalanced(plan, structure.points @ plane, plane):
+            return f'In part {name!r}, {missed} To keep the plan, hold its nodes in it, as by Support(nodes, "xy").'
+    again = "start again from dataclasses.replace(structure, points=form.points)."
+    if any(force.any() for force in forces_in(structure).values()):
+        return f"Draw edges with cables as arcs, of radius force over stress; or {again}"
+    return f"Give a stress that balances in plan, such as a constant one; or {again}"

@@ -1,0 +1,35 @@
+"""Input of form finding that is the same on all processes, functions of place included."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from mpi4py import MPI
+
+from ..model.fingerprints import fingerprint, fingerprints, of_settings
+from ..model.structure import Structure
+from ..runtime.processes import refuse_differences
+
+
+def refuse_different_input(
+    structure: Structure, settings: Mapping[str, Any], fields: Mapping[str, Mapping[str, Any] | None]
+) -> None:
+    """Refuse a structure, settings, or functions of place that differ between processes, on all of them.
+
+    Args:
+        structure: The structure.
+        settings: Settings and loads by name.
+        fields: Functions of place by part, by their name; they are compared by their values at the centres of cells.
+
+    Raises:
+        ValueError: They differ.
+    """
+
+    def digests() -> dict[str, str]:
+        found = fingerprints(structure) | of_settings(settings)
+        for what, by_part in fields.items():
+            for name, field in (by_part or {}).items():
+                centres = structure.points[structure.parts[name].cells].mean(axis=1).T
+                found[f"{what} of part {name!r}, as a function of place"] = fingerprint(field(centres))
+        return found
+
+    refuse_differences(MPI.COMM_WORLD, digests)
