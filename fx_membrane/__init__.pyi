@@ -23,6 +23,7 @@ from .files.mesh_files import structure_from_file
 from .files.mesh_writer import write_mesh
 from .files.paraview import ParaViewSeries, SeriesWarning, write_paraview
 from .files.report.write import write_report
+from .files.scene.write import write_scene
 from .files.tables import write_tables
 from .form_finding.constraints.kinds import (
     CableDensity,
@@ -192,6 +193,7 @@ __all__ = [
     "write_mesh",
     "write_paraview",
     "write_report",
+    "write_scene",
     "write_tables",
 ]
 

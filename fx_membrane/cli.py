@@ -196,14 +196,20 @@ def convert(source: Path, target: Path, unit: str | None) -> None:
 
 @main.command()
 @click.argument("results", type=RESULTS)
-def show(results: Path) -> None:
+@click.option("--html", type=CASE, help="Write an interactive scene, one page for browsers, in the place of text.")
+def show(results: Path, html: Path | None) -> None:
     """Print the checks and extremes of saved results: the folder of a run, or its results.fxm."""
     from .files.run_results import results_of  # noqa: PLC0415
+    from .files.scene.write import write_scene  # noqa: PLC0415
     from .results.checks import checks, table  # noqa: PLC0415
     from .results.limits import Limits  # noqa: PLC0415
     from .results.report import report as told  # noqa: PLC0415
 
     found = results_of(results)
+    if html:
+        write_scene(found, html)
+        _say(f"Wrote {html}")
+        return
     limits = found.limits or Limits()
     for state in found.values():
         shown = told(state, force_unit=found.force_unit, length_unit=found.length_unit)
@@ -214,14 +220,19 @@ def show(results: Path) -> None:
 @click.argument("results", type=RESULTS)
 @click.argument("target", type=CASE)
 @click.option("--title", help="Title of the report; that of the case if not given.")
-def report(results: Path, target: Path, title: str | None) -> None:
+@click.option("--scene", type=CASE, help="Write an interactive scene, too, and link the report to it.")
+def report(results: Path, target: Path, title: str | None, scene: Path | None) -> None:
     """Write a report of saved results, the folder of a run or its results.fxm, as .html or .pdf."""
     from .files.report.write import write_report  # noqa: PLC0415
     from .files.run_results import results_of  # noqa: PLC0415
+    from .files.scene.write import write_scene  # noqa: PLC0415
 
     found = results_of(results)
     title = title or found.title or "Structural analysis"
-    write_report(found, target, title=title, force_unit=found.force_unit, length_unit=found.length_unit)
+    if scene:
+        write_scene(found, scene, title=title)
+    force, length = found.force_unit, found.length_unit
+    write_report(found, target, title=title, scene=scene, force_unit=force, length_unit=length)
     _say(f"Wrote {target}")
 
 

@@ -63,6 +63,7 @@ from fx_membrane import (
     write_mesh,
     write_paraview,
     write_report,
+    write_scene,
     write_tables,
 )
 
@@ -246,8 +247,13 @@ CASES = {
     write_tables: WRITER,
     write_paraview: WRITER,
     write_report: (
-        {"results": RESULTS, "path": "a.html", "title": "Roof", "pictures": False, **UNIT_NAMES},
-        {"results": "object", "path": "object", "title": "text", "pictures": "truth", **UNIT_KINDS},
+        {"results": RESULTS, "path": "a.html", "title": "Roof", "pictures": False, "scene": None,
+         **UNIT_NAMES},
+        {"results": "object", "path": "object", "title": "text", "pictures": "truth", "scene": "object?", **UNIT_KINDS},
+    ),
+    write_scene: (
+        {"results": RESULTS, "path": "a.html", "title": "Roof", **UNIT_NAMES},
+        {"results": "object", "path": "object", "title": "text?", **dict.fromkeys(UNIT_KINDS, "text?")},
     ),
     ParaViewSeries: (
         {"folder": "a", "append": False, **UNIT_NAMES}, {"folder": "path", "append": "truth", **UNIT_KINDS}

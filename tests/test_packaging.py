@@ -19,6 +19,7 @@ import fx_membrane
 
 pytestmark = pytest.mark.skipif(not importlib.util.find_spec("pip"), reason="needs pip to build and install")
 ROOT = Path(__file__).parent.parent
+PAGES = {".html", ".css", ".js"}
 FORMS = {path.name for path in (ROOT / "forms").glob("*.py")}
 
 
@@ -78,6 +79,14 @@ def test_wheel_has_the_forms_as_files(wheel):
         assert b"def green_lagrange" in archive.read("fx_membrane/forms/kinematics.py")
 
 
+def test_wheel_has_the_pages(wheel):
+    """Templates, styles and scripts of reports and scenes."""
+    pages = {str(path.relative_to(ROOT)) for path in (ROOT / "fx_membrane").rglob("*.*") if path.suffix in PAGES}
+    with zipfile.ZipFile(wheel) as archive:
+        assert {name for name in archive.namelist() if Path(name).suffix in PAGES} == pages
+        assert len(pages) > 8
+
+
 def test_sdist_has_the_forms_as_files(sources):
     script = "import setuptools.build_meta as b, sys; sys.stdout = sys.stderr; b.build_sdist('dist')"
     run(sys.executable, "-c", script, cwd=sources)
@@ -85,6 +94,7 @@ def test_sdist_has_the_forms_as_files(sources):
         members = [member for member in archive.getmembers() if "/fx_membrane/forms/" in member.name]
         assert {Path(member.name).name for member in members} == FORMS
         assert all(member.isfile() for member in members)
+        assert any(member.name.endswith("/files/scene/page/traces.js") for member in archive.getmembers())
 
 
 def test_installed_wheel_runs_the_demo_from_another_folder(wheel, tmp_path):

@@ -21,6 +21,7 @@ from fx_membrane import (
     updated_reference,
     write_paraview,
     write_report,
+    write_scene,
 )
 from right_arguments import CASES, RESULTS, STATE
 
@@ -42,7 +43,7 @@ NOT_RIGHT = (
 )  # their arguments are refused, too
 NEEDS = {
     plot.contours: "pyvista", ParaViewSeries: "pyvista", write_paraview: "pyvista", write_report: "jinja2",
-    type(STATE).to_dataframe: "pandas",
+    write_scene: "plotly", type(STATE).to_dataframe: "pandas",
 }  # fmt: skip
 SLOW = plot.convergence, plot.compare_convergence, plot.wireframe, plot.contours, equilibrium_path, updated_reference
 

@@ -20,7 +20,7 @@ SHOWN = {
     "stress_trajectories", "updated_reference", "wrinkle_lines",
 }  # fmt: skip
 # Packages that Debian does not have, or that are optional.
-NEEDS = {"ParaViewSeries": "pyvista", "geodesic": "potpourri3d", "warp_along": "potpourri3d"}
+NEEDS = {"ParaViewSeries": "pyvista", "geodesic": "potpourri3d", "warp_along": "potpourri3d", "write_scene": "plotly"}
 NEEDS |= dict.fromkeys(NAMES_OF_PICTURES, "pyvista")
 
 

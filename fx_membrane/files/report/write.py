@@ -1,7 +1,9 @@
 """The report as a file: one HTML page that needs no other file, or a PDF of the same page."""
 
 import base64
+import os
 import tempfile
+import urllib.parse
 import warnings
 from collections.abc import Iterator
 from importlib import resources
@@ -30,6 +32,7 @@ def write_report(
     force_unit: str = "N",
     length_unit: str = "m",
     pictures: bool = True,
+    scene: str | Path | None = None,
 ) -> None:
     """Write a report of an analysis: HTML, or PDF, by the ending of the path.
 
@@ -44,9 +47,11 @@ def write_report(
         force_unit: Name of the force unit of the structure and its loads.
         length_unit: Name of the length unit.
         pictures: Draw the stress and the displacement of each stage; left out, with a warning, where nothing can draw.
+        scene: A scene of the same results, written by `write_scene`, to which stages and extremes are linked.
 
     Raises:
-        ValueError: The results are of another kind, or have no stage; a text is none; the file cannot be written.
+        ValueError: The results are of another kind, or have no stage; a text is none; there is no scene; the file
+            cannot be written.
         ImportError: jinja2 is not installed, or for a PDF weasyprint and its libraries.
     """
     validation.instance("write_report results", results, StageResults)
@@ -58,7 +63,8 @@ def write_report(
     if file.suffix.lower() not in ENDINGS:
         raise ValueError(f"path is {str(file)!r}; give a name that ends in .html or .pdf.")
     paths.check_writable("path", file)
-    values = content(results, title, force, length) | {"pictures": []}
+    base = "" if scene is None else _address(paths.path("scene", scene, spare=0), file)
+    values = content(results, title, force, length) | {"pictures": [], "scene": base}
     if drawn:
         values["pictures"] = list(_pictures(results, force, length))
     page = _template().render(values)
@@ -67,7 +73,18 @@ def write_report(
             stream.write(page)
     else:
         with writing(file, "wb") as stream:
-            stream.write(_pdf(page))
+            stream.write(_pdf(page, file.parent))
+
+
+def _address(scene: Path, file: Path) -> str:
+    """Address of a scene from the place of a report, so that both can be moved together.
+
+    Raises:
+        ValueError: There is no scene.
+    """
+    if not os.path.isfile(scene):
+        raise ValueError(f"scene is {str(scene)!r}, which does not exist; write it first, by write_scene.")
+    return urllib.parse.quote(Path(os.path.relpath(scene, file.parent)).as_posix())
 
 
 def _template() -> Any:
@@ -79,7 +96,7 @@ def _template() -> Any:
     return jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined).from_string(text)
 
 
-def _pdf(page: str) -> bytes:
+def _pdf(page: str, folder: Path) -> bytes:
     try:
         import weasyprint  # noqa: PLC0415  (optional)
     except (ImportError, OSError) as error:  # OSError: a library of the system is missing
@@ -87,7 +104,7 @@ def _pdf(page: str) -> bytes:
             f"A PDF needs weasyprint ({error}): pip install 'fx-membrane[report]', and on Debian the packages "
             "libpango-1.0-0 and libpangoft2-1.0-0; or give a path that ends in .html."
         ) from None
-    found: bytes = weasyprint.HTML(string=page).write_pdf()
+    found: bytes = weasyprint.HTML(string=page, base_url=f"{folder.absolute().as_uri()}/").write_pdf()
     return found
 
 

@@ -4,11 +4,13 @@ import os
 import re
 import subprocess
 import sys
+import urllib.parse
 from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from mpi4py import MPI
 
 from fx_membrane import (
@@ -26,6 +28,9 @@ from fx_membrane import (
     save_results,
     write_report,
 )
+from fx_membrane.cli import main
+from fx_membrane.files.scene.fields import fields as scene_fields
+from fx_membrane.files.scene.views import views
 from models import masted_roof
 
 pytest.importorskip("jinja2")
@@ -83,6 +88,27 @@ def test_page(results, tmp_path):
     assert f'<td class="n">{vertical:.5g}</td>' in text
 
 
+def test_links_into_the_scene(results, tmp_path):
+    """From the folder of the report, with names of stages that have letters of addresses in them."""
+    (tmp_path / "my scenes").mkdir()
+    scene = tmp_path / "my scenes" / "s.html"
+    with pytest.raises(ValueError, match="does not exist; write it first"):
+        write_report(results, tmp_path / "new" / "r.html", pictures=False, scene=scene)
+    scene.touch()
+    write_report(results, tmp_path / "new" / "r.html", pictures=False, scene=scene)
+    page = Page((tmp_path / "new" / "r.html").read_text(encoding="utf-8"))
+    links = [urllib.parse.urlsplit(address) for address in page.addresses if not address.startswith("#")]
+    assert {urllib.parse.unquote(link.path) for link in links} == {"../my scenes/s.html"}
+    assert not any(link.scheme or link.netloc or link.query for link in links)
+    wanted = [urllib.parse.parse_qs(link.fragment) for link in links if link.fragment]
+    fields = ["displacement", "principal stress I", "principal stress II", "stress along warp", "stress along weft"]
+    for stage in ("wind", "gale & co"):
+        for field in [*fields, "force"]:
+            assert {"stage": [stage], "field": [field]} in wanted
+    known = {field.name for field in scene_fields(*views(results, "N", "m"), "m")}
+    assert {field for link in wanted for field in link["field"]} <= known
+
+
 def test_unstable_state_is_a_warning(tmp_path):
     points, triangles = rectangle(2.0, 2.0, 2, 2)
     structure = Structure(
@@ -115,6 +141,18 @@ def test_command(results, tmp_path):
     assert "r.html" in ended.stdout
     shown = subprocess.run([*command, "show", "results.fxm"], capture_output=True, text=True, check=True, **options)
     assert shown.stdout.count("PASS") >= 10
+
+
+def test_command_writes_scenes(results, tmp_path, monkeypatch):
+    pytest.importorskip("plotly")
+    monkeypatch.chdir(tmp_path)
+    save_results(results, "results.fxm")
+    told = CliRunner().invoke(main, ["show", "results.fxm", "--html", "scene.html"])
+    assert told.output.strip() == "Wrote scene.html"
+    assert '"name":"gale & co"' in Path("scene.html").read_text(encoding="utf-8")
+    CliRunner().invoke(main, ["report", "results.fxm", "r.html", "--scene", "turn.html"], catch_exceptions=False)
+    assert Path("turn.html").exists()
+    assert 'href="turn.html#' in Path("r.html").read_text(encoding="utf-8")
 
 
 def test_refusals(results, tmp_path):
