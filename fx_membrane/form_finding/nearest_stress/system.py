@@ -10,6 +10,7 @@ from scipy import sparse
 
 from ...geometry.measures import measures
 from ...solvers import factorization
+from .assembly import assembled
 from .cells import Block
 from .mesh_control import MeshControl, Ways
 
@@ -17,7 +18,6 @@ Array = NDArray[np.float64]
 
 FIRST = 1e-5  # length of a difference for first derivatives, over the size of the cell
 SECOND = 1e-3  # the same, for second ones
-EASED = 0.65  # share of the springs' imbalance taken in a step: their derivative leaves out how directions turn
 
 
 class System(NamedTuple):
@@ -32,7 +32,8 @@ class System(NamedTuple):
         mass: Area at each component of the nodes, shape (3 n,) [m2].
         control: Control of the mesh.
         ways: Directions of the nodes.
-        evenness: Imbalance of its springs, shape (k,).
+        evenness: Imbalance of the mesh, shape (k,).
+        evening: Its derivatives by the shape, sparse (k, 3 n).
     """
 
     forces: Array
@@ -44,12 +45,16 @@ class System(NamedTuple):
     control: MeshControl
     ways: Ways
     evenness: Array
+    evening: sparse.csr_matrix
 
 
 def system_of(
-    blocks: Sequence[Block], control: MeshControl, point_loads: Array, points: Array, multipliers: Array
+    blocks: Sequence[Block], control: MeshControl, point_loads: Array, points: Array, multipliers: Array, near: bool
 ) -> System:
-    """Take the derivatives in a shape with multipliers, both of shape (n, 3), under forces on the nodes [N]."""
+    """Take the derivatives in a shape with multipliers, both of shape (n, 3), under forces on the nodes [N].
+
+    Near the optimum those of the mesh are exact, elsewhere convex.
+    """
     n = len(points)
     forces, slopes, mass = -point_loads.copy(), np.zeros((n, 3)), np.zeros(n)
     matrices: list[list[tuple[NDArray[np.int64], Array]]] = [[], [], []]
@@ -68,18 +73,30 @@ def system_of(
         for entries, blockwise in zip(matrices, (block.stiffnesses(corners), by_shape[0], curvature), strict=True):
             entries.append((block.cells, blockwise))
     ways = control.ways(points)
-    stiffness, mixed, curved = (_assembled(n, entries) for entries in matrices)
-    evenness = control.imbalance(points, ways)
-    return System(forces.ravel(), slopes.ravel(), stiffness, mixed, curved, np.repeat(mass, 3), control, ways, evenness)
+    stiffness, mixed, curved = (assembled(n, entries) for entries in matrices)
+    evenness, evening = control.imbalance(points, ways), control.derivatives(points, ways, near)
+    return System(
+        forces.ravel(),
+        slopes.ravel(),
+        stiffness,
+        mixed,
+        curved,
+        np.repeat(mass, 3),
+        control,
+        ways,
+        evenness,
+        evening,
+    )
 
 
-def step_of(system: System, free: NDArray[np.bool_], damping: float) -> tuple[Array, Array]:
+def step_of(system: System, free: NDArray[np.bool_], damping: float, share: float = 1.0) -> tuple[Array, Array]:
     """Newton step of the multipliers and of the shape, both of shape (n, 3), damped like that of Levenberg.
 
     Args:
         system: The derivatives.
         free: Free components, shape (3 n,).
         damping: Factor of the squared motion across the surface, over the area, beside the function.
+        share: Share of the imbalance of the mesh that is removed.
     """
     across, along = system.ways
     curved = across.T @ system.curvature
@@ -88,10 +105,10 @@ def step_of(system: System, free: NDArray[np.bool_], damping: float) -> tuple[Ar
         [
             [system.stiffness[free][:, free], system.mixed[free] @ across, system.mixed[free] @ along],
             [across.T @ system.mixed.T[:, free], curved @ across - across.T @ weight @ across, curved @ along],
-            [None, along.T @ system.control.springs @ across, along.T @ system.control.springs @ along],
+            [None, system.evening @ across, system.evening @ along],
         ]
     ).tocsr()
-    right = -np.concatenate([system.forces[free], across.T @ system.slopes, EASED * system.evenness])
+    right = -np.concatenate([system.forces[free], across.T @ system.slopes, share * system.evenness])
     found = _solved(matrix, right)
     count, split = int(free.sum()), int(free.sum()) + across.shape[1]
     multipliers = np.zeros(len(free))
@@ -113,7 +130,7 @@ def tangential_multipliers(blocks: Sequence[Block], control: MeshControl, point_
     along = control.ways(points).along
     if not along.shape[1]:
         return np.zeros_like(points)
-    stiffness = (along.T @ _assembled(len(points), entries) @ along).tocsr()
+    stiffness = (along.T @ assembled(len(points), entries) @ along).tocsr()
     return np.asarray(along @ _solved(stiffness, -(along.T @ forces.ravel()))).reshape(points.shape)
 
 
@@ -174,14 +191,3 @@ def _curvatures(block: Block, corners: Array, multipliers: Array, length: Array)
             both = energies((i, 1), (j, 1)) - up[i] - up[j] + here
             found[:, i, j] = found[:, j, i] = both / length**2
     return found
-
-
-def _assembled(n: int, entries: Sequence[tuple[NDArray[np.int64], Array]]) -> sparse.csr_matrix:
-    rows, columns, values = [], [], []
-    for cells, blocks in entries:
-        numbers = (3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), -1)
-        rows.append(np.repeat(numbers, numbers.shape[1], axis=1).ravel())
-        columns.append(np.tile(numbers, (1, numbers.shape[1])).ravel())
-        values.append(blocks.reshape(-1))
-    entries_of = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
-    return sparse.coo_matrix(entries_of, shape=(3 * n, 3 * n)).tocsr()
