@@ -3,7 +3,7 @@
 BIN := .venv/bin
 SUITE ?= trixie
 
-.PHONY: setup demo test lint test-wheel test-debian test-matrix benchmark clean
+.PHONY: setup demo test lint test-wheel test-debian test-matrix benchmark site clean
 
 # Only what the others need; then `.venv/bin/python script.py`.
 setup: .venv/ready
@@ -36,6 +36,14 @@ lint: .venv/ready
 
 benchmark: .venv/ready
 	$(BIN)/python tests/benchmarks/assembly.py
+
+# README, how-tos, gallery, table of verification, case-file reference and API, in output/site.
+site: .venv/site
+	$(BIN)/python .ci/site/build.py
+
+.venv/site: .venv/ready pyproject.toml
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --config-settings editable_mode=compat --editable '.[site]'
+	@touch $@
 
 .venv/ready: .ci/setup pyproject.toml
 	@.ci/setup

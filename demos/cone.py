@@ -29,6 +29,7 @@ say = print if MPI.COMM_WORLD.rank == 0 else (lambda *_, **__: None)
 # n_t = 2/3 n_r have this ratio everywhere. A cable between two points of the plan takes the difference of r n_r e_r
 # between them, turned by a right angle. Two cables leave a corner apart if each has more than r n_r there, 13.3 kN. A
 # constant weft stress of 2 kN/m, with n_r = c / r + 2, would ask for more than 17 kN.
+# %%
 half, radius, height, edge_force = 6.0, 0.6, 5.0, 15.0
 
 
@@ -58,6 +59,7 @@ middle = brentq(lambda x: edge(x)(half)[0] - half, 2.0, 5.0)
 # ## Form finding
 #
 # Rays go from the ring to the edges; their diagonals are symmetric about both axes. Corners and ring are held.
+# %%
 rows, around = 12, 48
 y = half * np.linspace(-1, 1, around // 4 + 1)[:-1]
 sides = [np.linalg.matrix_power([[0, -1], [1, 0]], k) @ [edge(middle)(np.abs(y))[0], y] for k in range(4)]
@@ -88,8 +90,7 @@ for name, values in zip(("warp", "weft"), np.diagonal(form.forces["fabric"], axi
 # %% [markdown]
 # ## Mast and ring
 #
-# Hangers from the head of a mast carry the ring, which chords stiffen. Their forces balance the reactions of the form.
-# Nothing moves when the supports of the ring go.
+# Hangers from a mast head carry the ring, stiffened by chords. They balance the reactions of the form: nothing moves.
 
 # %%
 head, foot = len(points), len(points) + 1
@@ -109,6 +110,7 @@ for name in bars:
 # Snow of 0.6 kN/m2 in plan; uplift of 0.5 kN/m2; wind along x, which presses by 0.3 and sucks by 0.5 kN/m2. The
 # utilisation is the largest stress over the strength: fabric 115 and 100 kN/m over 5, edge cables 130 kN over 2,
 # hangers 30 kN over 2, mast half the Euler load of a tube 168 x 4.
+# %%
 up, x = np.sign(form.structure.normals("fabric")[0, 2]), points[triangles].mean(axis=1)[:, 0]
 windward, leeward = np.flatnonzero(x < 0), np.flatnonzero(x > 0)
 loads = {
@@ -136,6 +138,7 @@ for name, state in results.items():
 #
 # The plan rests, and each corner has the reactions of the closed form. Nothing moves when the mast takes the ring.
 # Loads and reactions balance; snow leaves both halves alike.
+# %%
 assert max(moved, strayed) < 0.01
 assert np.abs(np.abs(form.reactions[corners, :2]) / (across + along) - 1).max() < 1e-3
 assert results["prestress"].largest_displacement < 1e-12 * half

@@ -71,6 +71,6 @@ def strain_energy(E: Expr, sigma0: Expr, CE: Expr) -> Expr:
         CE: Stress increment C : E, shape (d, d) [N/m or N].
 
     Source:
-        Gil (40).
+        Gil (40), (69).
     """
     return inner(sigma0, E) + inner(CE, E) / 2  # Gil (40)

@@ -70,7 +70,7 @@ def green_lagrange(G: Expr, T: Expr) -> Expr:
         T: Tangent frame, shape (3, d) [-].
 
     Source:
-        Gil (17).
+        Gil (15), (17).
     """
     return sym(T.T * G) + G.T * G / 2  # Gil (17)
 

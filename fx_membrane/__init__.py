@@ -1,8 +1,8 @@
 """Nonlinear statics of prestressed tension structures: fabric membranes, cables and masts.
 
 The public names are listed in `__init__.pyi`; each is loaded on first use. Import changes one thing in the process: it
-sets the environment variable OMP_NUM_THREADS to 1 if it was not set. `plot` sets VTK_DEFAULT_OPENGL_WINDOW where there
-is no screen.
+sets the environment variable OMP_NUM_THREADS to 1 if it was not set. The first use of `plot` sets
+VTK_DEFAULT_OPENGL_WINDOW to a window that VTK draws in memory, if DISPLAY is not set; see README.
 """
 
 import importlib.metadata as _metadata

@@ -6,6 +6,7 @@ import json
 import os
 import platform
 import sys
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from typing import Any
 import click
 
 CASE = click.Path(dir_okay=False, path_type=Path)
+RESULTS = click.Path(path_type=Path)  # a folder, or the archive in it
 TEMPLATE = """\
 #:schema fx-membrane.schema.json
 format = 1
@@ -50,19 +52,34 @@ class _Group(click.Group):
     """Commands whose errors of input end with exit code 2, those of a solution with 1, Ctrl-C with 130."""
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Run a command, and turn its exceptions into messages and exit codes."""
+        """Run a command, and turn its warnings and exceptions into lines, the latter with exit codes."""
         try:
-            return super().invoke(ctx)
+            with warnings.catch_warnings():
+                warnings.showwarning = _warn  # type: ignore[assignment]  # of the same arguments
+                return super().invoke(ctx)
         except KeyboardInterrupt:
-            click.echo("Stopped. Saved increments stay; `fx-membrane run CASE --resume` goes on.", err=True)
-            sys.exit(130)
+            later = " Saved increments stay; `fx-membrane run CASE --resume` goes on."
+            code, words = 130, "Stopped." + later * (ctx.invoked_subcommand == "run")
         except (ValueError, ImportError) as error:
             code, words = 2, str(error)
+        except OSError as error:
+            if error.filename is None:  # a reader of the output is gone
+                raise
+            code, words = 2, f"{error.filename}: {error.strerror}; give another place."
         except RuntimeError as error:
             code, words = 1, str(error)
-        if os.environ.get("OMPI_COMM_WORLD_RANK", os.environ.get("PMI_RANK", "0")) == "0":
-            click.echo(words, err=True)
+        _say(words, err=True)
         sys.exit(code)
+
+
+def _say(words: str, err: bool = False) -> None:
+    """Print on the first process only."""
+    if os.environ.get("OMPI_COMM_WORLD_RANK", os.environ.get("PMI_RANK", "0")) == "0":
+        click.echo(words, err=err)
+
+
+def _warn(message: Warning | str, *_: Any) -> None:
+    _say(f"Warning: {message}", err=True)
 
 
 @click.group(cls=_Group)
@@ -78,93 +95,140 @@ def init(case: Path) -> None:
     if case.exists():
         raise ValueError(f"{case} exists; give another name.")
     case.write_text(TEMPLATE, encoding="utf-8")
-    _write_schema(case.with_name("fx-membrane.schema.json"))
-    click.echo(f"Wrote {case}. Next: fx-membrane check {case}; fx-membrane run {case}")
+    _write_schema(case.parent)
+    _say(f"Wrote {case}. Next: {_next(case)}")
+
+
+@main.command()
+@click.argument("name", required=False)
+@click.option("--run", "at_once", is_flag=True, help="Run it at once.")
+@click.pass_context
+def demo(ctx: click.Context, name: str | None, at_once: bool) -> None:
+    """List the demo cases, or write one in this folder."""
+    from .files.demo_cases import SCRIPTS, demos, write_demo  # noqa: PLC0415
+
+    if name is None:
+        for entry, title in demos().items():
+            _say(f"{entry:18} {title}")
+        scripts = ", ".join(f"{entry} ({words})" for entry, words in SCRIPTS.items())
+        _say(f"\nWrite one: fx-membrane demo NAME. As scripts only, in demos/ of the sources: {scripts}.")
+        return
+    files = write_demo(name, Path())
+    _write_schema(Path())
+    _say(f"Wrote {', '.join(map(str, files))}." + ("" if at_once else f" Next: {_next(files[0])}"))
+    if at_once:
+        ctx.invoke(run, case=files[0], resume=False, overwrite=False, quiet=False, log=None)
+
+
+def _next(case: Path) -> str:
+    return f"fx-membrane check {case}; fx-membrane run {case}"
 
 
 @main.command()
 @click.argument("case", type=CASE)
 def check(case: Path) -> None:
     """Check a case file without computing: all faults at once, each with its line."""
-    from .files.cases.case import read_case  # noqa: PLC0415  (the others must not wait for dolfinx)
+    from .checks.values import counted  # noqa: PLC0415  (the others must not wait for dolfinx)
+    from .files.cases.case import read_case  # noqa: PLC0415
 
     found = read_case(case)
-    click.echo(f"{case}: {found.structure!r}, {len(found.stages)} stages; no faults")
+    steps = f"{counted(len(found.steps), 'step')} of form finding, " if found.steps else ""
+    _say(f"{case}: {found.structure!r}, {steps}{counted(len(found.stages), 'stage')}; no faults")
 
 
 @main.command()
 @click.argument("case", type=CASE)
 @click.option("--resume", is_flag=True, help="Go on from the checkpoint of an earlier run.")
 @click.option("--overwrite", is_flag=True, help="Replace the results of an earlier run.")
-@click.option("--quiet", is_flag=True, help="Say nothing while it runs.")
+@click.option("--quiet", is_flag=True, help="Print warnings and errors only.")
 @click.option("--log", type=CASE, help="File for a copy of the table of results.")
 def run(case: Path, resume: bool, overwrite: bool, quiet: bool, log: Path | None) -> None:
     """Run a case file: form finding, stages, and the files that it asks for."""
-    from mpi4py import MPI  # noqa: PLC0415
-
+    from .analysis.convergence_error import ConvergenceError  # noqa: PLC0415
+    from .checks import paths  # noqa: PLC0415
     from .files.cases.case import read_case  # noqa: PLC0415
-    from .files.cases.run import folder_of, run_case, shown  # noqa: PLC0415
+    from .files.cases.run import folder_of, run_case  # noqa: PLC0415
+    from .results.overview import overview  # noqa: PLC0415
+    from .runtime.processes import by_the_first  # noqa: PLC0415
 
+    if log:
+        paths.check_writable("--log", log)
     found = read_case(case)
-    results = run_case(found, resume=resume, overwrite=overwrite, progress=not quiet)
-    if MPI.COMM_WORLD.rank == 0:
-        text = shown(found, results)
-        if not quiet:
-            click.echo(f"{text}\nFiles are in {folder_of(found)}")
+    failure = None
+    try:
+        results = run_case(found, resume=resume, overwrite=overwrite, progress=not quiet)
+    except ConvergenceError as error:
+        results, failure = error.results, error
+
+    @by_the_first
+    def tell() -> None:
+        text = overview(results)
+        if results and not quiet:
+            _say(f"{text}\n{_after(folder_of(found))}")
         if log:
-            log.write_text(text + "\n", encoding="utf-8")
+            log.write_text("\n".join(filter(None, (text, str(failure or "")))) + "\n", encoding="utf-8")
+
+    tell()
+    if failure:
+        raise failure
+
+
+def _after(folder: Path) -> str:
+    """Lines on the files in a folder of results, and the commands that come next."""
+    files = ", ".join(sorted(path.name for path in folder.iterdir()))
+    lines = [f"Files in {folder}: {files}", f"Next: fx-membrane show {folder}; fx-membrane report {folder} report.html"]
+    if (folder / "paraview").is_dir():
+        lines[1] += f"; paraview {folder / 'paraview' / 'series.pvd'}"
+    return "\n".join(lines)
 
 
 @main.command()
 @click.argument("source", type=CASE)
 @click.argument("target", type=CASE)
-def convert(source: Path, target: Path) -> None:
+@click.option("--unit", help="Unit of length of the target, as m or mm; for a source that names its own, as DXF.")
+def convert(source: Path, target: Path, unit: str | None) -> None:
     """Convert a mesh file: from dxf, obj, stl, ply, json or msh to msh, obj or dxf, group by group."""
     from .files.convert import convert as converted  # noqa: PLC0415
 
-    converted(source, target)
-    click.echo(f"Wrote {target}")
+    converted(source, target, unit)
+    _say(f"Wrote {target}")
 
 
 @main.command()
-@click.argument("results", type=CASE)
+@click.argument("results", type=RESULTS)
 def show(results: Path) -> None:
-    """Print the checks and extremes of saved results: results.fxm of a run."""
-    from .files.archive import load_results  # noqa: PLC0415
+    """Print the checks and extremes of saved results: the folder of a run, or its results.fxm."""
+    from .files.run_results import results_of  # noqa: PLC0415
     from .results.checks import checks, table  # noqa: PLC0415
+    from .results.limits import Limits  # noqa: PLC0415
     from .results.report import report as told  # noqa: PLC0415
-    from .results.states import StageResults  # noqa: PLC0415
 
-    found = load_results(results)
-    if not isinstance(found, StageResults):
-        raise ValueError(f"{results} holds a form, without stages; give results.fxm of a run.")
+    found = results_of(results)
+    limits = found.limits or Limits()
     for state in found.values():
         shown = told(state, force_unit=found.force_unit, length_unit=found.length_unit)
-        click.echo(f"{shown}\n{table(checks(state))}")
+        _say(f"{shown}\n{table(checks(state, limits))}")
 
 
 @main.command()
-@click.argument("results", type=CASE)
+@click.argument("results", type=RESULTS)
 @click.argument("target", type=CASE)
 @click.option("--title", help="Title of the report; that of the case if not given.")
 def report(results: Path, target: Path, title: str | None) -> None:
-    """Write a report of saved results as .html or .pdf."""
-    from .files.archive import load_results  # noqa: PLC0415
+    """Write a report of saved results, the folder of a run or its results.fxm, as .html or .pdf."""
     from .files.report.write import write_report  # noqa: PLC0415
-    from .results.states import StageResults  # noqa: PLC0415
+    from .files.run_results import results_of  # noqa: PLC0415
 
-    found = load_results(results)
-    if not isinstance(found, StageResults):
-        raise ValueError(f"{results} holds a form, without stages; give results.fxm of a run.")
+    found = results_of(results)
     title = title or found.title or "Structural analysis"
     write_report(found, target, title=title, force_unit=found.force_unit, length_unit=found.length_unit)
-    click.echo(f"Wrote {target}")
+    _say(f"Wrote {target}")
 
 
 @main.command()
 def schema() -> None:
     """Print the JSON schema of case files, for editors."""
-    click.echo(_schema())
+    _say(_schema())
 
 
 def _schema() -> str:
@@ -173,11 +237,11 @@ def _schema() -> str:
     return json.dumps(json_schema(), indent=1)
 
 
-def _write_schema(file: Path) -> None:
+def _write_schema(folder: Path) -> None:
     try:
-        file.write_text(_schema() + "\n", encoding="utf-8")
+        (folder / "fx-membrane.schema.json").write_text(_schema() + "\n", encoding="utf-8")
     except ImportError as error:
-        click.echo(f"No schema written: {error}", err=True)
+        _say(f"No schema written: {error}", err=True)
 
 
 @main.command()
@@ -197,7 +261,7 @@ def info() -> None:
         "vtk": lambda: _version("vtkmodules"),  # Debian's package of VTK has no metadata
     }
     for name, version in rows.items():
-        click.echo(f"{name:12} {_told(version)}")
+        _say(f"{name:12} {_told(version)}")
 
 
 def _version(module: str) -> str:

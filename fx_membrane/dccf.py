@@ -109,7 +109,7 @@ def energy(element: Elements, u: Array, s0: Array, C: Array) -> Array:
 
 
 def internal_force(element: Elements, u: Array, s0: Array, C: Array) -> Array:
-    """Nodal forces of each element, shape (n, d + 1, 3) [N], Gil (64).
+    """Nodal forces of each element, shape (n, d + 1, 3) [N], Gil (48), (64).
 
     Args:
         element: Geometry.
@@ -122,7 +122,7 @@ def internal_force(element: Elements, u: Array, s0: Array, C: Array) -> Array:
 
 
 def tangent(element: Elements, u: Array, s0: Array, C: Array) -> Array:
-    """Tangent stiffness of each element, shape (n, 3 d + 3, 3 d + 3) [N/m], Gil (65); arguments as above."""
+    """Tangent stiffness of each element, shape (n, 3 d + 3, 3 d + 3) [N/m], Gil (52), (53), (65)."""
     state = core(_gradient(element, u), s0, C)
     M = state.M_mat + state.M_geo
     return np.einsum("n,nai,nab,nbj->nij", element.measure, element.B, M, element.B, optimize=True)

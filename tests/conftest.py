@@ -6,88 +6,19 @@ Only the first process reports tests; the exit codes of the others count, too.
 import ctypes
 import os
 import sys
-from pathlib import Path
 
 import pytest
 
 pytest.register_assert_rewrite("bad_values", "interrupted", "models", "pictures", "wrinkled")
 
-TESTS = Path(__file__).parent
-
-# Files whose tests are the same on every process: plain NumPy, or single elements on COMM_SELF; files of remarks, which
-# follow from a result, after long searches for one; and long studies of one kind of work, by many meshes, loads or
-# numbers. Tests in them that are collective are marked `mpi` there: of a study, one or two of each kind of work.
-ONE_PROCESS = {
-    "forms/test_dccf.py",
-    "forms/test_equations.py",
-    "forms/test_hyperelasticity.py",
-    "forms/test_tension_direction.py",
-    "forms/test_tension_field.py",
-    "forms/test_tension_field_of_cables.py",
-    "forms/test_wrinkled_cells.py",
-    "forms/test_wrinkling.py",
-    "unit/analysis/test_mass_units.py",
-    "unit/analysis/test_reasons.py",
-    "unit/analysis/test_work.py",
-    "unit/assembly/test_partition.py",
-    "unit/assembly/test_rounding.py",
-    "unit/checks/test_validation.py",
-    "unit/files/test_archive.py",
-    "unit/form_finding/test_bodies.py",
-    "unit/form_finding/test_cable_lines.py",
-    "unit/form_finding/test_constraints_of_cables.py",
-    "unit/form_finding/test_constraints_of_cables_refusals.py",
-    "unit/form_finding/test_constraints_of_nodes_refusals.py",
-    "unit/form_finding/test_form_finding.py",
-    "unit/form_finding/test_forms_of_masts.py",
-    "unit/form_finding/test_mast_heads.py",
-    "unit/form_finding/test_masts_and_stays.py",
-    "unit/form_finding/test_masts_and_stays_refusals.py",
-    "unit/form_finding/test_natural_force_density.py",
-    "unit/form_finding/test_no_form.py",
-    "unit/form_finding/test_projected_stress.py",
-    "unit/form_finding/test_projected_stress_refusals.py",
-    "unit/form_finding/test_rings.py",
-    "unit/form_finding/test_slides.py",
-    "unit/form_finding/test_unsettled_plans.py",
-    "unit/geometry/test_extremes.py",
-    "unit/geometry/test_geometry.py",
-    "unit/model/test_coincidence.py",
-    "unit/model/test_derived_classes.py",
-    "unit/model/test_derived_laws.py",
-    "unit/model/test_laws.py",
-    "unit/model/test_loads.py",
-    "unit/model/test_material.py",
-    "unit/model/test_parts.py",
-    "unit/model/test_rigid_motion.py",
-    "unit/model/test_slivers.py",
-    "unit/model/test_structure.py",
-    "unit/results/test_balance.py",
-    "unit/results/test_fallen_masts.py",
-    "unit/results/test_large_strain.py",
-    "unit/results/test_remarks.py",
-    "unit/solvers/test_iteration_limit.py",
-    "unit/solvers/test_line_search.py",
-    "unit/surfaces/test_drainage.py",
-    "unit/surfaces/test_surface_lines.py",
-    "unit/test_bad_values.py",
-    "unit/test_messages.py",
-    "verification/test_constrained_forms.py",
-    "verification/test_edge_arcs.py",
-    "verification/test_hand_over.py",
-    "verification/test_inflation.py",
-    "verification/test_limit_points.py",
-    "verification/test_minimal_surfaces.py",
-    "verification/test_rubber_balloon.py",
-    "verification/test_rubber_disc.py",
-}
-
 
 def pytest_collection_modifyitems(items):
-    """Mark `mpi` every test of the other files, unless it says `serial`: a new test counts as collective."""
+    """Mark `mpi` the first case of each study that is marked `mpi_once`."""
+    begun = set()
     for item in items:
-        file = item.path.relative_to(TESTS).as_posix()
-        if file not in ONE_PROCESS and not item.get_closest_marker("serial"):
+        study = item.nodeid.split("[")[0]
+        if item.get_closest_marker("mpi_once") and study not in begun:
+            begun.add(study)
             item.add_marker(pytest.mark.mpi)
 
 

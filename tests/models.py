@@ -79,6 +79,23 @@ MIXED = Structure(
 )
 
 
+HEAD = int(np.abs(POINTS - (1, 1, 0)).sum(axis=1).argmin())
+
+
+def masted_roof(names=("roof", "edge", "mast"), foot="xyz", edge_prestress=1e2, separate=(), **fabric):
+    """Held sheet with warp and weft, a cable along its rim and a mast under the node `HEAD`."""
+    rim = boundary_edges(TRIANGLES)
+    data = {"material": Fabric(4e5, 0.3), "prestress": (2e3, 1e3), "warp": (1, 0, 0)} | fabric
+    n = len(POINTS)
+    parts = (Membrane(TRIANGLES, **data), Cable(rim, 1e6, edge_prestress), Mast([(HEAD, n)], 1e7))
+    return Structure(
+        np.vstack([POINTS, (1.0, 1.0, -2.0)]),
+        dict(zip(names, parts, strict=True)),
+        [Support(np.unique(rim)), Support(n, foot)],
+        separate,
+    )
+
+
 def close(a, b):
     return a == pytest.approx(b, abs=1e-9 * np.abs(b).max())
 

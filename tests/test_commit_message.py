@@ -10,10 +10,7 @@ import pytest
 CI = Path(__file__).parent.parent / ".ci"
 WHY = "\n\nThe reason."
 
-pytestmark = [
-    pytest.mark.serial,
-    pytest.mark.skipif(not (CI.exists() and shutil.which("git")), reason="needs git and the folder .ci"),
-]
+pytestmark = pytest.mark.skipif(not (CI.exists() and shutil.which("git")), reason="needs git and the folder .ci")
 
 
 def git(folder, *arguments):

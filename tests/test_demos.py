@@ -14,8 +14,11 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from demo_cases import CASES, check_case, has_cases
 from fx_membrane import Analysis, Stage
+from fx_membrane.files.demo_cases import SCRIPTS
 from fx_membrane.form_finding.reasons.ring_reach import reach
+from pictures import count_colours
 
 DEMOS = Path(__file__).parent.parent / "demos"
 PICTURES: dict[str, list[str]] = {
@@ -70,7 +73,7 @@ def check_pictures(name):
         assert min(image.shape[:2]) > 400
         white = (image[..., :3] > 0.99).all(axis=2).mean()
         assert 0.1 < white < 0.97  # neither blank nor filled
-        assert len(np.unique(np.round(image[..., :3] * 16).reshape(-1, 3), axis=0)) > 20  # more than one flat colour
+        assert count_colours(image[..., :3], 17) > 20  # more than one flat colour
 
 
 def test_every_demo_is_listed():
@@ -81,8 +84,8 @@ def test_every_demo_is_listed():
 @pytest.mark.parametrize(
     "pictures",
     [
-        pytest.param(True, marks=[pytest.mark.serial, pytest.mark.drawn], id="pictures"),
-        pytest.param(False, id="numbers"),
+        pytest.param(True, marks=pytest.mark.drawn, id="pictures"),
+        pytest.param(False, marks=pytest.mark.mpi, id="numbers"),
     ],
 )
 def test_demo(name, pictures, tmp_path, monkeypatch, capsys):
@@ -91,7 +94,8 @@ def test_demo(name, pictures, tmp_path, monkeypatch, capsys):
         pytest.skip("runs with pictures on one process, without on several")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "argv", [name] if pictures else [name, "--no-pictures"])
-    compare(name, run(name)["numbers"])
+    found = run(name)
+    compare(name, found["numbers"])
     printed = capsys.readouterr().out
     first = os.environ.get("OMPI_COMM_WORLD_RANK", os.environ.get("PMI_RANK", "0")) == "0"
     assert ("Check passed" in printed) == first
@@ -103,9 +107,15 @@ def test_demo(name, pictures, tmp_path, monkeypatch, capsys):
         assert re.findall(r"tension: (\d+) of 432 cells, others wrinkle; 247 of 247 nodes", printed) == ["414", "418"]
     if pictures:
         check_pictures(name)
+    if (CASES / f"{name}.toml").exists() and has_cases():
+        check_case(name, found["results"])
 
 
-@pytest.mark.serial
+def test_every_demo_has_a_case_file_or_is_a_script_of_ones_own():
+    cases = {path.stem for path in CASES.glob("*.toml") if not path.stem.startswith("cookbook_")}
+    assert cases | SCRIPTS.keys() == set(PICTURES)
+
+
 @pytest.mark.skipif(not HAS_PYVISTA, reason="draws pictures")
 def test_readme_script(tmp_path, monkeypatch, capsys):
     """The script in the README runs as printed there."""
@@ -116,7 +126,6 @@ def test_readme_script(tmp_path, monkeypatch, capsys):
     assert Path("snow.png").exists()
 
 
-@pytest.mark.serial
 def test_readme_forms():
     """The scripts from a plan to a shape run as printed there, and their forms are found and at rest."""
     section = (DEMOS.parent / "README.md").read_text().split("## From a plan to a shape")[1].split("\n## ")[0]

@@ -117,7 +117,7 @@ def equilibrium_path(
         max_points = validation.positive_integer("equilibrium_path max_points", max_points)
         rtol = validation.tolerance("equilibrium_path rtol", rtol)
         structure = start if isinstance(start, Structure) else start.structure
-        validation.instance("equilibrium_path limit", limit, WorkLimit)
+        validation.plain("equilibrium_path limit", limit, WorkLimit)
         path_start.check_stage(structure, start, stage)
     state = () if isinstance(start, Structure) else (start.displacement, start.actions)
     given = {"load_factor": load_factor, "displacement": displacement, "max_points": max_points, "rtol": rtol}

@@ -17,6 +17,7 @@ from ..assembly.load_cases import prescribed
 from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from ..checks import paths, validation
+from ..checks.calls import unfit
 from ..model.energy_terms import is_term
 from ..model.fingerprints import fingerprint, of_stages
 from ..model.restraint import check_supports
@@ -114,10 +115,10 @@ class Analysis:
         with together(comm):
             validation.instance("Analysis structure", structure, Structure)
             own.check(solver)
-            validation.instance("Analysis limit", limit, WorkLimit)
+            validation.plain("Analysis limit", limit, WorkLimit)
             progress = validation.truth("Analysis progress", progress)
         refuse_differences(comm, lambda: {"solver": fingerprint(own.settings(solver)), "limit": fingerprint(limit)})
-        self._limit, self._progress = limit, progress
+        self._limit, self._shown = limit, progress and comm.rank == 0
         self.structure = structure
         self._comm = comm
         self.problem = Problem(structure, comm)
@@ -165,8 +166,8 @@ class Analysis:
             file = None if checkpoint_file is None else paths.path("checkpoint_file", checkpoint_file)
             if file and self._comm.rank == 0:
                 paths.check_writable("checkpoint_file", file)
-            if not (observe is None or callable(observe)):
-                raise ValueError(f"observe is {validation.short_repr(observe)}; give a function of a state.")
+            if observe is not None and (shown := unfit(observe, 1)):
+                raise ValueError(f"observe is {shown}; give a function of a state.")
             self._check(stages)
         refuse_differences(self._comm, lambda: of_stages(stages))
         with together(self._comm):
@@ -212,7 +213,7 @@ class Analysis:
         balanced = stage.after is not None or not (self.problem.magnitudes.prestress_forces or self.structure.terms)
         control = IncrementControl(stage, state, balanced)
         x = self.problem.create_vector()
-        with Report(stage.name, float(state.factor), shown=self._progress and self._comm.rank == 0) as report:
+        with Report(stage.name, float(state.factor), self._shown, len(results) + 1, len(results.stages)) as report:
             work = Work(self._limit, self._comm, report.iteration)
             while control.state.factor < 1:
                 _dolfinx.free_dropped(self._comm)

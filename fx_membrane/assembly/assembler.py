@@ -145,7 +145,7 @@ class Assembler:
         return values
 
     def nodal_loads(self, distributed_loads: Mapping[str, NDArray[np.float64]]) -> NDArray[np.float64]:
-        """Convert distributed loads on parts to nodal forces, shape (n, 3) [N]; collective.
+        """Convert distributed loads on parts to nodal forces, Gil (47), (49), shape (n, 3) [N]; collective.
 
         Args:
             distributed_loads: For each loaded part, load per reference area or length of each cell, shape (cells, 3).

@@ -30,7 +30,9 @@ class LoadedProblem(LoadedStructure):
     hold reactions and their derivatives. For a linear system, `constraints` replaces these rows: those of a right-hand
     side by `zero_constrained` or `constrain_residual`, those of the tangent, and its columns, by `constrain_tangent`.
 
-    Attributes, beside those of `LoadedStructure`:
+    It has the attributes of `LoadedStructure`, too.
+
+    Attributes:
         stabilizer: Stabilization of unit shift.
         shift: Size of the stabilization, a tension in all parts, as a strain. It is in the energy, the residual and the
             tangent; nonzero only during a homotopy.
@@ -99,7 +101,7 @@ class LoadedProblem(LoadedStructure):
         return lambda length: energy(length) - without_potential(length)
 
     def residual(self, x: PETSc.Vec, b: PETSc.Vec | None = None) -> PETSc.Vec:
-        """Residual: internal minus external nodal forces [N], Gil (50); at constrained components, the reaction.
+        """Residual: internal minus external nodal forces [N], Gil (42), (50), (71); the reaction where constrained.
 
         Args:
             x: Displacement [m].

@@ -77,7 +77,7 @@ class _Energy(NamedTuple):
 
 
 def part_forms(mesh: PartMesh, structure: Structure, elastic: bool) -> PartForms:
-    """Forms of a part; parts of a kind differ by data only, so that they share one compiled form."""
+    """Forms of a part, Gil (43), (46); parts of a kind differ by data only, so that they share one compiled form."""
     part, u, d = mesh.part, mesh.u, mesh.part.dimension
     J = ufl.Jacobian(mesh.mesh)
     T = kinematics.membrane_frame(J, mesh.cell_field(structure.warp(mesh.name))) if d == 2 else kinematics.bar_frame(J)

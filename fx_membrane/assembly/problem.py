@@ -117,7 +117,7 @@ class Problem:
         """
         start = unloaded(self.structure) if start is None else start
         with together(self.comm):
-            validation.instance("actions_of stage", stage, Stage)
+            validation.plain("actions_of stage", stage, Stage)
             check_stages(self.structure, [replace(stage, after=None)])
             check_actions("actions_of start", start, self.structure)
         given = {f"{name} of stage {stage.name!r}": getattr(stage, name) for name in ("loads", "displacements")}

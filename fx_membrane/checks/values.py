@@ -22,9 +22,10 @@ def short_repr(value: Any) -> str:
     if isinstance(value, np.ndarray):
         return f"an array of {value.dtype}, shape {value.shape}"
     sized = isinstance(value, Sized) and not hasattr(value, "shape")  # sparse matrices have no length
-    return with_article(type(value).__name__) + (
-        f" of {len(value)} entr{'y' if len(value) == 1 else 'ies'}" if sized else ""
-    )
+    count = ""
+    with contextlib.suppress(Exception):  # a tensor in UFL has no length either
+        count = f" of {len(value)} entr{'y' if len(value) == 1 else 'ies'}" if sized else ""
+    return with_article(type(value).__name__) + count
 
 
 def with_article(noun: str) -> str:

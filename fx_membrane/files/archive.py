@@ -6,9 +6,9 @@ It holds numbers and texts only. Opening it runs no code of the file.
 import importlib.metadata
 import json
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from mpi4py import MPI
@@ -25,6 +25,7 @@ from ..model.stages import PrescribedDisplacement, Stage
 from ..model.structure import Structure
 from ..model.supports import Support
 from ..results.balance import UnbalancedStateWarning
+from ..results.limits import Limits
 from ..results.part_results import BarResult, MembraneResult
 from ..results.states import (
     Equilibrium,
@@ -42,15 +43,19 @@ from ..solvers.outcome import Outcome
 from .plain_data import Decoder, Encoder
 from .whole_file import writing
 
-FORMAT = 1
+FORMAT = 2  # counts up when a field of a result is added; 1 had no title, units and limits
 KIND = "results of fx_membrane"
 DOCUMENT = "document.json"
 MODEL = (Structure, Membrane, Cable, Mast, Support, *materials.SHIPPED)
 STAGES = (Stage, PrescribedDisplacement, PointLoad, DistributedLoad, PlanLoad, Pressure)
-STATES = (StageResult, Actions, Acting, Equilibrium, MembraneResult, BarResult, TermResult)
+STATES = (StageResult, Limits, Actions, Acting, Equilibrium, MembraneResult, BarResult, TermResult)
 HISTORY = (Increment, Iteration, Outcome)
 FORMS = (Form, FormStep)
 REMARKS = (UnstableStateWarning, LostPrestressWarning, UnbalancedStateWarning, LargeStrainWarning)
+DAMAGED = (  # what a file raises that is none
+    *(zipfile.BadZipFile, json.JSONDecodeError, UnicodeDecodeError, KeyError, TypeError, IndexError, AttributeError),
+    *(EOFError, NotImplementedError),
+)
 CLASSES: dict[str, type] = {cls.__name__: cls for cls in (*MODEL, *STAGES, *STATES, *HISTORY, *REMARKS, *FORMS)}
 
 
@@ -86,6 +91,7 @@ def save_results(results: StageResults | Form, path: str | Path) -> None:
         encode(results)
         if isinstance(results, Form)
         else {"results": encode(dict(results)), "stages": encode(results.stages), "names": _names(results)}
+        | ({"limits": encode(results.limits)} if results.limits else {})
     )
     document = {
         "kind": KIND,
@@ -108,11 +114,12 @@ def load_results(path: str | Path, classes: Sequence[type] = ()) -> Any:
         classes: Classes of your own laws and terms in it, which a file cannot hold.
 
     Returns:
-        The `StageResults` or the `Form` that was saved.
+        The `StageResults` or the `Form` that was saved. Fields of results that the version had not that saved them are
+        None.
 
     Raises:
         ValueError: There is no such file; it is no archive of results, is damaged, or of a later format; it needs a
-            class that is not given.
+            class that is not given, or one that has other fields now.
     """
     with together(MPI.COMM_WORLD):
         file = paths.path("path", path)
@@ -120,25 +127,44 @@ def load_results(path: str | Path, classes: Sequence[type] = ()) -> Any:
         try:
             with zipfile.ZipFile(file) as archive:
                 document = json.loads(archive.read(DOCUMENT))
-                _check(document)
+                _check(document, CLASSES | own)
                 arrays = {name[:-4]: _array(archive, name) for name in archive.namelist() if name != DOCUMENT}
-            decode = Decoder(CLASSES | own, arrays, document["objects"])
-            content = document["content"]
-            if "object" in content:
-                return decode(content)
-            found = StageResults(decode(content["results"]), decode(content["stages"]))
-            found.title, found.force_unit, found.length_unit = map(str, content["names"])
-            return found
+            return _opened(document, Decoder(CLASSES | own, arrays, document["objects"], (*STATES, *HISTORY, *FORMS)))
         except FileNotFoundError:
             raise ValueError(f"path is {str(file)!r}, which does not exist; correct the name.") from None
         except OSError as error:
             raise ValueError(f"path is {str(file)!r}, which cannot be read ({error.strerror}).") from None
-        except ValueError as error:
-            raise ValueError(f"{file} is no archive of results that can be opened: {error}.") from None
-        except (zipfile.BadZipFile, KeyError, TypeError, IndexError, AttributeError, EOFError, NotImplementedError):
+        except DAMAGED:
             raise ValueError(
                 f"{file} is no archive of results, or is damaged; give a file that `save_results` has written."
             ) from None
+        except UnopenedError as error:
+            raise ValueError(f"{file} {error}.") from None
+        except ValueError as error:
+            raise ValueError(
+                f"{file} is an archive of results that cannot be opened: {error}{_origin(document)}."
+            ) from None
+
+
+class UnopenedError(Exception):
+    """Archive of a later format, or of classes that are not given."""
+
+
+def _opened(document: Any, decode: Decoder) -> StageResults | Form:
+    content = document["content"]
+    if "object" in content:
+        return cast(Form, decode(content))
+    found = StageResults(decode(content["results"]), decode(content["stages"]))
+    if "names" in content:
+        found.title, found.force_unit, found.length_unit = map(str, content["names"])
+    found.limits = decode(content["limits"]) if "limits" in content else None
+    return found
+
+
+def _origin(document: Any) -> str:
+    """Format and version of an archive, in a message."""
+    version = document.get("versions", {}).get("fx-membrane", "unknown")
+    return f" (format {document['format']}, by fx_membrane {version}; this program reads formats 1 to {FORMAT})"
 
 
 def _names(results: StageResults) -> list[str]:
@@ -158,11 +184,17 @@ def _array(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
         return np.load(entry, allow_pickle=False)
 
 
-def _check(document: Any) -> None:
+def _check(document: Any, classes: Mapping[str, type]) -> None:
     if document["kind"] != KIND:
         raise KeyError(KIND)
-    if document["format"] > FORMAT:
-        raise ValueError(f"its format is {document['format']}, and this version reads {FORMAT}: install a newer one")
+    if int(document["format"]) > FORMAT:
+        raise UnopenedError(f"is an archive of results of a later version{_origin(document)}: install a newer one")
+    missing = sorted({entry["class"] for entry in document["objects"]} - set(classes))
+    if missing:
+        raise UnopenedError(
+            f"holds objects of classes that no file can hold, {', '.join(missing)}: import them and open it by "
+            f"load_results(path, classes=[{', '.join(missing)}])"
+        )
 
 
 def _own(classes: Sequence[type]) -> dict[str, type]:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..checks import validation
+from ..checks.calls import unfit
 from ..model.parts import Part
 from ..model.structure import Structure
 from ..model.supports import Support
@@ -44,9 +45,9 @@ def check_arguments(parts: Any, supports: Any) -> None:
     if not parts:
         raise ValueError('parts is empty; give at least one, {"name": lambda cells: Membrane(cells, ...)}.')
     for name, make in parts.items():
-        if not callable(make):
+        if shown := unfit(make, 1, 2):
             raise ValueError(
-                f"The part {validation.name('part', name)!r} is {validation.short_repr(make)}; give a function of its "
+                f"The part {validation.name('part', name)!r} is {shown}; give a function of its "
                 "cells, lambda cells: Membrane(cells, ...), or of its cells and the points."
             )
     for name, components in (supports or {}).items():

@@ -3,8 +3,6 @@
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from mpi4py import MPI
-
 from ..checks import paths, validation
 from ..model.structure import Structure
 from ..runtime.messages import say
@@ -36,13 +34,12 @@ def structure_from_file(
 ) -> Structure:
     """Structure of a mesh file of another program: DXF, OBJ, STL, PLY, COMPAS JSON or gmsh's msh, by its ending.
 
-    | ending | group | faces, lines | points |
-    |---|---|---|---|
-    | .dxf | layer | 3DFACE, MESH, polyface meshes; LINE, polylines; blocks too | POINT |
-    | .obj | group or object | faces; lines | |
-    | .stl, .ply | name of the file without its ending | faces | |
-    | .json | "edges", "faces", "supports" | those of a network, graph or mesh | `is_support` |
-    | .msh | physical group, see `structure_from_gmsh` | | |
+    - .dxf: a group is a layer. Faces are 3DFACE, MESH and polyface meshes, lines are LINE and polylines, points are
+      POINT; blocks are taken, too.
+    - .obj: a group is a group or an object, of faces or lines.
+    - .stl, .ply: the group of all faces has the name of the file without its ending.
+    - .json: the groups "edges", "faces" and "supports" are those of a network, graph or mesh, by `is_support`.
+    - .msh: a group is a physical group, see `structure_from_gmsh`.
 
     Corners of DXF and STL at the same place are one node; the other formats number their nodes. No file runs code.
 
@@ -85,8 +82,14 @@ def structure_from_file(
     return structure(groups, parts, supports or {}, separate)
 
 
-def drawing_of(file: Path, weld: float | None, unit: str | None) -> Drawing:
+def drawing_of(file: Path, weld: float | None, unit: str | None, remedy: str = "unit='m' converts it") -> Drawing:
     """Content of a mesh file, its corners joined and its unit converted, see `structure_from_file`.
+
+    Args:
+        file: The file.
+        weld: Distance within which nodes are joined.
+        unit: Unit of length of the content; that of the file if not given.
+        remedy: Clause on the way to name a unit, for the message on a file that names its own.
 
     Raises:
         ValueError: The ending is not known; the file cannot be read, or is not of that format; a cell collapses.
@@ -101,12 +104,12 @@ def drawing_of(file: Path, weld: float | None, unit: str | None) -> Drawing:
         drawing = READERS[ending](file)
     except OSError as error:
         raise ValueError(f"{file} cannot be read ({error.strerror}).") from None
-    _convert(drawing, unit)
+    _convert(drawing, unit, remedy)
     return joined(drawing, weld)
 
 
-def _convert(drawing: Drawing, unit: str | None) -> None:
-    if drawing.unit and unit is None and MPI.COMM_WORLD.rank == 0:
-        say(f"{drawing.source} is in {drawing.unit}, and is taken as it is; unit='m' converts it.")
+def _convert(drawing: Drawing, unit: str | None, remedy: str) -> None:
+    if drawing.unit and unit is None:
+        say(f"{drawing.source} is in {drawing.unit}, and is taken as it is; {remedy}.")
     if drawing.unit and unit:
         drawing.points = drawing.points * (METRES[drawing.unit] / METRES[unit])

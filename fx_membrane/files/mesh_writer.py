@@ -101,7 +101,7 @@ def _write_dxf(stream: IO[str], structure: Structure, points: NDArray[np.float64
         import ezdxf  # noqa: PLC0415  (optional)
     except ImportError:
         raise ImportError("DXF files need the package ezdxf; install it by pip install 'fx-membrane[dxf]'.") from None
-    document = ezdxf.new("R2010")
+    document = ezdxf.new("R2010", units=0)  # its default says metres
     space = document.modelspace()
     for name, part in structure.parts.items():
         layer = {"layer": name}

@@ -81,10 +81,17 @@ class Decoder:
         classes: The known classes by name.
         arrays: The arrays by name.
         objects: The encoded objects.
+        grown: Those of the classes whose fields are None where the file has none: an earlier version wrote it.
     """
 
-    def __init__(self, classes: Mapping[str, type], arrays: Mapping[str, Array], objects: Sequence[Any]):
-        self._classes, self._arrays = classes, arrays
+    def __init__(
+        self,
+        classes: Mapping[str, type],
+        arrays: Mapping[str, Array],
+        objects: Sequence[Any],
+        grown: Sequence[type] = (),
+    ):
+        self._classes, self._arrays, self._grown = classes, arrays, grown
         self._objects: list[Any] = []
         self._makers: dict[str, Callable[[Any], Any]] = {
             "array": lambda name: self._arrays[name],
@@ -101,9 +108,8 @@ class Decoder:
     def __call__(self, code: Any) -> Any:
         """Decode a value.
 
-        Raises:
-            ValueError: A class is not known, or refuses its values.
-            AttributeError, IndexError, KeyError, TypeError: It is no code of an `Encoder`.
+            Raises:
+        XX, IndexError, KeyError, TypeError: It is no code of an `Encoder`.
         """
         if not isinstance(code, dict):
             return code
@@ -112,9 +118,30 @@ class Decoder:
 
     def _made(self, entry: Mapping[str, Any]) -> Any:
         name = entry["class"]
-        if name not in self._classes:
-            raise ValueError(f"it holds a {name}, a class of your own; give it by classes=[{name}]")
-        return self._classes[name](**{key: self(code) for key, code in entry["fields"].items()})
+        cls = self._classes[name]
+        fields = {key: self(code) for key, code in entry["fields"].items()}
+        every, needed = _constructor(cls)
+        strange = [key for key in fields if key not in every]
+        if strange:
+            raise ValueError(f"its {name} has a field {strange[0]!r}, which the {name} of this program has not")
+        missing = [key for key in needed if key not in fields]
+        if missing and cls not in self._grown:
+            raise ValueError(f"its {name} has no field {missing[0]!r}, which the {name} of this program has")
+        try:
+            return cls(**fields, **dict.fromkeys(missing))
+        except Exception as error:  # a class of a user may raise any
+            raise ValueError(f"its {name} is refused: {str(error).rstrip('.')}") from error
+
+
+def _constructor(cls: Any) -> tuple[list[str], list[str]]:
+    """Names that the constructor of a dataclass or a named tuple takes, and those that it needs."""
+    if not dataclasses.is_dataclass(cls):
+        return list(cls._fields), [name for name in cls._fields if name not in cls._field_defaults]
+    entries = [entry for entry in dataclasses.fields(cls) if entry.init]
+    unset = dataclasses.MISSING
+    return [entry.name for entry in entries], [
+        entry.name for entry in entries if entry.default is unset and entry.default_factory is unset
+    ]
 
 
 def _fields(value: Any) -> dict[str, Any]:

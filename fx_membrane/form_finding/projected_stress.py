@@ -18,6 +18,7 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
+from ..checks.calls import unfit
 from ..geometry.measures import measures
 from ..model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
 from ..model.parts import Membrane
@@ -191,9 +192,9 @@ def _checked_fields(structure: Structure, stress: Any) -> dict[str, Field]:
     for name, field in fields.items():
         if not isinstance(name, str) or name not in structure.parts_of(Membrane):
             raise ValueError(f"stress names {validation.short_repr(name)}, which is no membrane of the structure.")
-        if not callable(field):
+        if shown := unfit(field, 1):
             raise ValueError(
-                f"stress of part {name!r} is {validation.short_repr(field)}; give a function of place, or the number "
+                f"stress of part {name!r} is {shown}; give a function of place, or the number "
                 "as the prestress of the part."
             )
     return fields

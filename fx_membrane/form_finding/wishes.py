@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
+from ..checks.calls import unfit
 from ..geometry.measures import normals, projected
+from ..model.by_value import ByValue
 from ..model.parts import Membrane
 from ..model.structure import Structure
 from .cell_reference import check_tension, tangents
@@ -18,8 +20,8 @@ Array = NDArray[np.float64]
 Size = Callable[[Array], Array]
 
 
-@dataclass(frozen=True)
-class RadialDirection:
+@dataclass(frozen=True, eq=False)
+class RadialDirection(ByValue):
     """Direction away from an axis, as a function of place: the warp of cones and domes about it.
 
     Args:
@@ -118,11 +120,8 @@ def _functions(structure: Structure, what: str, given: Any) -> dict[str, Field]:
     for name, field in (given or {}).items():
         if not isinstance(structure.parts.get(name) if isinstance(name, str) else None, Membrane):
             raise ValueError(f"{what} names {validation.short_repr(name)}, which is no membrane of the structure.")
-        if not callable(field):
-            raise ValueError(
-                f"{what} of part {name!r} is {validation.short_repr(field)}; give a function of place, or the value in "
-                "the part."
-            )
+        if shown := unfit(field, 1):
+            raise ValueError(f"{what} of part {name!r} is {shown}; give a function of place, or the value in the part.")
     return dict(given or {})
 
 
@@ -133,6 +132,7 @@ def _direction(name: str, part: Membrane, field: Field | None) -> Callable[[Arra
         vectors = np.broadcast_to(np.asarray(part.warp, dtype=np.float64), (len(part.cells), 3))
         return lambda x: vectors
     if isinstance(field, RadialDirection):
+        validation.plain(f"warp of part {name!r}", field, RadialDirection)
         return field
 
     def vectors_at(x: Array) -> Array:

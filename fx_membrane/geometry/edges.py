@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import _dolfinx
 from ..checks import validation
+from ..checks.calls import unfit
 
 
 def edges_where(
@@ -31,10 +32,8 @@ def edges_where(
         >>> edges_where(points, triangles, lambda x: x[0] > 1.9).tolist()
         [[2, 5]]
     """
-    if not callable(on):
-        raise ValueError(
-            f"on is {validation.short_repr(on)}; give a function of positions, lambda x: numpy.isclose(x[1], 0)."
-        )
+    if shown := unfit(on, 1):
+        raise ValueError(f"on is {shown}; give a function of positions, lambda x: numpy.isclose(x[1], 0).")
     positions = validation.positions("points", points)
     mask = np.asarray(on(positions.T))
     if mask.shape != (len(positions),) or mask.dtype != bool:

@@ -37,7 +37,7 @@ from numpy.typing import NDArray
 
 from ..checks import validation
 from ..checks.values import expected, with_article
-from . import term_trial
+from . import own_classes, term_trial
 
 Array = NDArray[np.float64]
 
@@ -50,6 +50,8 @@ class EnergyTerm(Protocol):
     """Energy term of your own: a frozen dataclass with a part, parameters and an energy in UFL.
 
     It need not be derived from this class. The module `fx_membrane.model.energy_terms` says what else it may have::
+
+        from dataclasses import dataclass
 
         @dataclass(frozen=True)
         class ElasticBed:
@@ -77,6 +79,9 @@ class ForceTerm(Protocol):
     """Term of your own that has no potential: like `EnergyTerm`, with the virtual work of its forces.
 
     An example is a pressure that grows with depth, on a surface with a free edge::
+
+        from dataclasses import dataclass
+        from ufl import conditional, dot, gt
 
         @dataclass(frozen=True)
         class Water:
@@ -165,14 +170,9 @@ def check(what: str, term: Any) -> None:
     """
     kind = type(term)
     named = f"{what} has {with_article(kind.__name__)}"
-    settings = getattr(kind, "__dataclass_params__", None)
-    if settings is None or not settings.frozen or "__dataclass_fields__" not in vars(kind):
-        raise ValueError(
-            f"{named}, whose class is no frozen dataclass; write @dataclass(frozen=True) before it: its fields are the "
-            "part and the parameters of the term."
-        )
     if all(callable(getattr(term, name, None)) for name in METHODS):
         raise ValueError(f"{named} with energy and virtual_work; define one of the two: the energy, if there is one.")
+    own_classes.check(named, kind, METHODS, "term")
     if not hasattr(term, "part"):
         raise ValueError(f"{named} without a part; add the field part, the name of the part on which it acts.")
     name = f"{what}: {kind.__name__}"
@@ -257,7 +257,7 @@ def values(term: Any, count: int, named: str = "") -> dict[str, Array]:
                 n = len(cells)
                 raise ValueError(
                     f"{named} has the parameter {name} of shape {value.shape}; give a number, a vector (3,), or one "
-                    f"for each of its {n} cells: ({n}, 1) or ({n}, 3)."
+                    f"for each of its {n} cells: ({n}, 1) or ({n}, 3). Shape (3,) is always one vector."
                 )
             rows = value.reshape(len(cells), -1)
             value = np.repeat(rows[:1], count, axis=0)

@@ -1,7 +1,7 @@
 """Refusal of laws that break the contract in `laws`."""
 
 import dataclasses
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any
 
 import numpy as np
@@ -13,11 +13,14 @@ from ufl.algorithms.apply_derivatives import apply_derivatives
 from ..checks import validation
 from ..checks.values import with_article
 from ..forms.wrinkling import Relaxed
-from . import laws
+from . import laws, own_classes, own_formulas
+from .own_formulas import UnfitError
 
 Array = NDArray[np.float64]
 
 STEP = 1e-4  # strain of difference quotients
+RELAXED = "relaxed_energy(E, sigma0, parameters)"
+STIFFNESS = "give a typical stiffness [N/m], of bars [N], as a property or an attribute"
 KINDS = {1: "bars", 2: "membranes"}
 
 
@@ -53,36 +56,38 @@ def check(what: str, law: Any, dimension: int, own: bool) -> None:
     if wanted != dimension:
         raise ValueError(f"{what} is {validation.short_repr(law)}, a law of {KINDS[wanted]}; give one of "
                          f"{KINDS[dimension]}.")  # fmt: skip
-    _check_class(what, type(law))
+    own_classes.check(f"{what} is {with_article(type(law).__name__)}", type(law), ["energy"], "law")
     if own:
-        for entry in dataclasses.fields(law):
-            validation.number(f"{what}: {type(law).__name__} {entry.name}", getattr(law, entry.name))
-        validation.positive(f"{what}: {type(law).__name__} stiffness", getattr(law, "stiffness", None))
-        limit = laws.member(law, "strain_limit")
-        if limit is not None:
-            validation.positive(f"{what}: {type(law).__name__} strain_limit", limit)
+        _check_members(what, law)
         try:
             fault = _fault(law, dimension)
         except TypeError:  # its class has no hash
             fault = _fault.__wrapped__(law, dimension)
         if fault:
-            raise ValueError(f"{what} is {with_article(type(law).__name__)}, {fault}.")
+            raise ValueError(f"{what} is {validation.short_repr(law)}, whose {fault}.")
 
 
-def _check_class(what: str, kind: type) -> None:
-    named = f"{what} is {with_article(kind.__name__)}"
-    home = laws.home(kind, "energy")
-    if home is not None and home is not kind:
-        raise ValueError(
-            f"{named}, a class derived from {home.__name__}, whose energy would be used; define energy in "
-            f"{kind.__name__} (energy = {home.__name__}.energy if that is meant)."
-        )
-    settings = getattr(kind, "__dataclass_params__", None)
-    if settings is None or not settings.frozen or "__dataclass_fields__" not in vars(kind):
-        raise ValueError(
-            f"{named}, whose class is no frozen dataclass; write @dataclass(frozen=True) before it: its fields are "
-            "the parameters of the law."
-        )
+def _check_members(what: str, law: Any) -> None:
+    """Refuse members of a law of a user's own that are not of their kind."""
+    named = f"{what}: {type(law).__name__}"
+    for entry in dataclasses.fields(law):
+        validation.number(f"{named} {entry.name}", getattr(law, entry.name))
+    try:
+        stiffness = law.stiffness
+    except Exception as error:
+        missing = own_classes.home(type(law), "stiffness") is None
+        fault = "is missing" if missing else f"raises {type(error).__name__}: {error}"
+        raise ValueError(f"{named} stiffness {fault}; {STIFFNESS}.") from None
+    if callable(stiffness):
+        raise ValueError(f"{named} stiffness is a method; write @property before it.")
+    validation.positive(f"{named} stiffness", stiffness)
+    limit, directed, relaxed = (laws.member(law, name) for name in ("strain_limit", "directed", "relaxed_energy"))
+    if limit is not None:
+        validation.positive(f"{named} strain_limit", limit)
+    if directed is not None:
+        validation.truth(f"{named} directed", directed)
+    if relaxed is not None and not callable(relaxed):
+        raise ValueError(f"{named} relaxed_energy is {validation.short_repr(relaxed)}; give a method, or None.")
 
 
 @lru_cache(maxsize=64)
@@ -90,25 +95,30 @@ def _fault(law: laws.Law, dimension: int) -> str:
     """Sentence on a fault in the energy of a law or in what belongs to it; empty if there is none."""
     sigma0 = float(law.stiffness) * np.array([[0.02, 0.006], [0.006, 0.01]])[:dimension, :dimension]
     try:
-        fault = _energy_fault(law, sigma0)
-    except laws.UnfitError as error:
+        return _energy_fault(law, sigma0) or _relaxed_fault(law, sigma0) or _strain_fault(law, dimension)
+    except UnfitError as error:
         return str(error)
     except Exception as error:
-        return f"whose energy(E, sigma0, parameters) raises {type(error).__name__}: {error}; mend it"
-    return fault or _relaxed_fault(law, sigma0) or _strain_fault(law, dimension)
+        return f"{laws.CALL} has no value at E = 0, as UFL tells by {type(error).__name__}: {error}; mend it"
 
 
 def _energy_fault(law: laws.Law, sigma0: Array) -> str:
     """Sentence on a fault in the energy and its derivatives at E = 0; empty if there is none."""
+    laws.formula(law, *_symbols(law, len(sigma0)))  # as it will be compiled
+    if _looks_at_numbers(law, sigma0):
+        return (
+            "energy depends on values of its parameters by Python's own comparison (as if parameters.k == 0), which a "
+            "compiled energy cannot; take ufl.conditional"
+        )
     directions = _directions(len(sigma0))
     rest = laws.value(law, 0 * sigma0, sigma0)
     values = [(laws.value(law, STEP * D, sigma0), laws.value(law, -STEP * D, sigma0)) for D in directions]
     if not np.isfinite([rest, *np.ravel(values)]).all():
-        return "whose energy is not a finite number at E = 0; give one that is, in the reference shape"
+        return "energy is not a finite number at E = 0; give one that is, in the reference shape"
     derivatives = [_derivatives(law, D, sigma0) for D in directions]
     if not np.isfinite(derivatives).all():
         return (
-            "whose energy has derivatives at E = 0, at equal stretches, that are not numbers, as of a root of zero; "
+            "energy has derivatives at E = 0, at equal stretches, that are not numbers, as of a root of zero; "
             "write it in the invariants tr(C) and det(C) without roots, or add a small number, as 1e-12, under the root"
         )
     for D, (above, below), (slope, curvature) in zip(directions, values, derivatives, strict=True):
@@ -116,12 +126,33 @@ def _energy_fault(law: laws.Law, sigma0: Array) -> str:
         for stress in ((above - below) / (2 * STEP), slope):
             if not abs(stress - wanted) <= 0.01 * np.abs(sigma0).max():
                 return (
-                    f"whose stress at E = 0 is {stress:.3g} under the prestress {wanted:.3g}; they must be equal: add "
+                    f"stress at E = 0 is {stress:.3g} under the prestress {wanted:.3g}; they must be equal: add "
                     "inner(sigma0, E) to an energy that has no stress of its own at E = 0"
                 )
         if not (above + below - 2 * rest > 0 and curvature > 0):
-            return "whose stiffness at E = 0 is not positive; give an energy that grows in all directions from there"
+            return (
+                f"energy has the second derivative {curvature:.3g} at E = 0 in the direction {D.tolist()}, so that its "
+                "stiffness there is not positive; give an energy that grows in all directions from there, as by "
+                "parameters.k * inner(E, E) / 2"
+            )
     return ""
+
+
+def _looks_at_numbers(law: laws.Law, sigma0: Array) -> bool:
+    """Return True if the energy is another for parameters that are numbers than for symbols of their values."""
+    values: dict[Any, float] = {}
+
+    def symbol(number: float) -> Any:
+        made = own_formulas.Constant(_mesh(len(sigma0)))
+        values[made] = number
+        return made
+
+    E = 0.01 * np.eye(len(sigma0))
+    w = laws.formula(
+        law, ufl.variable(ufl.as_matrix(E.tolist())), ufl.as_matrix(sigma0.tolist()), laws.parameters(law, symbol)
+    )
+    known, found = laws.value(law, E, sigma0), float(apply_algebra_lowering(w)((), values))
+    return bool(abs(found - known) > 1e-9 * abs(known))
 
 
 def _derivatives(law: laws.Law, direction: Array, sigma0: Array) -> tuple[float, float]:
@@ -147,17 +178,17 @@ def _relaxed_fault(law: laws.Law, sigma0: Array) -> str:
     if formula is None:
         return ""
     prestress = ufl.as_matrix(sigma0.tolist())
-    call = "relaxed_energy(E, sigma0, parameters)"
-    try:
-        found = formula(ufl.variable(0 * prestress), prestress, laws.parameters(law, ufl.as_ufl))
-    except Exception as error:
-        return f"whose {call} raises {type(error).__name__}: {error}; mend it"
-    if found is None or isinstance(found, Relaxed):
-        return ""
-    return (
-        f"whose {call} is {validation.short_repr(found)}; return a fx_membrane.forms.wrinkling.Relaxed(energy, state), "
-        "or None for a law that carries compression"
-    )
+    for E, given, numbers in (
+        _symbols(law, len(sigma0)),
+        (ufl.variable(0 * prestress), prestress, laws.parameters(law, ufl.as_ufl)),
+    ):
+        found = own_formulas.called(formula, RELAXED, (E, given, numbers), laws.symbols(law, E))
+        if not (found is None or isinstance(found, Relaxed)):
+            return (
+                f"{RELAXED} returns {own_formulas.described(found)}; return a fx_membrane.forms.wrinkling.Relaxed("
+                "energy, state), or None for a law that carries compression"
+            )
+    return ""
 
 
 def _strain_fault(law: laws.Law, dimension: int) -> str:
@@ -166,11 +197,11 @@ def _strain_fault(law: laws.Law, dimension: int) -> str:
     try:
         found = laws.strain(law, stress)
     except Exception as error:
-        return f"whose strain(stress) raises {type(error).__name__}: {error}; mend it"
+        return f"strain(stress) raises {type(error).__name__}: {error}; mend it"
     if found is None or np.shape(found) == stress.shape:
         return ""
     return (
-        f"whose strain(stress) has the shape {np.shape(found)} for stresses of the shape {stress.shape}; return an "
+        f"strain(stress) has the shape {np.shape(found)} for stresses of the shape {stress.shape}; return an "
         "array of the same shape"
     )
 
@@ -179,3 +210,21 @@ def _directions(dimension: int) -> list[Array]:
     if dimension == 1:
         return [np.eye(1)]
     return [np.diag([1.0, 0.0]), np.diag([0.0, 1.0]), np.array([[0.0, 0.5], [0.5, 0.0]]), np.eye(2)]
+
+
+def _symbols(law: laws.Law, dimension: int) -> tuple[Any, Any, Any]:
+    """Strain, prestress and parameters without values, as the compiled forms have them."""
+    from .. import _dolfinx  # noqa: PLC0415  (the laws of the package need no dolfinx)
+
+    space = _dolfinx.abstract_space("DG", 0, dimension, dimension**2)
+    mesh, d = _mesh(dimension), range(dimension)
+    strain, stress = own_formulas.Coefficient(space), own_formulas.Coefficient(space)
+    E, sigma0 = (ufl.as_matrix([[field[dimension * i + j] for j in d] for i in d]) for field in (strain, stress))
+    return ufl.variable(E), sigma0, laws.parameters(law, lambda _: own_formulas.Constant(mesh))
+
+
+@cache
+def _mesh(dimension: int) -> Any:
+    from .. import _dolfinx  # noqa: PLC0415  (the laws of the package need no dolfinx)
+
+    return _dolfinx.abstract_mesh(dimension)

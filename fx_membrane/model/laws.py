@@ -32,10 +32,14 @@ from numpy.typing import NDArray
 from ufl.algorithms.apply_algebra_lowering import apply_algebra_lowering
 
 from ..checks import validation
+from . import own_formulas
+from .own_classes import home
 
 Array = NDArray[np.float64]
 
 SAMPLES = (-0.2, -0.01, 0.003, 0.05, 0.4, 3.0)  # strains at which energies are compared
+CALL = "energy(E, sigma0, parameters)"
+EXAMPLE = "inner(sigma0, E) + parameters.k * inner(E, E) / 2"
 STRETCHES = np.geomspace(1e-3, 1e4, 36)  # strains at which a compressive prestress may be taken up
 
 
@@ -43,6 +47,9 @@ class Law(Protocol):
     """Material law: an energy in UFL and its parameters. The module says what else it may have.
 
     A law of your own is a frozen dataclass, derived from this class or from none::
+
+        from dataclasses import dataclass
+        from ufl import inner
 
         @dataclass(frozen=True)
         class Stiffening:
@@ -150,10 +157,6 @@ def _text(law: Law, E: Array, sigma0: Array) -> str:
         return "none"
 
 
-class UnfitError(Exception):
-    """Result of `energy` that is no scalar in UFL."""
-
-
 def value(law: Law, E: Array, sigma0: Array) -> float:
     """Energy of a law at a strain under a prestress, both (d, d), by UFL's own evaluation."""
     return float(apply_algebra_lowering(energy(law, ufl.as_matrix(E.tolist()), sigma0))(()))
@@ -165,13 +168,26 @@ def energy(law: Law, E: Any, sigma0: Array) -> Any:
     Raises:
         UnfitError: It is no scalar in UFL.
     """
-    w = law.energy(ufl.variable(E), ufl.as_matrix(sigma0.tolist()), parameters(law, ufl.as_ufl))
-    if not isinstance(w, ufl.core.expr.Expr) or w.ufl_shape or w.ufl_free_indices:
-        raise UnfitError(
-            f"whose energy(E, sigma0, parameters) is {validation.short_repr(w)}; return a scalar in UFL, as "
-            "inner(sigma0, E) + parameters.k * tr(E)**2 / 2"
-        )
-    return w
+    return formula(law, ufl.variable(E), ufl.as_matrix(sigma0.tolist()), parameters(law, ufl.as_ufl))
+
+
+def formula(law: Law, E: Any, sigma0: Any, numbers: Any) -> Any:
+    """Energy of a law in UFL of any symbols.
+
+    Raises:
+        UnfitError: It is no scalar in UFL.
+    """
+    return own_formulas.scalar(law.energy, CALL, (E, sigma0, numbers), symbols(law, E), EXAMPLE)
+
+
+def symbols(law: Law, E: Any) -> str:
+    """Sentence on the arguments of an energy, for messages."""
+    names = ", ".join(entry.name for entry in dataclasses.fields(cast(Any, law)))
+    return (
+        f"E and sigma0 have the shape {E.ufl_shape}, parameters the numbers {names}"
+        if names
+        else (f"E and sigma0 have the shape {E.ufl_shape}, parameters is empty")
+    )
 
 
 def _differs_by_direction(law: Law) -> bool:
@@ -186,8 +202,3 @@ def _has_own(kind: type, name: str) -> bool:
     """Return True if a class has a member that does not belong to another energy."""
     found = home(kind, name)
     return found is not None and (found is kind or "energy" not in vars(found))
-
-
-def home(kind: type, name: str) -> type | None:
-    """Class that defines a member, in the order of inheritance."""
-    return next((base for base in kind.__mro__ if base is not Law and name in vars(base)), None)

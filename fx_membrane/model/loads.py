@@ -10,12 +10,13 @@ from numpy.typing import ArrayLike
 
 from ..checks import validation
 from . import energy_terms
+from .by_value import ByValue
 from .energy_terms import Term
 from .structure import Structure
 
 
 @dataclass(frozen=True, eq=False)
-class PointLoad:
+class PointLoad(ByValue):
     """Equal force on each of some nodes.
 
     Args:
@@ -39,7 +40,7 @@ class PointLoad:
 
 
 @dataclass(frozen=True, eq=False)
-class _SpreadLoad:
+class _SpreadLoad(ByValue):
     """Common fields of loads of fixed direction that are spread over cells."""
 
     load: ArrayLike
@@ -91,7 +92,7 @@ class PlanLoad(_SpreadLoad):
 
 
 @dataclass(frozen=True, eq=False)
-class Pressure:
+class Pressure(ByValue):
     """A pressure that follows the membrane: per current area, along its current normal.
 
     Args:

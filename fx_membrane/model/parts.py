@@ -4,19 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import ClassVar, Literal, Self, TypeVar
+from typing import TYPE_CHECKING, ClassVar, Literal, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
 from . import laws, materials
+from .by_value import ByValue
 from .laws import Law
 from .materials import Axial
 
 
 @dataclass(frozen=True, eq=False)
-class Membrane:
+class Membrane(ByValue):
     """Three-node membrane elements of one fabric.
 
     Args:
@@ -61,6 +62,19 @@ class Membrane:
     warp: ArrayLike | None = None
     compression_stiffness: float = 1e-4
     mass: float = field(default=0.0, kw_only=True)
+
+    if TYPE_CHECKING:  # fields hold arrays, but lists may be given
+
+        def __init__(
+            self,
+            cells: ArrayLike,
+            material: Law,
+            prestress: ArrayLike = ...,
+            warp: ArrayLike | None = ...,
+            compression_stiffness: float = ...,
+            *,
+            mass: float = ...,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         validation.keep(self, cells=validation.cells("Membrane cells", self.cells, 3))
@@ -111,7 +125,7 @@ class Membrane:
 
 
 @dataclass(frozen=True, eq=False)
-class Bar:
+class Bar(ByValue):
     """Common fields of cables and masts: straight elements with axial force only.
 
     `is_strut` tells those that stand by compression, and fall where nothing holds them.
@@ -124,6 +138,18 @@ class Bar:
     prestress: ArrayLike = 0.0
     mass: float = field(default=0.0, kw_only=True)
     material: Law = field(default=None, kw_only=True)  # type: ignore[assignment]  # Axial(axial_stiffness)
+
+    if TYPE_CHECKING:  # fields hold arrays, but lists may be given
+
+        def __init__(
+            self,
+            cells: ArrayLike,
+            axial_stiffness: float | None = ...,
+            prestress: ArrayLike = ...,
+            *,
+            mass: float = ...,
+            material: Law | None = ...,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         validation.keep(self, cells=validation.cells(f"{type(self).__name__} cells", self.cells, 2))
@@ -155,7 +181,7 @@ class Bar:
 
     @classmethod
     def from_modulus(
-        cls, cells: NDArray[np.int64], E: float, area: float, prestress: ArrayLike = 0.0, density: float = 0.0
+        cls, cells: ArrayLike, E: float, area: float, prestress: ArrayLike = 0.0, density: float = 0.0
     ) -> Self:
         """Make bars from Young's modulus E [Pa], a cross-section [m2] and a density [kg/m3], t/m3 with kN and m."""
         E, area = validation.positive(f"{cls.__name__} E", E), validation.positive(f"{cls.__name__} area", area)
@@ -203,6 +229,19 @@ class Cable(Bar):
 
     compression_stiffness: float = 1e-4
 
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            cells: ArrayLike,
+            axial_stiffness: float | None = ...,
+            prestress: ArrayLike = ...,
+            compression_stiffness: float = ...,
+            *,
+            mass: float = ...,
+            material: Law | None = ...,
+        ) -> None: ...
+
     def __post_init__(self) -> None:
         super().__post_init__()
         validation.store(self, validation.fraction, "compression_stiffness")
@@ -230,6 +269,18 @@ class Mast(Bar):
     is_strut: ClassVar[bool] = True
     carries_compression: ClassVar[bool] = True
     compression_stiffness: ClassVar[float] = 1.0
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            cells: ArrayLike,
+            axial_stiffness: float | None = ...,
+            prestress: ArrayLike = ...,
+            *,
+            mass: float = ...,
+            material: Law | None = ...,
+        ) -> None: ...
 
 
 Part = Membrane | Cable | Mast

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..checks import validation
+from .by_value import ByValue
 from .loads import Load, check_load, checked_loads
 from .structure import Structure
 
@@ -16,7 +17,7 @@ INCREMENTS = 1_000_000  # maximum number of increments of a stage: all their ite
 
 
 @dataclass(frozen=True, eq=False)
-class PrescribedDisplacement:
+class PrescribedDisplacement(ByValue):
     """Nodes moved by a given displacement and held there.
 
     Args:
@@ -51,7 +52,7 @@ class PrescribedDisplacement:
 
 
 @dataclass(frozen=True, eq=False)
-class Stage:
+class Stage(ByValue):
     """Load case: the loads to apply, the number of increments, and the stage that it follows.
 
     Args:

@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,9 +16,10 @@ from ..checks.values import counted
 from ..geometry.measures import SLENDER, SLIVER, aspects, normals, projected
 from ..geometry.topology import with_one_sense
 from . import energy_terms
+from .by_value import ByValue
 from .coincidence import CoincidentNodesWarning, coincident_nodes
 from .energy_terms import Term
-from .parts import Bar, Cable, Kind, Mast, Membrane, Part
+from .parts import Bar, Kind, Membrane, Part
 from .supports import Support
 
 
@@ -27,7 +28,7 @@ class SliverWarning(UserWarning):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Structure:
+class Structure(ByValue):
     """Points, parts and supports: everything that stays the same from stage to stage.
 
     The nodes of a triangle may be in either order. The structure turns all cells of a connected membrane, open or
@@ -52,10 +53,10 @@ class Structure:
 
     Raises:
         ValueError: A cell names a node that does not exist; it has no area or no length, or is normal to its warp; a
-            triangle is more than 1e7 times as long as it is high; a part is of a class derived from `Membrane`, `Cable`
-            or `Mast`; a support is on a node that does not exist or that no part uses; a value is not finite; a
-            membrane without two sides has one prestress tensor with shear; separate names a part that is not there; a
-            term does not fit, see `EnergyTerm`.
+            triangle is more than 1e7 times as long as it is high; the structure or a part is of a class derived from
+            `Structure`, `Membrane`, `Cable` or `Mast`; a support is on a node that does not exist or that no part uses;
+            a value is not finite; a membrane without two sides has one prestress tensor with shear; separate names a
+            part that is not there; a term does not fit, see `EnergyTerm`.
 
     Warns:
         CoincidentNodesWarning: Nodes of the parts are closer than 1e-9 of the size of the structure, not all of them
@@ -79,7 +80,19 @@ class Structure:
     terms: Sequence[Term] = ()
     _no_sides: dict[str, str] = field(init=False, repr=False, default_factory=dict)  # membrane: reason
 
+    if TYPE_CHECKING:  # the field holds an array, but lists may be given
+
+        def __init__(
+            self,
+            points: ArrayLike,
+            parts: Mapping[str, Part],
+            supports: Sequence[Support] = ...,
+            separate: Sequence[tuple[str, str]] = ...,
+            terms: Sequence[Term] = ...,
+        ) -> None: ...
+
     def __post_init__(self) -> None:
+        validation.plain("The structure", self, Structure)
         object.__setattr__(self, "points", validation.positions("points", self.points))
         if not isinstance(self.parts, Mapping):
             raise ValueError(f'parts is a {type(self.parts).__name__}; give a dictionary, {{"name": Membrane(...)}}.')
@@ -211,7 +224,7 @@ class Structure:
         Raises:
             ValueError: The kind is none of these.
         """
-        if not isinstance(kind, type) or kind not in (Membrane, Bar, Cable, Mast):
+        if not isinstance(kind, type) or kind not in (Bar, *get_args(Part)):
             raise ValueError(f"The kind of a part is {validation.short_repr(kind)}; give Membrane, Cable or Mast.")
         return {name: part for name, part in self.parts.items() if isinstance(part, kind)}
 

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 from numpy.typing import ArrayLike
 
 from ..checks import validation
+from .by_value import ByValue
 
 
 @dataclass(frozen=True, eq=False)
-class Support:
+class Support(ByValue):
     """Nodes held at their reference position.
 
     Args:

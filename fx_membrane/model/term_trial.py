@@ -9,15 +9,12 @@ import ufl
 from ufl.algorithms import expand_derivatives
 from ufl.algorithms.check_arities import ArityMismatch, check_form_arity
 
-from ..checks import validation
 from ..forms.energy_terms import State
+from . import own_formulas
+from .own_formulas import UnfitError
 
 DEGREE = 2  # quadrature
 Kinds = tuple[tuple[str, str, int], ...]  # of each parameter: its name, "constant" or "cells", number of components
-
-
-class UnfitError(ValueError):
-    """Integrand that is no integrand, in words."""
 
 
 def integral(term: Any, state: State, parameters: Any, weight: Any, v: Any, domain: Any) -> ufl.Form:
@@ -35,18 +32,21 @@ def integral(term: Any, state: State, parameters: Any, weight: Any, v: Any, doma
         UnfitError: The method of the term fails, or returns no scalar in UFL.
     """
     energy = callable(getattr(term, "energy", None))
-    signature = "energy(state, parameters)" if energy else "virtual_work(state, v, parameters)"
-    try:
-        density = term.energy(state, parameters) if energy else term.virtual_work(state, v, parameters)
-    except Exception as error:
-        raise UnfitError(f"has {signature} that raises {type(error).__name__}: {error}; mend it") from error
-    if not isinstance(density, ufl.core.expr.Expr) or density.ufl_shape or density.ufl_free_indices:
-        raise UnfitError(
-            f"has {signature} that returns {validation.short_repr(density)}; return a scalar in UFL without dx, as "
-            + ("parameters.k * state.u[2]**2 / 2" if energy else "parameters.p * dot(state.n, v)")
-        )
+    symbols = _described(parameters)
+    if energy:
+        call, example = "energy(state, parameters)", "parameters.k * state.u[2]**2 / 2"
+        density = own_formulas.scalar(term.energy, call, (state, parameters), symbols, example)
+    else:
+        call, example = "virtual_work(state, v, parameters)", "parameters.p * dot(state.n, v)"
+        density = own_formulas.scalar(term.virtual_work, call, (state, v, parameters), symbols, example)
     degree = getattr(term, "quadrature_degree", DEGREE)
     return weight * density * ufl.Measure("dx", metadata={"quadrature_degree": degree}, domain=domain)
+
+
+def _described(parameters: Any) -> str:
+    """Sentence on the symbols of a term, for messages."""
+    kinds = [f"{name}{' (3,)' if value.ufl_shape else ''}" for name, value in parameters._asdict().items()]
+    return f"state has u, X, x, F and n, parameters {'the fields ' + ', '.join(kinds) if kinds else 'is empty'}"
 
 
 def fault(term: Any, dimension: int, kinds: Kinds) -> str:
@@ -60,7 +60,9 @@ def fault(term: Any, dimension: int, kinds: Kinds) -> str:
     try:
         return _fault(trial(term, dimension, kinds).form, callable(getattr(term, "energy", None)), dimension)
     except UnfitError as error:
-        return str(error)
+        vectors = [name for name, kind, size in kinds if (kind, size) == ("constant", 3)]
+        shapes = f" ({', '.join(vectors)}: shape (3,) is one vector; numbers of cells have the shape (cells, 1))"
+        return f"has {error.call} that {error.words}{shapes if vectors else ''}"
 
 
 class Trial(NamedTuple):
@@ -124,9 +126,15 @@ def _symbols(dimension: int) -> tuple[Any, Any, Any, Any, Any]:
     from .. import _dolfinx  # noqa: PLC0415  (plain data without terms needs no dolfinx)
 
     V, W = _dolfinx.abstract_space("Lagrange", 1, dimension, 3), _dolfinx.abstract_space("DG", 0, dimension, 1)
-    frame = ufl.Coefficient(_dolfinx.abstract_space("DG", 0, dimension, 3 * dimension))
+    frame = own_formulas.Coefficient(_dolfinx.abstract_space("DG", 0, dimension, 3 * dimension))
     T = ufl.as_matrix([[frame[i * dimension + j] for j in range(dimension)] for i in range(3)])
-    return ufl.Coefficient(V), ufl.TestFunction(V), ufl.Coefficient(W)[0], T, _dolfinx.abstract_mesh(dimension)
+    return (
+        own_formulas.Coefficient(V),
+        own_formulas.TestFunction(V),
+        own_formulas.Coefficient(W)[0],
+        T,
+        _dolfinx.abstract_mesh(dimension),
+    )
 
 
 @lru_cache
@@ -137,9 +145,9 @@ def _parameters(dimension: int, kinds: Kinds) -> Any:
     found: dict[str, Any] = {}
     for name, kind, size in kinds:
         if kind == "constant":
-            found[name] = ufl.Constant(domain, shape=(size,) if size > 1 else ())
+            found[name] = own_formulas.Constant(domain, shape=(size,) if size > 1 else ())
         else:
-            field = ufl.Coefficient(_dolfinx.abstract_space("DG", 0, dimension, size))
+            field = own_formulas.Coefficient(_dolfinx.abstract_space("DG", 0, dimension, size))
             found[name] = field if size > 1 else field[0]
     return named(found)
 

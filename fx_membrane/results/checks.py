@@ -1,55 +1,32 @@
 """Checks of a state, each with its number, its limit and a verdict: a table to read before any other number."""
 
 from collections.abc import Iterator
-from enum import Enum
-from typing import NamedTuple
 
 import numpy as np
 
+from ..geometry.extremes import first_largest
 from ..geometry.measures import measures
 from ..model.restraint import loose_ends
 from ..solvers.outcome import Outcome
 from .balance import UNBALANCED, UnbalancedStateWarning
+from .check import Check, Verdict
+from .limits import Limits, limit_checks
+from .places import cell_place, node_place
 from .states import StageResult, UnstableStateWarning
-from .strain_limits import LargeStrainWarning
+from .strain_limits import LargeStrainWarning, largest_strain
 
 BALANCED = 1e-8  # relative difference of sums of forces and moments
 WRINKLED = 0.05  # share of the area of a membrane that may wrinkle or go slack without a word
 
 
-class Verdict(Enum):
-    """Verdict of a check."""
-
-    PASS = "PASS"
-    WARN = "WARN"
-    FAIL = "FAIL"
-
-
-class Check(NamedTuple):
-    """One check of a state.
-
-    Attributes:
-        name: The fact that is checked.
-        found: Its number, as text.
-        limit: The limit, as text; empty without one.
-        verdict: The verdict.
-        remedy: What to do about it; empty if it passes.
-    """
-
-    name: str
-    found: str
-    limit: str
-    verdict: Verdict
-    remedy: str = ""
-
-
-def checks(result: StageResult) -> list[Check]:
-    """Make the checks of a state: balance, convergence, stability, strains, slack and wrinkled parts, masts, ends."""
+def checks(result: StageResult, limits: Limits = Limits()) -> list[Check]:
+    """Make the checks of a state: balance, convergence, stability, strains, limits, slack parts, masts, loose ends."""
     return [
         *_balance(result),
         *_convergence(result),
-        _remarked(result, UnstableStateWarning, "stable", "no stable state, or held by slack parts"),
-        _remarked(result, LargeStrainWarning, "strain within the law", "strain beyond the law"),
+        _stable(result),
+        *_strain(result),
+        *limit_checks(result, limits),
         *_slack(result),
         *_masts(result),
         *_ends(result),
@@ -63,8 +40,8 @@ def table(found: list[Check]) -> str:
     for check in found:
         limit = f"limit {check.limit}" if check.limit else ""
         lines.append(f"  {check.verdict.value}  {check.name:{width}}{check.found:>14}  {limit}".rstrip())
-        if check.remedy:
-            lines.append(f"        {check.remedy}")
+        if check.advice:
+            lines.append(f"        {check.advice}")
     return "\n".join(lines)
 
 
@@ -73,9 +50,9 @@ def _judged(name: str, number: float, limit: float, remedy: str) -> Check:
     return Check(name, f"{number:.1e}", f"{limit:.0e}", Verdict.PASS if good else Verdict.WARN, "" if good else remedy)
 
 
-def _noted(name: str, found: str, limit: str, remedy: str) -> Check:
+def _noted(name: str, found: str, limit: str, remedy: str, place: str = "") -> Check:
     """Check that warns if there is a remedy."""
-    return Check(name, found, limit, Verdict.WARN if remedy else Verdict.PASS, remedy)
+    return Check(name, found, limit, Verdict.WARN if remedy else Verdict.PASS, remedy, place if remedy else "")
 
 
 def _balance(result: StageResult) -> Iterator[Check]:
@@ -90,25 +67,38 @@ def _balance(result: StageResult) -> Iterator[Check]:
     largest = max(np.abs(result.loads).max(), np.abs(result.reactions).max(), tiny)
     told = any(remark.category is UnbalancedStateWarning for remark in result.remarks)
     found, limit = f"{balance.residual / largest:.1e}", f"{UNBALANCED:.0e}"
-    yield _noted("unbalanced nodal force / largest", found, limit, remedy if told else "")
+    place = node_place(result.structure, first_largest(balance.unbalanced))
+    yield _noted("unbalanced nodal force / largest", found, limit, remedy if told else "", place)
 
 
 def _convergence(result: StageResult) -> Iterator[Check]:
     count = len(result.increments)
     good = sum(increment.outcome.converged for increment in result.increments)
     verdict = Verdict.PASS if good == count else Verdict.FAIL
-    yield Check("increments in equilibrium", f"{good} of {count}", "", verdict)
+    remedy = "" if good == count else "Do not use this state: give smaller increments, or more iterations."
+    yield Check("increments in equilibrium", f"{good} of {count}", f"{count}", verdict, remedy)
     snapped = [entry.load_factor for entry in result.increments if entry.outcome in (Outcome.SNAPPED, Outcome.FALLEN)]
     if snapped:
         remedy = f"It snapped before load factor {snapped[0]:.4g}; stay below, or add supports or prestress."
         yield _noted("increments that snapped", str(len(snapped)), "0", remedy)
 
 
-def _remarked(result: StageResult, category: type[UserWarning], name: str, found: str) -> Check:
-    sentences = [str(remark) for remark in result.remarks if remark.category is category]
+def _stable(result: StageResult) -> Check:
+    sentences = [str(remark) for remark in result.remarks if remark.category is UnstableStateWarning]
     if not sentences:
-        return Check(name, "yes", "", Verdict.PASS)
-    return Check(name, "no", "", Verdict.WARN, f"{found[0].upper()}{found[1:]}: {sentences[0]}")
+        return Check("stable", "yes", "", Verdict.PASS)
+    words = f"No stable state, or held by slack parts: {sentences[0]}"
+    return Check("stable", "no", "", Verdict.WARN, words)
+
+
+def _strain(result: StageResult) -> Iterator[Check]:
+    """Largest strain beside the limit of its law; none where the laws have no limit."""
+    largest = largest_strain(result)
+    if largest:
+        sentences = [str(remark) for remark in result.remarks if remark.category is LargeStrainWarning]
+        place = f"{largest.part!r}, {cell_place(result.structure, largest.part, largest.cell)}"
+        found, limit = f"{100 * largest.strain + 0.0:.2g} %", f"{100 * largest.limit:g} %"
+        yield _noted("largest strain", found, limit, sentences[0] if sentences else "", place)
 
 
 def _slack(result: StageResult) -> Iterator[Check]:
@@ -119,14 +109,15 @@ def _slack(result: StageResult) -> Iterator[Check]:
         if part.dimension == 2:
             area = measures(result.structure.points, part.cells)
             share = float(area[~found.taut].sum() / area.sum())
+            place = cell_place(result.structure, name, first_largest(np.where(found.taut, 0.0, area)))
             remedy = "Raise the prestress; plot.contours shows the state of the cells." if share > WRINKLED else ""
             shown, limit = f"{100 * share:.3g} %", f"{100 * WRINKLED:g} %"
-            yield _noted(f"wrinkled or slack area of {name!r}", shown, limit, remedy)
+            yield _noted(f"wrinkled or slack area of {name!r}", shown, limit, remedy, place)
         else:
             count = int(found.slack.sum())
-            first = int(found.slack.argmax())
-            remedy = f"Cell {first} is the first; raise the prestress if it is to carry." if count else ""
-            yield _noted(f"slack cables of {name!r}", f"{count} of {len(found.slack)}", "0", remedy)
+            place = cell_place(result.structure, name, int(found.slack.argmax()))
+            remedy = "Raise the prestress if they are to carry." if count else ""
+            yield _noted(f"slack cables of {name!r}", f"{count} of {len(found.slack)}", "0", remedy, place)
 
 
 def _masts(result: StageResult) -> Iterator[Check]:
@@ -134,8 +125,9 @@ def _masts(result: StageResult) -> Iterator[Check]:
         if part.is_strut:
             force = result.mast(name).force
             count = int((force > 0).sum())
-            remedy = f"Cell {int(force.argmax())} pulls at its foot; anchor it." if count else ""
-            yield _noted(f"masts in tension of {name!r}", str(count), "0", remedy)
+            remedy = "It pulls at its foot; anchor it." if count else ""
+            place = cell_place(result.structure, name, int(force.argmax()))
+            yield _noted(f"masts in tension of {name!r}", str(count), "0", remedy, place)
 
 
 def _ends(result: StageResult) -> Iterator[Check]:
@@ -143,5 +135,6 @@ def _ends(result: StageResult) -> Iterator[Check]:
         if part.dimension == 1:
             ends = loose_ends(result.structure, name, result.actions.held)
             if ends:
-                remedy = f"Cell {ends[0][0]} ends in the air at node {ends[0][1]}; connect or support it."
-                yield _noted(f"loose ends of {name!r}", str(len(ends)), "0", remedy)
+                remedy = f"Cell {ends[0][0]} ends in the air there; connect or support it."
+                place = node_place(result.structure, ends[0][1])
+                yield _noted(f"loose ends of {name!r}", str(len(ends)), "0", remedy, place)

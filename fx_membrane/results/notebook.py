@@ -15,7 +15,7 @@ def state_html(result: StageResult) -> str:
     """Show a state: its checks, and the extremes of each part."""
     judged = [
         [f'<b style="color:{COLOURS[check.verdict.value]}">{check.verdict.value}</b>']
-        + [escape(text) for text in (check.name, check.found, check.limit, check.remedy)]
+        + [escape(text) for text in (check.name, check.found, check.limit, check.advice)]
         for check in checks(result)
     ]
     return (

@@ -55,7 +55,8 @@ class Increment(NamedTuple):
 
     Attributes:
         load_factor: Fraction of the stage's own loads and displacements, in (0, 1].
-        iterations: The iterates of the solver, the start first.
+        iterations: The iterates of the solver, the start first. Of several attempts of `Newton`, those of the one that
+            gives the outcome: the one after the homotopy if it converged, or else the first.
         outcome: Outcome, the gravest of those that apply.
         extra_iterations: Number of iterates missing from `iterations`: those of rejected attempts and of the homotopy.
         fallen: Sentence on the parts that only slack parts held before; empty unless the outcome is FALLEN.
@@ -253,12 +254,14 @@ class StageResults(dict[str, StageResult]):
         title: Title of the case file that they are of; empty without one.
         force_unit: Name of its unit of force.
         length_unit: Name of its unit of length.
+        limits: Its limits, for checks; None without.
     """
 
     def __init__(self, results: Mapping[str, StageResult] = MappingProxyType({}), stages: Sequence[Stage] = ()):
         super().__init__(results)
         self.stages = tuple(stages)
         self.title, self.force_unit, self.length_unit = "", "N", "m"
+        self.limits: Any = None
 
     def _repr_html_(self) -> str:
         """Show the list of stages in notebooks."""

@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +28,24 @@ class LargeStrainWarning(UserWarning):
     For a prestress it is the elastic strain of the reference shape, prestress over stiffness. Laws for large strains
     have no limit of their own; for their prestress it is 100 %.
     """
+
+
+class LargestStrain(NamedTuple):
+    """Cell nearest to the limit of its law.
+
+    Attributes:
+        part: Name of its part.
+        cell: Number of the cell.
+        strain: Its largest strain, in tension or compression [-].
+        limit: Limit of its law [-].
+        beyond: Number of all cells beyond their limits.
+    """
+
+    part: str
+    cell: int
+    strain: float
+    limit: float
+    beyond: int
 
 
 def warn_of_large_prestress(structure: Structure, stacklevel: int) -> None:
@@ -58,20 +77,14 @@ def warn_of_large_prestress(structure: Structure, stacklevel: int) -> None:
 
 def strain_remarks(result: StageResult) -> Iterator[Remark]:
     """At most one, on the most strained part; strains that wrinkling, slackness or an excess takes up do not count."""
-    limits = {name: laws.strain_limit(result.structure.parts[name].material) for name in result.parts}
-    limits = {name: limit for name, limit in limits.items() if np.isfinite(limit)}
-    if not limits:
+    largest = largest_strain(result)
+    if not largest or not largest.strain > largest.limit:
         return
-    sizes = {name: _sizes(result.structure.parts[name], result.parts[name]) for name in limits}
-    name = list(sizes)[first_largest(np.array([size.max() / limits[name] for name, size in sizes.items()]))]
-    cell, limit = first_largest(sizes[name]), limits[name]
-    if not sizes[name][cell] > limit:
-        return
-    also = sum(int((size > limits[other]).sum()) for other, size in sizes.items()) - 1
-    strain = f"{100 * sizes[name][cell]:.3g} %" + (
-        f" ({counted(also, 'more cell')} by over {100 * limit:g} %)" if also else ""
+    name, cell, limit = largest.part, largest.cell, largest.limit
+    strain = f"{100 * largest.strain:.3g} %" + (
+        f" ({counted(largest.beyond - 1, 'more cell')} by over {100 * limit:g} %)" if largest.beyond > 1 else ""
     )
-    if sizes[name][cell] > ABSURD:
+    if largest.strain > ABSURD:
         advice = "Units are probably mixed: check that loads, prestress, stiffness and lengths are in the same system."
     else:
         advice = "Check stiffness, loads and units; if they are right, take forces and stresses there for rough values."
@@ -80,6 +93,19 @@ def strain_remarks(result: StageResult) -> Iterator[Remark]:
         + advice,
         LargeStrainWarning,
     )
+
+
+def largest_strain(result: StageResult) -> LargestStrain | None:
+    """Find the cell nearest to the limit of its law, or farthest beyond; None if no law has one."""
+    limits = {name: laws.strain_limit(result.structure.parts[name].material) for name in result.parts}
+    limits = {name: limit for name, limit in limits.items() if np.isfinite(limit)}
+    if not limits:
+        return None
+    sizes = {name: _sizes(result.structure.parts[name], result.parts[name]) for name in limits}
+    name = list(sizes)[first_largest(np.array([size.max() / limits[name] for name, size in sizes.items()]))]
+    cell = first_largest(sizes[name])
+    beyond = sum(int((size > limits[other]).sum()) for other, size in sizes.items())
+    return LargestStrain(name, cell, float(sizes[name][cell]), limits[name], beyond)
 
 
 def _sizes(part: Part, result: MembraneResult | BarResult) -> NDArray[np.float64]:

@@ -1,12 +1,31 @@
 """Messages to the user during a run."""
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from mpi4py import MPI
 from tqdm import tqdm
 
+_silenced = [False]
+
 
 def say(text: str) -> None:
     """Print a line to stderr, beside any progress bar; only one process prints."""
-    if MPI.COMM_WORLD.rank == 0 and sys.stderr is not None:
+    if MPI.COMM_WORLD.rank == 0 and sys.stderr is not None and not silent():
         tqdm.write(text, file=sys.stderr)
+
+
+def silent() -> bool:
+    """Return True within `silence`."""
+    return _silenced[-1]
+
+
+@contextmanager
+def silence(wanted: bool = True) -> Iterator[None]:
+    """Keep messages and progress of a run from the user; warnings and errors stay."""
+    _silenced.append(wanted or silent())
+    try:
+        yield
+    finally:
+        _silenced.pop()

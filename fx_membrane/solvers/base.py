@@ -1,9 +1,9 @@
 """The solver interface: a problem and a start go in, a state with its history and reason comes out."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from petsc4py import PETSc
 
 from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
+from ..model.by_value import ByValue
 from .outcome import Outcome
 
 
@@ -52,14 +53,15 @@ class Iteration(NamedTuple):
     shift: float = 0.0
 
 
-@dataclass(frozen=True)
-class Solution:
+@dataclass(frozen=True, eq=False)
+class Solution(ByValue):
     """End of a solve; the state itself is in the vector given to it.
 
     Attributes:
         outcome: Outcome.
         reason: Sentence on why the solve stopped and, after a failure, on the remedy.
-        iterations: The iterates, the start first.
+        iterations: The iterates, the start first. Of several attempts, those of the one that gives the outcome: the one
+            after the homotopy if it converged, or else the first.
         extra_iterations: Number of iterates missing from `iterations`: those of rejected attempts and of the homotopy.
         lost_stability: True if the start was stable, but negative curvature appeared during the iteration, beyond that
             of wrinkled and slack cells: that of masts or a pressure. Iterates can be far off, so smaller load
@@ -74,6 +76,18 @@ class Solution:
     lost_stability: bool = False
     motion: NDArray[np.float64] | None = None
 
+    if TYPE_CHECKING:  # the field is a tuple, but a list may be given
+
+        def __init__(
+            self,
+            outcome: Outcome,
+            reason: str,
+            iterations: Sequence[Iteration],
+            extra_iterations: int = ...,
+            lost_stability: bool = ...,
+            motion: NDArray[np.float64] | None = ...,
+        ) -> None: ...
+
     @property
     def converged(self) -> bool:
         """True if the state is an equilibrium."""
@@ -86,9 +100,7 @@ Monitor = Callable[[int, Iteration], None]
 class Solve(Protocol):
     """Function that brings a vector to equilibrium and reports each iterate to the monitor."""
 
-    def __call__(
-        self, problem: LoadedProblem, x: PETSc.Vec, monitor: Monitor = ..., thorough: bool = ..., /
-    ) -> Solution:
+    def __call__(self, problem: LoadedProblem, x: PETSc.Vec, monitor: Monitor, thorough: bool, /) -> Solution:
         """Return the outcome; the state is in x.
 
         Args:

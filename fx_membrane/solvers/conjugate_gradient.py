@@ -16,7 +16,7 @@ from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from ..checks import validation
 from . import petsc_options
-from .base import LIMITS, Iteration, Monitor, Solution, Solve, diverged, no_monitor, tolerance
+from .base import LIMITS, Iteration, Monitor, Solution, diverged, no_monitor, tolerance
 from .diagnosis import first_order_advice, stagnation_message
 from .line_search import Point, line, rounding, search
 from .outcome import Outcome
@@ -71,9 +71,9 @@ class SteepestDescent:
     def __post_init__(self) -> None:
         _check(self)
 
-    def prepare(self, problem: Problem) -> Solve:
+    def prepare(self, problem: Problem) -> "Descent":
         """Return a function that brings a vector to equilibrium and keeps its workspace between calls."""
-        return _Descent(self, _no_memory, problem)
+        return Descent(self, _no_memory, problem)
 
 
 @dataclass(frozen=True)
@@ -105,9 +105,9 @@ class ConjugateGradient:
         validation.keep(self, beta=validation.choice("ConjugateGradient beta", self.beta, ("FR", "PR"), remedy))
         _check(self)
 
-    def prepare(self, problem: Problem) -> Solve:
+    def prepare(self, problem: Problem) -> "Descent":
         """Return a function that brings a vector to equilibrium and keeps its workspace between calls."""
-        return _Descent(self, fletcher_reeves if self.beta == "FR" else polak_ribiere, problem)
+        return Descent(self, fletcher_reeves if self.beta == "FR" else polak_ribiere, problem)
 
 
 class Gradient(NamedTuple):
@@ -144,7 +144,7 @@ def _check(settings: SteepestDescent | ConjugateGradient) -> None:
     validation.store(settings, validation.positive_integer, "max_iterations")
 
 
-class _Descent:
+class Descent:
     """The iteration.
 
     Attributes:
@@ -175,6 +175,7 @@ class _Descent:
     def __call__(
         self, problem: LoadedProblem, x: PETSc.Vec, monitor: Monitor = no_monitor, thorough: bool = True
     ) -> Solution:
+        """Bring x to equilibrium."""
         self.problem = problem
         self.history: list[Iteration] = []
         self.anew, self.age = True, 0

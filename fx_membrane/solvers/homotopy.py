@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 from petsc4py import PETSc
 
-from .base import LIMITS, max_norm
+from ..checks.values import counted
+from .base import LIMITS, Solution, max_norm
 from .newton_loop import NewtonLoop
 
 
@@ -44,3 +45,19 @@ def stabilized_start(loop: NewtonLoop, x: PETSc.Vec, control: HomotopyControl) -
                     return
         finally:
             loop.problem = given
+
+
+def attempts_message(first: Solution, homotopy: int, second: Solution) -> str:
+    """Sentence on the attempts of a solve whose reason is that of the first.
+
+    Args:
+        first: End of the first attempt.
+        homotopy: Number of iterations of the homotopy after it.
+        second: End of the attempt after the homotopy; one that has converged has a collapsed shape.
+    """
+    end = f"a largest unbalanced force of {second.iterations[-1].residual:.3g}"
+    return (
+        f" That was the first attempt, of {counted(len(first.iterations) - 1, 'iteration')}; the homotopy took "
+        f"{homotopy} more, and the second attempt {len(second.iterations) - 1}, which ended with "
+        f"{'a collapsed shape' if second.converged else end}."
+    )

@@ -18,11 +18,11 @@ from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from ..checks import validation
 from . import factorization, petsc_options
-from .base import LIMITS, Iteration, Monitor, Solution, Solve, max_norm, no_monitor
+from .base import LIMITS, Iteration, Monitor, Solution, max_norm, no_monitor
 from .convergence import Patience, nearer
 from .curvature import negative_between
 from .diagnosis import collapsed, mechanism, mechanism_or_too_few, slack_mechanism, unlikely_units
-from .homotopy import HomotopyControl, stabilized_start
+from .homotopy import HomotopyControl, attempts_message, stabilized_start
 from .inertia_correction import ShiftControl
 from .newton_loop import NewtonLoop, Proceed, always
 from .outcome import Outcome
@@ -70,7 +70,7 @@ class Newton:
         validation.store(self, validation.positive_integer, "max_iterations")
         validation.store(self, validation.truth, "line_search")
 
-    def prepare(self, problem: Problem) -> Solve:
+    def prepare(self, problem: Problem) -> "_Globalized":
         """Return a function that brings a vector to equilibrium; it keeps matrix and symbolic factorization.
 
         Raises:
@@ -137,10 +137,13 @@ class _Globalized:
         # A mechanism stays one in a smaller increment.
         if thorough and self.loop.left and not has_fallen():
             start.copy(x)
+            left = self.loop.left
             stabilized_start(self.loop, x, self.homotopy)
+            homotopy = left - self.loop.left
             second = self.attempt(x, lambda history: not self.due(history) or self.falling(history, True))
             if second.converged and not collapsed(self.problem, x):
                 return self.escape_saddle(x, replace(second, outcome=Outcome.STABILIZED))
+            solution = replace(solution, reason=solution.reason + attempts_message(solution, homotopy, second))
         units = unlikely_units(self.problem, start)
         motion = free() or slack_mechanism(self.problem, start)
         if not motion:

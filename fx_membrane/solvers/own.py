@@ -1,7 +1,5 @@
 """Solvers of a user: the protocol checked at the door, and their answers."""
 
-import inspect
-from collections.abc import Callable
 from dataclasses import fields, is_dataclass, replace
 from typing import Any
 
@@ -10,7 +8,11 @@ from petsc4py import PETSc
 
 from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
-from ..checks.validation import short_repr
+from ..checks.calls import parameters_of, takes
+from ..checks.validation import finite, integer, short_repr, truth
+from ..checks.values import with_article
+from ..model.own_classes import home
+from ..runtime.processes import together
 from .base import Iteration, Monitor, Solution, Solve, Solver, iterate, max_norm, no_monitor
 from .conjugate_gradient import ConjugateGradient, SteepestDescent
 from .newton import Newton
@@ -18,6 +20,10 @@ from .outcome import Outcome
 
 SHIPPED = (Newton, ConjugateGradient, SteepestDescent)
 GAP = 1e-9  # error of a constrained component, in sizes of the structure
+SOLUTION = (
+    "Solution(outcome, reason, iterations) with an outcome of fx_membrane.Outcome, as Outcome.CONVERGED or "
+    "Outcome.MAX_ITERATIONS"
+)
 SOLVE = "(problem, x, monitor, thorough)"
 
 
@@ -25,7 +31,8 @@ def check(solver: Any) -> None:
     """Refuse what is no solver.
 
     Raises:
-        ValueError: It is a class, or has no method `prepare` for one argument.
+        ValueError: It is a class, or has no method `prepare` for one argument; it is derived from a solver of the
+            package, whose `prepare` knows nothing of the class.
     """
     remedy = "give Newton(), or an object that keeps the protocol fx_membrane.Solver"
     what = f"Analysis solver is {short_repr(solver)}"
@@ -34,8 +41,14 @@ def check(solver: Any) -> None:
     prepare = getattr(solver, "prepare", None)
     if not callable(prepare):
         raise ValueError(f"{what}, which has no method prepare(problem); {remedy}.")
-    if not _takes(prepare, 1):
-        raise ValueError(f"{what}, whose prepare takes {inspect.signature(prepare)}; let it take (problem).")
+    if not takes(prepare, 1):
+        raise ValueError(f"{what}, whose prepare takes ({parameters_of(prepare)}); let it take (problem).")
+    parent = home(type(solver), "prepare")
+    if parent in SHIPPED and type(solver) is not parent:
+        raise ValueError(
+            f"{what}, of a class derived from {parent.__name__}, whose own data and methods would not be used; define "
+            f"prepare(problem) in {type(solver).__name__}, or give {with_article(parent.__name__)} itself."
+        )
 
 
 def settings(solver: Solver) -> dict[str, Any]:
@@ -64,8 +77,8 @@ def prepared(solver: Solver, problem: Problem) -> Solve:
     name = type(solver).__name__
     if not callable(solve):
         raise ValueError(f"{name}.prepare returns {short_repr(solve)}; let it return a function solve{SOLVE}.")
-    if not _takes(solve, 4):
-        raise ValueError(f"{name}.prepare returns a function of {inspect.signature(solve)}; let it take {SOLVE}.")
+    if not takes(solve, 4):
+        raise ValueError(f"{name}.prepare returns a function of ({parameters_of(solve)}); let it take {SOLVE}.")
     return _Checked(name, solve)
 
 
@@ -88,16 +101,13 @@ class _Checked:
         self, problem: LoadedProblem, x: PETSc.Vec, monitor: Monitor = no_monitor, thorough: bool = True, /
     ) -> Solution:
         try:
-            solution: Any = self.solve(problem, x, monitor, thorough)
+            solution: Any = self.solve(problem, x, _telling(self.name, monitor), thorough)
         except PETSc.Error as error:  # PETSc 3.25 wraps exceptions of callbacks
             raise (error.__cause__ or error) from None
-        if not isinstance(solution, Solution) or not isinstance(solution.outcome, Outcome):
-            raise ValueError(
-                f"{self.name} returns {short_repr(solution)}; let it return Solution(outcome, reason, iterations) with "
-                "an outcome of fx_membrane.Outcome."
-            )
-        iterations = tuple(Iteration(*map(float, entry)) for entry in solution.iterations)
-        solution = replace(solution, reason=str(solution.reason), iterations=iterations or (iterate(problem, x),))
+        with together(problem.comm):
+            solution = _plain(self.name, solution, problem)
+        if not solution.iterations:
+            solution = replace(solution, iterations=(iterate(problem, x),))
         fault = self.fault(problem, x) if solution.converged else ""
         return replace(solution, outcome=Outcome.NO_EQUILIBRIUM, reason=fault) if fault else solution
 
@@ -119,12 +129,52 @@ class _Checked:
         )
 
 
-def _takes(function: Callable[..., Any], count: int) -> bool:
-    """Return True if a function can be called with so many arguments."""
+def _telling(name: str, monitor: Monitor) -> Monitor:
+    """Monitor that refuses data that are no `Iteration`."""
+
+    def tell(number: Any = None, entry: Any = None) -> None:
+        remedy = "let it call monitor(number, fx_membrane.Iteration(energy, residual, step))"
+        try:
+            iteration = Iteration(*map(float, entry))
+        except (TypeError, ValueError):
+            raise ValueError(
+                f"{name} calls its monitor with {short_repr(number)} and {short_repr(entry)}; {remedy}."
+            ) from None
+        monitor(integer(f"{name}: the first argument of its monitor", number), iteration)
+
+    return tell
+
+
+def _plain(name: str, answer: Any, problem: LoadedProblem) -> Solution:
+    """Make an answer of plain numbers, texts and arrays.
+
+    Raises:
+        ValueError: It is no `Solution`, or a field of it has another kind.
+    """
+    if not isinstance(answer, Solution):
+        raise ValueError(f"{name} returns {short_repr(answer)}; let it return {SOLUTION}.")
+    what = f"{name} returns a Solution whose"
+    if not isinstance(answer.outcome, Outcome):
+        raise ValueError(f"{what} outcome is {short_repr(answer.outcome)}; let it return {SOLUTION}.")
+    if not isinstance(answer.reason, str):
+        raise ValueError(f"{what} reason is {short_repr(answer.reason)}; give a sentence.")
     try:
-        inspect.signature(function).bind(*range(count))
-    except TypeError:
-        return False
-    except ValueError:  # without a signature, as of C
-        return True
-    return True
+        iterations = tuple(Iteration(*map(float, entry)) for entry in answer.iterations)
+    except (TypeError, ValueError):
+        raise ValueError(
+            f"{what} iterations are {short_repr(answer.iterations)}; give a list of fx_membrane.Iteration(energy, "
+            "residual, step), or an empty one."
+        ) from None
+    shape, motion = problem.structure.points.shape, answer.motion
+    if motion is not None:
+        motion = finite(f"{what} motion", motion)
+        if motion.shape != shape:
+            raise ValueError(f"{what} motion has the shape {motion.shape}; give {shape}, or None.")
+    return replace(
+        answer,
+        reason=str.__str__(answer.reason) or answer.outcome.value,
+        iterations=iterations,
+        extra_iterations=integer(f"{what} extra_iterations", answer.extra_iterations),
+        lost_stability=truth(f"{what} lost_stability", answer.lost_stability),
+        motion=motion,
+    )

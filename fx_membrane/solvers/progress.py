@@ -1,16 +1,20 @@
 """Progress messages on stderr: a bar on a terminal, lines elsewhere, as in a batch job."""
 
 import contextlib
+import importlib
 import os
 import sys
+from importlib.util import find_spec
 from time import monotonic
-from typing import Self
+from typing import Any, Self
 
 from tqdm import tqdm
 
 from ..checks.values import counted
+from ..runtime.messages import silent
 from .base import Iteration
 
+WIDE = 110  # columns of a terminal that holds more
 SILENCE = 10.0  # longest time without a line [s]
 
 
@@ -23,7 +27,7 @@ class Pulse:
     """
 
     def __init__(self, name: str, shown: bool):
-        self._name, self._shown = name, shown and sys.stderr is not None
+        self._name, self._shown = name, shown and sys.stderr is not None and not silent()
         self._began = self._told = self._heard = monotonic()
 
     def __call__(self, words: str) -> None:
@@ -45,29 +49,40 @@ class Pulse:
 class Report:
     """Progress of a stage, on one process.
 
-    On a terminal it is one line: name, load factor, iterations and residual. Elsewhere it writes a line for each
-    increment found, and one every ten seconds; a single longer iteration cannot be interrupted.
+    On a terminal it is one line: name, load factor, iterations and residual; on a wide one also the number of the
+    stage and of the increment, the time passed, and an estimate of the rest. A notebook shows a bar of its own, where
+    ipywidgets are there. Elsewhere it writes a line for each increment found, and one every ten seconds; a single
+    longer iteration cannot be interrupted.
 
     Args:
         name: Name of the stage.
         factor: Load factor at its start.
         shown: False writes nothing.
+        number: Number of the stage in the run, from 1.
+        count: Number of stages of the run.
     """
 
-    def __init__(self, name: str, factor: float, shown: bool):
+    def __init__(self, name: str, factor: float, shown: bool, number: int = 1, count: int = 1):
+        shown = shown and not silent()
         terminal = shown and sys.stderr is not None and sys.stderr.isatty()
-        self._pulse = Pulse(name, shown and not terminal)
-        self._bar = tqdm(
+        widgets = shown and _notebook_bar()
+        columns = _columns()
+        self._wide = bool(widgets) or (columns or 0) >= WIDE
+        self._pulse = Pulse(name, shown and not terminal and not widgets)
+        self._bar = (widgets or tqdm)(
             desc=name,
             total=1.0,
             initial=factor,
-            bar_format="{desc}: {bar:10} load factor {n:.4f}{postfix}",  # 80 columns hold a name of 16 letters
-            ncols=_columns(),
+            bar_format="{desc}: "
+            + ("{bar}" if widgets else "{bar:10}")
+            + " load factor {n:.4f}{postfix}"  # 80 columns hold a name of 16 letters
+            + f", stage {number} of {count}, {{elapsed}}<{{remaining}}" * self._wide,
+            ncols=None if widgets else columns,
             nrows=20,  # any value: one bar is shown at a time
-            disable=not terminal,
+            disable=not (terminal or widgets),
             file=sys.stderr,
         )
-        self._factor, self._iterations = factor, 0
+        self._factor, self._iterations, self._increment = factor, 0, 1
         self._last: Iteration | None = None
 
     def __enter__(self) -> Self:
@@ -81,16 +96,24 @@ class Report:
         self._iterations += number > 0 and entry is not self._last  # the start of an attempt is no iteration
         self._last = entry
         words = f"iteration {number}, residual {entry.residual:.1e}"
-        self._bar.set_postfix_str(words)
+        self._bar.set_postfix_str(f"increment {self._increment}, {words}" if self._wide else words)
         self._pulse(f"after load factor {self._factor:.6g}, {words}")
 
     def increment(self, factor: float, residual: float) -> None:
         """Report a converged increment and its largest unbalanced force [N]."""
         self._bar.update(factor - self._factor)
         self._factor = factor
+        self._increment += 1
         self._pulse.tell(
             f"load factor {factor:.6g} after {counted(self._iterations, 'iteration')}, residual {residual:.1e}"
         )
+
+
+def _notebook_bar() -> Any:
+    """Bar of notebooks; None elsewhere, and without ipywidgets."""
+    if "ipykernel" not in sys.modules or not find_spec("ipywidgets"):
+        return None
+    return importlib.import_module("tqdm.notebook").tqdm
 
 
 def _columns() -> int | None:

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 from numpy.typing import ArrayLike
 
 from ..checks import validation
+from ..model.by_value import ByValue
 
 
 @dataclass(frozen=True, eq=False)
-class RoundHole:
+class RoundHole(ByValue):
     """Circular hole of a sail, as below a mast head.
 
     Args:

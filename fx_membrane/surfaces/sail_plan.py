@@ -141,6 +141,7 @@ def _cyclic(nodes: Sequence[int]) -> Iterator[tuple[int, int]]:
 def _add_hole(drawing: Drawing, nodes: Mapping[str, int], name: str, hole: Any, number: int, size: float) -> None:
     what = f"The hole {name!r}"
     if isinstance(hole, RoundHole):
+        validation.plain(what, hole, RoundHole)
         centre = _point(what, hole.centre)
         paths = [circle(centre[:2], hole.radius)]
         ends = [drawing.node(what, paths[0].start, float(centre[2]))] * 2

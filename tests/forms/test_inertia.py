@@ -49,6 +49,7 @@ def test_single_elements(kind, nodes, factor):
     np.testing.assert_allclose(mass, expected, rtol=0, atol=1e-14 * expected.max())
 
 
+@pytest.mark.mpi
 def test_parts_add_up():
     points = np.array([[0.0, 0, 0], [3, 0, 0], [0, 4, 0], [0, 4, 2]])
     parts = {"fabric": part("membrane", [[0, 1, 2]]), "edge": part("cable", [[1, 2]]), "mast": part("mast", [[3, 2]])}

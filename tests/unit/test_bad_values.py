@@ -24,8 +24,6 @@ from fx_membrane import (
 )
 from right_arguments import CASES, RESULTS, STATE
 
-pytestmark = pytest.mark.serial
-
 NO_INPUT = {  # made by the package
     "Depression", "Drainage", "Remeshed", "SailMesh", "SurfaceLine",
     "Actions", "BarResult", "Constraints", "EnergyTerm", "Equilibrium", "EquilibriumPath", "LoadedProblem", "Net",

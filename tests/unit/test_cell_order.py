@@ -31,7 +31,7 @@ from fx_membrane import (
 from fx_membrane.geometry.measures import normals
 from fx_membrane.model.fingerprints import fingerprints
 
-SEEDS = [1, pytest.param(2, marks=pytest.mark.serial)]
+SEEDS = [1, 2]
 FABRIC = Fabric(Et=1e5, nu=0.3)
 WOVEN = OrthotropicFabric(Et_warp=1e5, Et_weft=6e4, nu=0.2, Gt=5e3)
 FLAT, TRIANGLES = rectangle(2.0, 2.0, 6, 6)
@@ -116,6 +116,7 @@ def test_turned_cells_keep_their_rows_and_data(seed):
         assert not cells.flags.writeable
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("seed", SEEDS)
 def test_results_of_stages(seed, expected):
     states = np.concatenate([part.state for part in expected["snow"].parts.values() if hasattr(part, "state")])
@@ -134,6 +135,7 @@ def test_report(seed, expected):
     assert table(Analysis(roof(seed)).run(STAGES)["snow"]) == table(expected["snow"])
 
 
+@pytest.mark.mpi
 def test_modes_and_stability(expected):
     found = Analysis(roof(1)).run(STAGES[:1])["air"]
     wanted = natural_frequencies(expected["air"], 3).frequencies
@@ -175,7 +177,6 @@ def test_checkpoint_is_of_the_same_structure(seed):
     )
 
 
-@pytest.mark.serial
 def test_pictures(tmp_path, expected):
     pytest.importorskip("pyvista")
     image = pytest.importorskip("matplotlib.image")
@@ -190,7 +191,6 @@ def test_pictures(tmp_path, expected):
     assert np.abs(a - b).max() < 0.02  # lighting is rounded
 
 
-@pytest.mark.serial
 def test_gmsh_model():
     gmsh = pytest.importorskip("gmsh")
 

@@ -8,8 +8,6 @@ import pytest
 
 import fx_membrane
 
-pytestmark = pytest.mark.serial
-
 NAMES = {name: getattr(fx_membrane, name) for name in fx_membrane.__all__} | {"np": np}
 SHOWN = {
     "Analysis", "Cable", "DistributedLoad", "Fabric", "Mast", "Membrane", "OrthotropicFabric", "PlanLoad",

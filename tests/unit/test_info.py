@@ -8,8 +8,6 @@ from click.testing import CliRunner
 
 from fx_membrane.cli import main
 
-pytestmark = pytest.mark.serial
-
 
 def info():
     """Rows of the report by name."""

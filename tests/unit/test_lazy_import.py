@@ -2,12 +2,11 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 import fx_membrane
-
-pytestmark = pytest.mark.serial
 
 
 def output(script):
@@ -49,6 +48,27 @@ def test_one_environment_variable_is_set_unless_the_user_did():
     assert not [
         entry for entry in output(script.format("os.environ['OMP_NUM_THREADS'] = '2';")) if not entry.startswith(mpi)
     ]
+
+
+@pytest.mark.parametrize(
+    ("before", "expected"),
+    [
+        ("env.pop('DISPLAY', 0)", "vtkOSOpenGLRenderWindow"),
+        ("env.pop('DISPLAY', 0); env[CHOICE] = 'vtkEGLRenderWindow'", "vtkEGLRenderWindow"),
+        ("env['DISPLAY'] = ':0'", "None"),
+    ],
+)
+def test_pictures_set_a_window_where_there_is_no_screen(before, expected):
+    """README names both variables that are set."""
+    script = (
+        f"import os; env, CHOICE = os.environ, 'VTK_DEFAULT_OPENGL_WINDOW'; env.pop(CHOICE, 0); {before}; "
+        "given = env.get(CHOICE); import fx_membrane; print(env.get(CHOICE) == given); "
+        "fx_membrane.plot; print(env.get(CHOICE))"
+    )
+    assert output(script) == ["True", expected]
+    readme = (Path(fx_membrane.__file__).parent.parent / "README.md").read_text()
+    assert "`VTK_DEFAULT_OPENGL_WINDOW`" in readme
+    assert "`OMP_NUM_THREADS`" in readme
 
 
 def test_each_public_name_is_there():

@@ -29,6 +29,7 @@ from fx_membrane.assembly.discretization import Discretization
 from fx_membrane.solvers import factorization
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("driver", ["dolfinx", "snes"])
 def test_problem_is_released(driver, monkeypatch):
     if driver == "snes":
@@ -105,7 +106,6 @@ def is_factored(ksp):
 BOUND = 1.0  # MB; forms left 2.1 behind and conjugate gradients 31, when PETSc kept vectors that Python drops
 
 
-@pytest.mark.serial
 @pytest.mark.parametrize("processes", [1, 2])
 def test_repeated_work_leaves_no_memory_behind(processes):
     output = launch.start([launch.SCRIPTS / "memory_use.py", BOUND], processes)
@@ -114,6 +114,7 @@ def test_repeated_work_leaves_no_memory_behind(processes):
     assert {name: value for name, value in grown.items() if value > BOUND} == {}
 
 
+@pytest.mark.mpi
 def test_work_vectors_are_used_again():
     points, triangles = rectangle(1.0, 1.0, 2, 2)
     discretization = Discretization(Structure(points, {"fabric": Membrane(triangles, Fabric(1e3, 0.3))}))

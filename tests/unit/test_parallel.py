@@ -21,6 +21,8 @@ from fx_membrane import (
     rectangle,
 )
 
+pytestmark = pytest.mark.mpi
+
 N = 6  # grid cells along each side of the sheet
 FREE_STANDING = 5
 

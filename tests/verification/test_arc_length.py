@@ -26,6 +26,8 @@ import pytest
 
 from fx_membrane import Mast, PointLoad, PrescribedDisplacement, Stage, Structure, Support, equilibrium_path
 
+SOURCE = "closed form of a von Mises truss"
+
 A, H, EA = 1.0, 0.4, 1e5
 L = np.hypot(A, H)
 LENGTH, POST = 4.0, 2e4
@@ -70,8 +72,9 @@ def counted_right(path, negative):
     return np.array_equal(np.delete(path.negative_pivots, path.limit_points), np.delete(negative, path.limit_points))
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("steps", [3, 10, 50])
-def test_snap_through(steps):
+def test_snap_through(steps, verified):
     path = equilibrium_path(truss(), Stage("push", [PointLoad(APEX, (0, 0, -1.5 * LIMIT))], increments=steps))
     z = H + path.displacements[:, APEX, 2]
     force, stiffness = struts(z)
@@ -81,6 +84,7 @@ def test_snap_through(steps):
     np.testing.assert_allclose(1.5 * LIMIT * path.load_factors, force, rtol=0, atol=WITHIN)
     assert (np.diff(z) < 0).all()
     assert counted_right(path, np.where(stiffness < 0, 1, 0))
+    verified("limit load [N]", LIMIT, 1.5 * LIMIT * path.load_factors[path.limit_points[0]])
     assert z[path.limit_points] == pytest.approx([SNAP, -SNAP], abs=NEAR)
     assert path.load_factors[path.limit_points] == pytest.approx([1 / 1.5, -1 / 1.5], rel=1e-9)
 
@@ -113,6 +117,7 @@ def test_snap_back_under_a_load():
     assert path.complete
 
 
+@pytest.mark.mpi
 def test_snap_back_of_a_driven_displacement():
     down = -2.5
     drive = Stage("drive", displacements=[PrescribedDisplacement(TOP, (0, 0, down))], increments=20)
@@ -155,7 +160,6 @@ def star_dome():
     return Structure(points, {"bars": Mast(bars, 1e4)}, [Support(range(7, 13))])
 
 
-@pytest.mark.serial  # 500 points, after those of the shorter paths
 def test_loops_of_a_star_dome():
     """The dome upside down is the same, with opposite loads: its path loops from the one to the other."""
     dome = star_dome()

@@ -18,6 +18,8 @@ import pytest
 
 from fx_membrane import Analysis, Fabric, Membrane, Newton, Pressure, Stage, Structure, Support, rectangle
 
+SOURCE = "closed form, p = S / R"
+
 R, LENGTH, EH, NU, N0 = 1.5, 0.02, 5e4, 0.3, 1e3
 PLANE = EH / (1 - NU**2)
 STRETCHES = (1.0, 1.05, 1.4)
@@ -50,8 +52,9 @@ def inflate(n, stretch, rows=2):
     return Analysis(structure, Newton(rtol=1e-12)).run(stages)["inflate"]
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("stretch", STRETCHES)
-def test_radius_and_force_along(stretch):
+def test_radius_and_force_along(stretch, verified):
     error = []
     for n in (12, 24, 48):
         state = inflate(n, stretch)
@@ -69,3 +72,4 @@ def test_radius_and_force_along(stretch):
         around = np.trace(sigma, axis1=1, axis2=2) - sigma[:, 2, 2]
         np.testing.assert_allclose(around, stretch_around * (N0 + PLANE * E), rtol=1e-6)
     np.testing.assert_allclose(np.log2(np.divide(error[:-1], error[1:])), 2, rtol=0, atol=0.02)
+    verified("stretch around", stretch, stretch + error[-1], np.log2(error[-2] / error[-1]))

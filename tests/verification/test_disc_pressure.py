@@ -39,6 +39,8 @@ from fx_membrane import (
 )
 from surfaces import half_disc
 
+SOURCE = "meridian by shooting; H. Hencky 1915"
+
 A, EH, NU = 0.1425, 311488.0, 0.34
 MESHES = (8, 16, 32)
 # pressure, follower, rise, force at the centre
@@ -121,7 +123,7 @@ def numbers(*args, **material):
 
 
 @pytest.mark.parametrize(("p", "follower", "rise", "force"), CASES)
-def test_second_order(p, follower, rise, force):
+def test_second_order(p, follower, rise, force, verified):
     reference = exact(p, follower)
     assert reference[0] == pytest.approx(rise, abs=0.5e-8)
     assert force is None or reference[1] == pytest.approx(force, rel=1e-6)
@@ -130,8 +132,10 @@ def test_second_order(p, follower, rise, force):
     error = np.abs(values - reference)
     np.testing.assert_allclose(np.log2(error[:-1] / error[1:]), 2, rtol=0, atol=0.05)
     np.testing.assert_allclose((4 * values[-1] - values[-2]) / 3, reference, rtol=1e-5)
+    verified("rise of the centre [m]", rise, values[-1, 0], np.log2(error[-2, 0] / error[-1, 0]))
 
 
+@pytest.mark.mpi
 def test_load_is_pressure_times_area_within_the_edge():
     state = solve(100e3, True, 8)
     edges = boundary_edges(state.structure.parts["disc"].cells)
@@ -140,8 +144,9 @@ def test_load_is_pressure_times_area_within_the_edge():
     assert state.equilibrium.reactions[2] == pytest.approx(-100e3 * area, rel=1e-9)
 
 
-def test_hencky():
+def test_hencky(verified):
     hencky = 0.65345 * A * (A / EH) ** (1 / 3)  # at 1 Pa
     assert exact(1.0, True, nu=0.3)[0] == pytest.approx(hencky, rel=2e-5)
     values = np.array([numbers(1.0, True, n, nu=0.3)[0] for n in MESHES[:2]])
     assert (4 * values[1] - values[0]) / 3 == pytest.approx(hencky, rel=5e-5)
+    verified("Hencky's rise, extrapolated [m]", hencky, (4 * values[1] - values[0]) / 3)

@@ -15,10 +15,12 @@ import pytest
 from fx_membrane import Fabric, Membrane, Structure, geodesic, rectangle, warp_lines
 from surfaces import octant
 
+SOURCE = "unrolled polyhedra, great circles, logarithmic spiral"
+
 pytest.importorskip("potpourri3d")
 
 
-def test_prism_unrolls():
+def test_prism_unrolls(verified):
     """A polygonal cylinder: bent along the lines of nodes of a plane mesh."""
     flat, triangles = rectangle(4.0, 3.0, 8, 6)
     bend = 0.4
@@ -33,6 +35,7 @@ def test_prism_unrolls():
         way = (flat[b] - flat[a]) / distance
         face = angle[column[a] - (way[0] < 0)]
         start = np.array([np.cos(face), 0, np.sin(face)])
+        verified("distance on a prism [m]", distance, geodesic((prism, triangles), a, b).length)
         line = geodesic((prism, triangles), a, direction=way[0] * start + way[1] * np.array([0, 1, 0]), length=distance)
         np.testing.assert_allclose(line.points[-1], prism[b], rtol=0, atol=1e-12)
 
@@ -97,7 +100,7 @@ def test_great_circle():
     assert aside[-1] < 2e-2, aside
 
 
-def test_spiral_along_the_warp():
+def test_spiral_along_the_warp(verified):
     """Warp at 40 degrees to the radius of an annulus, on a mesh without symmetry in its diagonals."""
     turn, errors = np.radians(40), []
     for n in (8, 16, 32):
@@ -113,4 +116,6 @@ def test_spiral_along_the_warp():
         errors.append(abs(np.diff(ends)[0] - np.tan(turn) * np.log(2)))
     order = np.log2(np.array(errors)[:-1] / np.array(errors)[1:])
     assert order.mean() > 1.8, errors
+    turned = np.tan(turn) * np.log(2)
+    verified("angle of a spiral along the warp", turned, turned + errors[-1], order.mean())
     assert errors[-1] < 1e-3, errors

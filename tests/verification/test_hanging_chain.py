@@ -14,6 +14,8 @@ from scipy.special import jn_zeros
 
 from fx_membrane import Analysis, Cable, DistributedLoad, Stage, Structure, Support, natural_frequencies
 
+SOURCE = "D. Bernoulli 1738; H. Lamb, Dynamics, 1914, section 91"
+
 L, MASS, G = 3.0, 0.7, 9.81
 EXACT = jn_zeros(0, 3) / 2 * np.sqrt(G / L) / (2 * np.pi)
 
@@ -28,11 +30,12 @@ def chain(n):
     return Analysis(structure).run([Stage("weight", [DistributedLoad((0, 0, -G * MASS), "chain")])])["weight"]
 
 
-def test_second_order_from_above():
+def test_second_order_from_above(verified):
     frequencies = np.array([natural_frequencies(chain(n), 3).frequencies for n in (80, 160, 320)])
     error = frequencies / EXACT - 1
     assert (error > 0).all()
     np.testing.assert_allclose(np.log2(error[:-1] / error[1:]), 2, rtol=0, atol=0.015)
     np.testing.assert_allclose((4 * frequencies[2] - frequencies[1]) / 3, EXACT, rtol=7e-7)
+    verified("lowest frequency [Hz]", EXACT[0], frequencies[2, 0], np.log2(error[1, 0] / error[2, 0]))
     rod = np.sqrt(3 * G / (2 * L)) / (2 * np.pi)
     assert frequencies[2, 0] / rod == pytest.approx(1 - 0.0182, abs=5e-5)

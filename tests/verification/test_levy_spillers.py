@@ -26,6 +26,8 @@ from fx_membrane import (
     rectangle,
 )
 
+SOURCE = "Gil 2006, example 1, Tables 1 and 2"
+
 THICKNESS = 0.004167
 CENTRE, NODE_1, NODE_2 = (0.0, 0.0), (-60.0, 60.0), (0.0, 60.0)
 
@@ -69,10 +71,12 @@ def test_table_1(state, node, component, printed):
     assert displacement(state, node)[component] == pytest.approx(printed, abs=0.5e-3)
 
 
-def test_displacements_to_all_digits(state):
+@pytest.mark.mpi
+def test_displacements_to_all_digits(state, verified):
     assert displacement(state, NODE_1) == pytest.approx([0.01442143, 0.01442143, 1.42907122], abs=0.5e-8)
     assert displacement(state, NODE_2) == pytest.approx([0.0, 0.01685578, 2.59996224], abs=0.5e-8)
     assert displacement(state, CENTRE) == pytest.approx([0.0, 0.0, 6.62633175], abs=0.5e-8)
+    verified("deflection of the centre [in]", 6.62633175, displacement(state, CENTRE)[2])
 
 
 @pytest.mark.parametrize(
@@ -83,8 +87,9 @@ def test_displacements_to_all_digits(state):
         ((-40.0, 20.0), (144470.8, 97849.2, 15582.4)),  # element 11: of its mirror images one with an edge along x
     ],
 )
-def test_table_2(state, centroid, printed):
+def test_table_2(state, centroid, printed, verified):
     assert stress_in_psi(state, centroid) == pytest.approx(printed, abs=0.05)
+    verified("stress along x [psi]", printed[0], stress_in_psi(state, centroid)[0])
 
 
 def test_physical_stress_differs_by_the_turn_of_the_cells(state):

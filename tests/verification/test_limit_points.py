@@ -30,6 +30,8 @@ from fx_membrane import (
 )
 from surfaces import half_disc
 
+SOURCE = "closed form of a von Mises truss; fine paths"
+
 
 def cap(n, rise):
     points, triangles = rectangle(8.0, 8.0, n, n, "right")
@@ -42,7 +44,7 @@ def cap(n, rise):
 NETS = {"coarse": (4, 0.75, 6, 800.0, 2), "middle": (6, 0.75, 8, 800.0, 1), "fine": (8, 0.5, 20, 200.0, 2)}
 
 
-@pytest.fixture(scope="module", params=[pytest.param("coarse", marks=pytest.mark.mpi), "middle", "fine"])
+@pytest.fixture(scope="module", params=["coarse", "middle", "fine"])
 def net(request):
     """Structure, loads, first limit points."""
     n, rise, node, load, count = NETS[request.param]
@@ -51,6 +53,7 @@ def net(request):
     return cap(n, rise), loads, path.load_factors[path.limit_points[:count]]
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("steps", [1, 3, 5, 10, 40])
 def test_first_limit_points_whatever_the_steps(net, steps):
     structure, loads, expected = net
@@ -63,7 +66,7 @@ def test_first_limit_points_whatever_the_steps(net, steps):
 
 
 @pytest.mark.parametrize("steps", [1, 2, 20])
-def test_a_load_fifty_times_too_large(steps):
+def test_a_load_fifty_times_too_large(steps, verified):
     a, h, EA = 1.0, 0.4, 1e5
     points = [[-a, 0, 0], [a, 0, 0], [0, 0, h]]
     truss = Structure(points, {"struts": Mast([[0, 2], [1, 2]], EA)}, [Support([0, 1]), Support(2, "y")])
@@ -71,6 +74,7 @@ def test_a_load_fifty_times_too_large(steps):
     path = equilibrium_path(truss, Stage("push", [PointLoad(2, (0, 0, -50 * limit))], increments=steps))
     assert path.complete
     assert path.load_factors[path.limit_points] == pytest.approx([1 / 50, -1 / 50], rel=1e-9)
+    verified("load factor of a limit point", 1 / 50, path.load_factors[path.limit_points[0]])
     z = h + path.displacements[path.limit_points, 2, 2]
     assert z == pytest.approx([h / np.sqrt(3), -h / np.sqrt(3)], abs=1e-4 * h)
 
@@ -91,7 +95,7 @@ def snowed_under(kept, rise):
     return equilibrium_path(start, snow, 2.0, max_points=45)
 
 
-@pytest.mark.parametrize("rise", [pytest.param(0.4, marks=pytest.mark.mpi), 0.8])
+@pytest.mark.parametrize("rise", [0.4, 0.8])
 def test_wrinkled_limit_point(rise):
     path, reference = snowed_under(1e-4, rise), snowed_under(1e-6, rise)
     first, expected = path.limit_points[0], reference.load_factors[reference.limit_points[0]]

@@ -25,6 +25,8 @@ from fx_membrane import (
     rectangle,
 )
 
+SOURCE = "uniform deformation, Gil 2006, section 3"
+
 ISOTROPIC = Fabric(Et=1000.0, nu=0.3)
 WOVEN = OrthotropicFabric(Et_warp=1000.0, Et_weft=400.0, nu=0.35, Gt=90.0)
 SHEARED = np.array([[120.0, 25.0], [25.0, 70.0]])
@@ -69,11 +71,12 @@ def closed_form(material, prestress):
     return F, E, sigma0 + CE, np.sum(sigma0 * E) + np.sum(CE * E) / 2
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("turn", TURNS)
 @pytest.mark.parametrize(
     ("material", "prestress"), [(ISOTROPIC, 100.0), (ISOTROPIC, SHEARED), (WOVEN, (120.0, 70.0)), (WOVEN, SHEARED)]
 )
-def test_affine_displacement_of_the_edge_gives_the_uniform_state(material, prestress, turn):
+def test_affine_displacement_of_the_edge_gives_the_uniform_state(material, prestress, turn, verified):
     prestress = np.diag(prestress) if np.shape(prestress) == (2,) else prestress
     state, u, inside = stretch_edge(material, prestress, turn)
     F, E, S, energy = closed_form(material, prestress)
@@ -88,8 +91,11 @@ def test_affine_displacement_of_the_edge_gives_the_uniform_state(material, prest
     principal = np.linalg.eigvalsh(cauchy)[:0:-1]  # the smallest of the three is the stress normal to the plane, zero
     np.testing.assert_allclose(patch.principal, np.tile(principal, cells[:2]), rtol=1e-12)
     assert state.energy == pytest.approx(6.0 * energy, rel=1e-12)
+    verified("energy [J]", 6.0 * energy, state.energy)
+    verified("largest stress [N/m]", principal[0], patch.principal[:, 0].max())
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("turn", TURNS[1:])
 @pytest.mark.parametrize("material", [ISOTROPIC, WOVEN])
 def test_warp_and_weft_do_not_depend_on_the_orientation_in_space(material, turn):

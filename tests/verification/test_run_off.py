@@ -10,6 +10,8 @@ import pytest
 
 from fx_membrane import drainage, rectangle
 
+SOURCE = "volume of a paraboloid"
+
 A, R = 1.5, 4.0
 
 
@@ -19,7 +21,7 @@ def bowl(n):
     return drainage((points, triangles))
 
 
-def test_bowl():
+def test_bowl(verified):
     errors = []
     for n in (16, 32, 64):
         (pond,) = bowl(n).depressions
@@ -28,6 +30,7 @@ def test_bowl():
     order = np.log2(np.array(errors)[:-1] / np.array(errors)[1:])
     assert (order > 1.9).all(), order
     assert np.abs(errors[-1]).max() < 2e-3
+    verified("volume of a pond [m3]", np.pi * A**4 / (4 * R), pond.volume, order[-1, 1])
 
 
 def test_slope_of_the_bowl():

@@ -34,6 +34,8 @@ from fx_membrane import (
     rectangle,
 )
 
+SOURCE = "A. Pucher 1934; arc of an edge cable"
+
 A, B, H = 1.0, 6.0, 5.0
 FABRIC = Fabric(Et=6e5, nu=0.3)
 
@@ -75,7 +77,7 @@ def cone(n, c, d, q):
 
 
 @pytest.mark.parametrize(("c", "d", "q"), [(3e3, 1e3, 0.0), (4e3, 2e3, 400.0), (0.0, 2e3, 0.0)])
-def test_cone(c, d, q):
+def test_cone(c, d, q, verified):
     heights, force = exact(c, d, q)
     errors = []
     for n in (8, 16, 32):
@@ -88,6 +90,7 @@ def test_cone(c, d, q):
         assert state.reactions[: 4 * n, 2].sum() == pytest.approx(pull, rel=1e-9)
     orders = np.log2(np.array(errors)[1] / np.array(errors)[2])
     np.testing.assert_allclose(orders, 2, atol=0.15)
+    verified("vertical force on a ring [N]", force, pull, orders[1])
 
 
 def arcs(n, stress, force):
@@ -102,6 +105,7 @@ def arcs(n, stress, force):
     return Structure(points, parts, [Support(corners)])
 
 
+@pytest.mark.mpi
 def test_canopy_between_arcs_keeps_its_plan():
     moved, forces = [], []
     for n in (8, 16, 32):

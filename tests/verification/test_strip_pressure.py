@@ -36,6 +36,8 @@ from fx_membrane import (
     rectangle,
 )
 
+SOURCE = "closed form of an arc"
+
 A, EH, NU = 1.0, 1e6, 0.3
 PLANE = EH / (1 - NU**2)
 MESHES = np.array([8, 16, 32, 64])
@@ -106,6 +108,7 @@ def exact(N0, p):
     return np.array([rise, n, n * np.cos(alpha)])
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(("N0", "p", "rise", "n"), CASES)
 def test_closed_form(N0, p, rise, n):
     assert arc(N0, p)[0] == pytest.approx(rise, rel=2e-9)
@@ -113,11 +116,12 @@ def test_closed_form(N0, p, rise, n):
 
 
 @pytest.mark.parametrize(("N0", "p"), [case[:2] for case in CASES])
-def test_second_order_to_the_closed_form(N0, p):
+def test_second_order_to_the_closed_form(N0, p, verified):
     values = np.array([numbers(solve(N0, p, n)) for n in MESHES])
     error = np.abs(values - exact(N0, p))
     np.testing.assert_allclose(np.log2(error[:-1] / error[1:]), 2, rtol=0, atol=0.02)
     np.testing.assert_allclose((4 * values[-1] - values[-2]) / 3, exact(N0, p), rtol=1e-7)
+    verified("rise [m]", exact(N0, p)[0], values[-1, 0], np.log2(error[-2, 0] / error[-1, 0]))
 
 
 @pytest.mark.parametrize(("N0", "p"), [case[:2] for case in CASES])
@@ -135,6 +139,7 @@ def test_load_is_pressure_times_projected_area():
     np.testing.assert_allclose(state.equilibrium.reaction_moment, -state.equilibrium.load_moment, rtol=0, atol=1e-8)
 
 
+@pytest.mark.mpi
 def test_suction_gives_the_mirror_image():
     mirrored = solve(1e4, -1e3, 8).displacement * [1, 1, -1]
     np.testing.assert_allclose(mirrored, solve(1e4, 1e3, 8).displacement, rtol=0, atol=1e-12)

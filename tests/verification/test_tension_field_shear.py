@@ -31,6 +31,8 @@ from fx_membrane import (
     rectangle,
 )
 
+SOURCE = "uniform tension field; H. Wagner 1929"
+
 ET, WIDTH, HEIGHT = 2e5, 2.0, 1.0
 
 
@@ -45,9 +47,10 @@ def shear(fabric, gamma, share=1e-4):
     return Analysis(structure, Newton(rtol=1e-12)).run([stage])["shear"]
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
 @pytest.mark.parametrize("gamma", [1e-4, 0.02, 0.3])
-def test_isotropic(nu, gamma):
+def test_isotropic(nu, gamma, verified):
     share = 1e-4
     state = shear(Fabric(ET, nu), gamma, share)
     E = np.array([[0, gamma / 2], [gamma / 2, gamma**2 / 2]])
@@ -64,6 +67,7 @@ def test_isotropic(nu, gamma):
     np.testing.assert_allclose(sheet.second_piola_kirchhoff, np.tile(S, (48, 1, 1)), rtol=0, atol=1e-9 * scale)
     energy = (1 - share) * ET * values[1] ** 2 / 2 + share * np.sum(full * E) / 2
     assert state.energy == pytest.approx(WIDTH * HEIGHT * energy, rel=1e-9)
+    verified("energy [J]", WIDTH * HEIGHT * energy, state.energy)
     F = np.array([[1, gamma], [0, 1]])
     # Corners belong to the upper edge and to a side, whose force they take for half a cell.
     inner = np.abs(state.structure.points[:, 0]) < WIDTH / 2 - 1e-9
@@ -72,6 +76,7 @@ def test_isotropic(nu, gamma):
     np.testing.assert_allclose(force, F @ S[:, 1], rtol=0, atol=1e-9 * scale)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     ("fabric", "modulus", "G"),
     [

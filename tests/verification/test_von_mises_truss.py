@@ -31,6 +31,8 @@ from fx_membrane import (
     stability,
 )
 
+SOURCE = "closed form of a von Mises truss"
+
 SPAN, H, EA, MASS = 1.0, 0.4, 1e5, 3.0
 L = np.hypot(SPAN, H)
 APEX = 2
@@ -59,16 +61,18 @@ HEIGHTS = [0.9 * H, 1.01 * LIMIT, 0.99 * LIMIT, 0.0, -0.5 * LIMIT, -1.01 * LIMIT
 
 
 @pytest.mark.parametrize("z", HEIGHTS)
-def test_tangent(z):
+def test_tangent(z, verified):
     result = stability(pushed(z), 2)
     Kx, _, Kz = tangent(z)
     np.testing.assert_allclose(result.stiffnesses, [Kz, Kx], rtol=1e-12, atol=1e-14 * EA / L)
     assert result.negative == (abs(z) < LIMIT)
+    verified("lowest stiffness [N/m]", Kz, result.stiffnesses[0])
     expected = np.zeros((2, 3, 3))
     expected[0, APEX, 2] = expected[1, APEX, 0] = 1
     np.testing.assert_allclose(np.abs(result.directions), expected, rtol=0, atol=1e-12)
 
 
+@pytest.mark.mpi
 def test_at_the_limit_point():
     result = stability(pushed(LIMIT), 2)
     np.testing.assert_allclose(result.stiffnesses, [0, tangent(LIMIT)[0]], rtol=1e-12, atol=1e-14 * EA / L)
@@ -81,6 +85,7 @@ def test_free_out_of_its_plane(z):
     assert result.negative == np.count_nonzero(tangent(z) < 0)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("z", HEIGHTS)
 def test_small_motions(z):
     modes = natural_frequencies(pushed(z), 2)
@@ -92,6 +97,7 @@ def test_small_motions(z):
     assert np.abs(modes.shapes).max(axis=(1, 2)) == pytest.approx(apex**-0.5, rel=1e-12)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("share", [0.9, 0.999])
 def test_under_a_load(share):
     """Fractions of the load at the limit point; the height is the largest root of the cubic 2 EA E z / L + load."""

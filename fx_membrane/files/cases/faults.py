@@ -3,7 +3,8 @@
 import difflib
 import json
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,16 +14,51 @@ from .lines import line_of
 BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
+ASKED = {  # by the type of an error of pydantic
+    "int_type": "a whole number (an integer)",
+    "int_from_float": "a whole number (an integer)",
+    "int_parsing": "a whole number (an integer), without quotes",
+    "bool_type": "true or false",
+    "bool_parsing": "true or false, without quotes",
+    "string_type": "a text, in quotes",
+    "list_type": "a list, in []",
+    "tuple_type": "a list, in []",
+    "dict_type": "a table, in {}",
+    "model_type": "a table, in {}",
+    "model_attributes_type": "a table, in {}",
+}
+
+
 class Fault(NamedTuple):
     """One fault.
 
     Attributes:
         path: Keys and rows from the top of the file.
         words: What is wrong, and the remedy.
+        missing: True if a key is not there.
     """
 
     path: tuple[str | int, ...]
     words: str
+    missing: bool = False
+
+
+class Unknown(Exception):  # noqa: N818  (no error of its own: the other table has one)
+    """An object depends on a table that has a fault, so that nothing can be said about it."""
+
+
+class Faults(list[Fault]):
+    """Faults found so far."""
+
+    @contextmanager
+    def at(self, *trail: str | int) -> Iterator[None]:
+        """Keep an error of the package as a fault of a table."""
+        try:
+            yield
+        except Unknown:
+            pass
+        except (ValueError, TypeError, OSError, ImportError) as error:
+            self.append(Fault(trail, str(error)))
 
 
 class CaseError(ValueError):
@@ -46,7 +82,11 @@ def case_error(file: Path, text: str, faults: Iterable[Fault]) -> CaseError:
 
 def faults_of_validation(error: Any, data: Any, keys: Iterable[str]) -> list[Fault]:
     """Faults of a `pydantic.ValidationError`, in words of ours; keys are those that the schema has anywhere."""
-    return [Fault(*_told(entry, data, list(keys))) for entry in error.errors(include_url=False)]
+    known = list(keys)
+    return [
+        Fault(*_told(entry, data, known), entry["type"] in ("missing", "union_tag_not_found"))
+        for entry in error.errors(include_url=False)
+    ]
 
 
 def nearest(word: Any, known: Iterable[str]) -> str:
@@ -56,27 +96,37 @@ def nearest(word: Any, known: Iterable[str]) -> str:
 
 
 def _told(entry: dict[str, Any], data: Any, keys: Sequence[str]) -> tuple[tuple[str | int, ...], str]:
-    path = _without_tags(entry["loc"], data)
-    kind, given, context = entry["type"], short_repr(entry["input"]), entry.get("ctx", {})
+    path = _without_tags(entry["loc"], data, entry["type"] == "missing")
+    kind, context = entry["type"], entry.get("ctx", {})
+    tag = context.get("discriminator", "").strip("'")
     if kind == "extra_forbidden":
         return path, "there is no key of that name here" + (nearest(path[-1], keys) or "; correct or remove it")
     if kind == "missing":
         return path, "the key is missing; add it"
     if kind == "union_tag_not_found":
-        tag = context["discriminator"].strip("'")
         return path, f"the key {tag!r} is missing; add it"
     if kind == "union_tag_invalid":
         expected = context["expected_tags"].replace("'", "").split(", ")
-        tag = context["discriminator"].strip("'")
         words = f"{context['tag']!r} is not one of {', '.join(map(repr, expected))}"
         return (*path, tag), words + nearest(context["tag"], expected)
+    return path, f"{short_repr(entry['input'])}: {_asked(entry, context)}"
+
+
+def _asked(entry: dict[str, Any], context: dict[str, Any]) -> str:
+    """Clause on a value of another kind."""
+    kind = entry["type"]
+    if kind in ASKED:
+        return f"give {ASKED[kind]}"
+    if kind == "literal_error":
+        known = [word.strip("'") for word in re.split(", | or ", context["expected"])]
+        return f"give one of {context['expected']}{nearest(entry['input'], known)}"
     if kind == "value_error":
-        return path, f"{given}: {context['error']}"
-    return path, f"{given}: {entry['msg'][0].lower()}{entry['msg'][1:]}"
+        return str(context["error"])
+    return f"{entry['msg'][0].lower()}{entry['msg'][1:]}"
 
 
-def _without_tags(loc: Sequence[str | int], data: Any) -> tuple[str | int, ...]:
-    """Path in the file: pydantic puts the kind of a union after its key."""
+def _without_tags(loc: Sequence[str | int], data: Any, missing: bool) -> tuple[str | int, ...]:
+    """Path in the file: pydantic puts the kind of a union after its key; only a missing key is not in the file."""
     path: list[str | int] = []
     fresh = True  # at a table whose tag has not been passed
     for number, key in enumerate(loc):
@@ -87,7 +137,7 @@ def _without_tags(loc: Sequence[str | int], data: Any) -> tuple[str | int, ...]:
         try:
             data = data[key]
         except (KeyError, IndexError, TypeError):
-            if not last:  # the name of a type
+            if not (last and missing):  # the name of a type
                 continue
         path.append(key)
         fresh = True

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema
 
-from .units import EXAMPLES, Units
+from .units import EXAMPLES, NUMBER, Units
+
+LARGEST = 2**53  # whole number of a node
 
 
 def _number(dimension: str, value: Any, info: ValidationInfo) -> float:
@@ -25,10 +27,31 @@ def _range(value: Any, info: ValidationInfo) -> tuple[float, float]:
     return _number("L", ends[0], info), _number("L", ends[1], info)
 
 
+def _node(value: Any) -> int | str:
+    if isinstance(value, bool) or not isinstance(value, int | str) or value == "":
+        raise ValueError("give the number of a node (an integer), or its name in quotes")
+    if isinstance(value, int) and abs(value) > LARGEST:
+        raise ValueError("no node has that number")
+    return value
+
+
 def _nested(dimension: str, value: Any, info: ValidationInfo) -> Any:
     if isinstance(value, list):
         return [_nested(dimension, entry, info) for entry in value]
+    if isinstance(value, dict):
+        return {name: _nested(dimension, entry, info) for name, entry in value.items()}
     return _number(dimension, value, info)
+
+
+def _drawn(value: Any, info: ValidationInfo) -> Any:
+    """Point of a line of a sail: a name, a name and a share of its length, or a place."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, list) and len(value) == 2 and isinstance(value[0], str) and not NUMBER.fullmatch(value[0]):
+        return value[0], _number("1", value[1], info)
+    if isinstance(value, list) and len(value) in (2, 3):
+        return _nested("L", value, info)
+    raise ValueError('give a name, a share of an edge as ["A-B", 0.5], or a place as [4, 2, 5]')
 
 
 def _quantity(dimension: str) -> Any:
@@ -41,6 +64,12 @@ def _quantities(dimension: str) -> Any:
     return Annotated[Any, BeforeValidator(partial(_nested, dimension)), WithJsonSchema(schema)]
 
 
+def _nested_quantities(dimension: str) -> Any:
+    """Quantities in lists and tables of any depth."""
+    schema = {"type": ["number", "string", "array", "object"], "examples": [EXAMPLES[dimension]]}
+    return Annotated[Any, BeforeValidator(partial(_nested, dimension)), WithJsonSchema(schema)]
+
+
 def _vector(dimension: str) -> Any:
     entry = _quantity(dimension)
     return tuple[entry, entry, entry]  # type: ignore[valid-type]  # made for pydantic, not for mypy
@@ -49,6 +78,8 @@ def _vector(dimension: str) -> Any:
 if TYPE_CHECKING:
     Number: TypeAlias = float
     Length: TypeAlias = float
+    Area: TypeAlias = float
+    Time: TypeAlias = float
     Force: TypeAlias = float
     ForcePerLength: TypeAlias = float
     Pressure: TypeAlias = float
@@ -65,10 +96,19 @@ if TYPE_CHECKING:
     LineLoad: TypeAlias = Vector
     AreaLoad: TypeAlias = Vector
     Direction: TypeAlias = Vector
+    Densities: TypeAlias = Any
+    Places: TypeAlias = Any
+    Shares: TypeAlias = Any
+    LinePoint: TypeAlias = Any
+    Node: TypeAlias = int | str
 else:
     Number, Length, Force, ForcePerLength = _quantity("1"), _quantity("L"), _quantity("F"), _quantity("F/L")
+    Area, Time = _quantity("L^2"), _quantity("T")
     Pressure, AreaMass, LineMass = _quantity("F/L^2"), _quantity("F T^2/L^3"), _quantity("F T^2/L^2")
     Stress, Forces, Directions = _quantities("F/L"), _quantities("F"), _quantities("1")
     Point, Displacement, ForceVector = _vector("L"), _vector("L"), _vector("F")
     LineLoad, AreaLoad, Direction = _vector("F/L"), _vector("F/L^2"), _vector("1")
+    Densities, Places, Shares = _quantities("F/L"), _nested_quantities("L"), _nested_quantities("1")
+    Node = Annotated[Any, BeforeValidator(_node), WithJsonSchema({"type": ["integer", "string"]})]
+    LinePoint = Annotated[Any, BeforeValidator(_drawn), WithJsonSchema({"type": ["string", "array"]})]
     Range = Annotated[Any, BeforeValidator(_range), WithJsonSchema({"type": ["number", "string", "array"]})]

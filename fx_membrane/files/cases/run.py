@@ -1,25 +1,33 @@
 """Run of a case: form finding, stages and the files that they leave."""
 
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from mpi4py import MPI
 
+from ... import Form
 from ...analysis.convergence_error import ConvergenceError
 from ...analysis.stages import Analysis
 from ...checks import paths
-from ...results.checks import checks, table
-from ...results.states import StageResult, StageResults
-from ...runtime.messages import say
-from ...runtime.processes import together
+from ...checks.values import counted
+from ...model.stages import Stage
+from ...model.structure import Structure
+from ...results.states import StageResults
+from ...runtime.messages import say, silence
+from ...runtime.processes import by_the_first, together
 from ..archive import load_results, save_results
 from ..mesh_writer import write_mesh
 from ..paraview import ParaViewSeries
+from ..run_results import RESULTS
 from ..tables import write_tables
+from ..whole_file import writing
 from .case import Case
+from .pictures import check_drawing, drawings
 
-CHECKPOINT, RESULTS, FORM = "checkpoint.sqlite", "results.fxm", "form.fxm"
+CHECKPOINT, FORM, FORM_KEY = "checkpoint.sqlite", "form.fxm", "form.sha256"
 
 
 def folder_of(case: Case) -> Path:
@@ -43,47 +51,37 @@ def run_case(case: Case, *, resume: bool = False, overwrite: bool = False, progr
             written; the stages do not fit the structure.
         ConvergenceError: A stage found no equilibrium.
         RuntimeError: Form finding found no shape.
+        ImportError: A package that an output needs is not installed.
     """
     folder = folder_of(case)
     with together(MPI.COMM_WORLD):
+        check_drawing(case.output)
         if MPI.COMM_WORLD.rank == 0:
             _prepare(folder, resume, overwrite)
-    structure = _formed(case, folder, resume)
+    with silence(not progress):
+        say(f"Results go to {folder}")
+        structure, stages = _formed(case, folder, resume)
+        return _analysed(case, folder, structure, stages, resume, progress)
+
+
+def _analysed(
+    case: Case, folder: Path, structure: Structure, stages: Sequence[Stage], resume: bool, progress: bool
+) -> StageResults:
     series = None
     wanted = case.output.paraview
     if wanted or (wanted is None and find_spec("pyvista")):  # without a word in the file, where it can be written
         series = ParaViewSeries(folder / "paraview", resume, force_unit=case.force_unit, length_unit=case.length_unit)
-    results = StageResults()
+    analysis = Analysis(structure, case.solver, limit=case.work, progress=progress)
     try:
-        results = Analysis(structure, case.solver, progress=progress).run(case.stages, folder / CHECKPOINT, series)
+        results = analysis.run(stages, folder / CHECKPOINT, series)
     except ConvergenceError as error:
-        results = error.results
+        if failed := _write(case, folder, error.results):
+            say(failed)
         raise
-    finally:
-        _write(case, folder, results)
+    failed = _write(case, folder, results)
+    if failed:
+        raise ValueError(f"{failed}\nThe checkpoint has the states: mend this, then run with --resume.")
     return results
-
-
-def shown(case: Case, results: StageResults) -> str:
-    """Table of all stages, and the checks of each, to print."""
-    return "\n".join(line for state in results.values() for line in _shown(case, state))
-
-
-def _shown(case: Case, state: StageResult) -> list[str]:
-    iterations = sum(len(entry.iterations) - 1 + entry.extra_iterations for entry in state.increments)
-    largest = f"{state.largest_displacement:.4g} {case.length_unit}"
-    head = f"Stage {state.name!r}: {len(state.increments)} increments, {iterations} iterations, moves up to {largest}"
-    return [head, *_parts(case, state), table(checks(state))]
-
-
-def _parts(case: Case, state: StageResult) -> list[str]:
-    width = max(map(len, state.parts)) + 2
-    lines = []
-    for name, found in state.parts.items():
-        values = found.principal
-        per = "" if found.dimension == 1 else f"/{case.length_unit}"
-        lines.append(f"  {name:{width}}{values.min():12.5g} to {values.max():12.5g} {case.force_unit}{per}")
-    return lines
 
 
 def _prepare(folder: Path, resume: bool, overwrite: bool) -> None:
@@ -95,32 +93,72 @@ def _prepare(folder: Path, resume: bool, overwrite: bool) -> None:
             "--overwrite."
         )
     if overwrite and not resume:
-        for name in (CHECKPOINT, CHECKPOINT + "-journal", RESULTS, FORM):
+        for name in (CHECKPOINT, CHECKPOINT + "-journal", RESULTS, FORM, FORM_KEY):
             (folder / name).unlink(missing_ok=True)
     folder.mkdir(parents=True, exist_ok=True)
 
 
-def _formed(case: Case, folder: Path, resume: bool) -> Any:
-    """Structure in its found form, that of an earlier run if it goes on."""
-    if case.form_method is None:
-        return case.structure
+def _formed(case: Case, folder: Path, resume: bool) -> tuple[Structure, Sequence[Stage]]:
+    """Structure in its found form, that of an earlier run if it goes on, and its stages."""
+    if not case.steps:
+        return case.structure, case.stages
+    found: Any = None
     if resume and (folder / FORM).exists():
-        return load_results(folder / FORM).structure
-    form = case.form()
-    assert form is not None
-    say(f"Form found in {len(form.steps)} steps, converged: {form.converged}")
-    save_results(form, folder / FORM)
-    return form.structure
+        with together(MPI.COMM_WORLD):
+            _check_key(case, folder)
+        found = load_results(folder / FORM)
+    else:
+        found = case.form(partial(_tell, case))
+        save_results(found, folder / FORM)
+        _write_key(case, folder)
+    return found.structure, case.stages_of(found.structure)
 
 
-def _write(case: Case, folder: Path, results: StageResults) -> None:
+def _check_key(case: Case, folder: Path) -> None:
+    """Refuse to go on with the form of another case."""
+    key = folder / FORM_KEY
+    if not key.exists() or key.read_text(encoding="utf-8") != case.form_key:
+        raise ValueError(
+            f"{folder / FORM} is the form of another case: geometry, parts or form finding have changed since; give "
+            "--overwrite to find it anew."
+        )
+
+
+@by_the_first
+def _write_key(case: Case, folder: Path) -> None:
+    with writing(folder / FORM_KEY, encoding="utf-8") as stream:
+        stream.write(case.form_key)
+
+
+def _tell(case: Case, number: int, form: Form) -> None:
+    """Report a step of form finding."""
+    of = f" {number + 1} of {len(case.steps)}" if len(case.steps) > 1 else ""
+    steps = f"{counted(len(form.steps), 'step')}, " if form.steps else ""
+    say(f"form finding{of}: {case.methods[number]}, {steps}{'' if form.converged else 'not '}converged")
+
+
+def _write(case: Case, folder: Path, results: StageResults) -> str:
+    """Write the files that a case asks for, each although another fails; return what failed, empty if none."""
     if not results:
-        return
+        return ""
     results.title, results.force_unit, results.length_unit = case.title, case.force_unit, case.length_unit
+    results.limits = case.limits
+    failed = []
+    for write in _writers(case, folder, results):
+        try:
+            write()
+        except (ValueError, ImportError, OSError) as error:
+            failed.append(str(error))
+    return "\n".join(failed)
+
+
+def _writers(case: Case, folder: Path, results: StageResults) -> Iterator[Callable[[], None]]:
+    units = {"force_unit": case.force_unit, "length_unit": case.length_unit}
     if case.output.archive:
-        save_results(results, folder / RESULTS)
+        yield partial(save_results, results, folder / RESULTS)
     if case.output.tables:
-        write_tables(results, folder, force_unit=case.force_unit, length_unit=case.length_unit)
+        yield partial(write_tables, results, folder, **units)
     for ending in case.output.mesh:
         for number, state in enumerate(results.values()):
-            write_mesh(state, folder / f"{number:02d}.{ending}")
+            yield partial(write_mesh, state, folder / f"{number:02d}.{ending}")
+    yield from drawings(case.output, results, folder)

@@ -4,96 +4,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from .fields import (
-    AreaLoad,
-    Direction,
-    Displacement,
-    ForceVector,
-    LineLoad,
-    Number,
-    Pressure,
-)
-from .structure_schema import Box, Geometry, Material, Model, NodeChoice, Part, SupportModel, UnitNames
+from .fields import Force, ForcePerLength, Length, Number, Time
+from .form_schema import Steps
+from .load_schema import Displacement, Load
+from .structure_schema import Geometry, Kept, Material, Model, Part, SupportModel, UnitNames
 
-
-class PointLoadModel(NodeChoice):
-    """Equal force on each of some nodes, see `PointLoad`."""
-
-    kind: Literal["point"]
-    force: ForceVector
-
-
-class CellChoice(Model):
-    """Cells of a part by number, or by the place of their centroid; all without either."""
-
-    part: str
-    cells: list[int] | None = None
-    where: Box | None = None
-
-
-class AreaLoadModel(CellChoice):
-    """Load of fixed direction per reference area of a membrane, see `DistributedLoad`."""
-
-    kind: Literal["area"]
-    load: AreaLoad
-
-
-class LineLoadModel(CellChoice):
-    """Load of fixed direction per reference length of cables or masts, see `DistributedLoad`."""
-
-    kind: Literal["line"]
-    load: LineLoad
-
-
-class PlanLoadModel(CellChoice):
-    """Load per plan area, as snow, see `PlanLoad`."""
-
-    kind: Literal["plan"]
-    load: AreaLoad
-
-
-class PressureModel(CellChoice):
-    """Pressure that follows the membrane, see `Pressure`."""
-
-    kind: Literal["pressure"]
-    pressure: Pressure
-
-
-class DisplacementModel(NodeChoice):
-    """Prescribed displacement, see `PrescribedDisplacement`."""
-
-    displacement: Displacement
-    components: str | None = None
-
-
-Load = Annotated[
-    PointLoadModel | AreaLoadModel | LineLoadModel | PlanLoadModel | PressureModel, Field(discriminator="kind")
-]
-
-
-class FormModel(Model):
-    """Form finding before the stages: its method, and loads that the form balances."""
-
-    loads: list[Load] = []
-    tolerance: Number | None = None
-    max_iterations: int | None = None
-
-
-class UpdatedReference(FormModel):
-    """See `updated_reference`."""
-
-    method: Literal["updated reference"]
-
-
-class ProjectedStress(FormModel):
-    """See `projected_stress`."""
-
-    method: Literal["projected stress"]
-    cables: Literal["horizontal force", "force", "force density"] | None = None
-    direction: Direction | None = None
-
-
-FormFinding = Annotated[UpdatedReference | ProjectedStress, Field(discriminator="method")]
+PictureName = Literal["displacement", "principal stress I", "principal stress II", "axial force", "state"]
 
 
 class NewtonModel(Model):
@@ -105,16 +21,43 @@ class NewtonModel(Model):
     line_search: bool | None = None
 
 
-class FirstOrderModel(Model):
-    """See `ConjugateGradient` and `SteepestDescent`."""
+class SteepestDescentModel(Model):
+    """See `SteepestDescent`."""
 
-    method: Literal["conjugate gradient", "steepest descent"]
+    method: Literal["steepest descent"]
     preconditioner: str | None = None
     rtol: Number | None = None
     max_iterations: int | None = None
 
 
-SolverModel = Annotated[NewtonModel | FirstOrderModel, Field(discriminator="method")]
+class ConjugateGradientModel(Model):
+    """See `ConjugateGradient`."""
+
+    method: Literal["conjugate gradient"]
+    beta: Literal["FR", "PR"] | None = None
+    preconditioner: str | None = None
+    rtol: Number | None = None
+    max_iterations: int | None = None
+
+
+SolverModel = Annotated[
+    NewtonModel | SteepestDescentModel | ConjugateGradientModel, Field(discriminator="method"), Kept
+]
+
+
+class LimitsModel(Model):
+    """Limits of the checks: largest displacement; by part, strength over safety, stress of membranes, force of bars."""
+
+    displacement: Length | None = None
+    stress: dict[str, ForcePerLength] = {}
+    force: dict[str, Force] = {}
+
+
+class WorkModel(Model):
+    """Largest work of each stage, see `WorkLimit`."""
+
+    iterations: int | None = None
+    seconds: Time | None = None
 
 
 class StageModel(Model):
@@ -124,7 +67,7 @@ class StageModel(Model):
     after: str | None = None
     increments: int | None = None
     loads: list[Load] = []
-    displacements: list[DisplacementModel] = []
+    displacements: list[Displacement] = []
 
 
 class OutputModel(Model):
@@ -135,10 +78,12 @@ class OutputModel(Model):
     archive: bool = True
     paraview: bool | None = None
     mesh: list[Literal["msh", "obj", "dxf"]] = []
+    report: list[Literal["html", "pdf"]] = []
+    pictures: list[PictureName] = []
 
 
 class CaseModel(Model):
-    """A whole case file."""
+    """A whole case file. Laws, energy terms, solvers and functions of place of your own need a script."""
 
     format: Literal[1]
     title: str = ""
@@ -146,12 +91,14 @@ class CaseModel(Model):
     geometry: Geometry
     materials: dict[str, Material] = {}
     parts: dict[str, Part]
-    supports: list[SupportModel] = []
+    supports: list[Annotated[SupportModel, Kept]] = []
     separate: list[tuple[str, str]] = []
-    form_finding: FormFinding | None = None
+    form_finding: Steps = []
     solver: SolverModel | None = None
-    stages: list[StageModel] = []
-    output: OutputModel = OutputModel()
+    work: Annotated[WorkModel, Kept] | None = None
+    limits: Annotated[LimitsModel, Kept] | None = None
+    stages: list[Annotated[StageModel, Kept]] = []
+    output: Annotated[OutputModel, Kept] = OutputModel()
 
 
 def keys() -> set[str]:
@@ -166,4 +113,7 @@ def keys() -> set[str]:
 
 def json_schema() -> dict[str, Any]:
     """JSON schema of case files, for editors."""
-    return CaseModel.model_json_schema()
+    found = CaseModel.model_json_schema()
+    steps = found["properties"]["form_finding"]
+    found["properties"]["form_finding"] = {"anyOf": [steps["items"], steps]}
+    return found

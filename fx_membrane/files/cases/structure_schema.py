@@ -1,22 +1,62 @@
 """Schema of the structure in case files: units, geometry, materials, parts and supports."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationError,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+)
 
 from .fields import (
+    Area,
     AreaMass,
+    Direction,
     Directions,
     Force,
     ForcePerLength,
     Forces,
     Length,
     LineMass,
+    LinePoint,
+    Node,
     Number,
+    Places,
     Point,
+    Pressure,
     Range,
+    Shares,
     Stress,
 )
+
+
+class Broken:
+    """Stands for a table that has faults of its own, so that the others can be checked."""
+
+
+BROKEN: Any = Broken()
+
+
+def _kept(value: Any, handler: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
+    try:
+        return handler(value)
+    except ValidationError as error:
+        if not (info.context and info.context.get("lenient")):
+            raise
+        faulty = {key for entry in error.errors(include_url=False) for key in entry["loc"][:2]}
+    try:
+        return handler({key: entry for key, entry in value.items() if key not in faulty})
+    except (ValidationError, AttributeError):
+        return BROKEN
+
+
+Kept = WrapValidator(_kept)  # with context["lenient"] a table goes on without its faulty keys, or becomes BROKEN
 
 
 class Model(BaseModel):
@@ -60,6 +100,44 @@ class FileGeometry(Model):
     split_quadrilaterals: bool | None = None
 
 
+def shape_of(value: Any) -> str:
+    """Tell a table, a list and another value apart."""
+    return "table" if isinstance(value, dict) else "list" if isinstance(value, list) else "value"
+
+
+class HoleModel(Model):
+    """A circular hole, see `RoundHole`."""
+
+    centre: Places
+    radius: Length
+
+
+Hole = Annotated[
+    Annotated[HoleModel, Tag("table")] | Annotated[Places, Tag("list")] | Annotated[Places, Tag("value")],
+    Discriminator(shape_of),
+]
+Names = Annotated[
+    Annotated[str, Tag("value")] | Annotated[list[str], Tag("list")] | Annotated[str, Tag("table")],
+    Discriminator(shape_of),
+]
+
+
+class SailGeometry(Model):
+    """A sail drawn in plan, see `sail_mesh`: the group "sail", one for each edge, hole and line, each corner and point.
+
+    Corners and holes with corners are tables or lists of places.
+    """
+
+    kind: Literal["sail"]
+    corners: Places
+    size: Length
+    sag: Shares = None
+    holes: dict[str, Hole] = {}
+    lines: dict[str, list[LinePoint]] = {}
+    points: Places = None
+    sizes: Places = None
+
+
 class PointGeometry(Model):
     """Points by hand; parts name their cells."""
 
@@ -68,11 +146,13 @@ class PointGeometry(Model):
 
 
 class FabricMaterial(Model):
-    """Isotropic fabric, see `Fabric`."""
+    """Isotropic fabric, see `Fabric`; Et, or E and thickness."""
 
     kind: Literal["fabric"]
-    Et: ForcePerLength
+    Et: ForcePerLength | None = None
     nu: Number
+    E: Pressure | None = None
+    thickness: Length | None = None
 
 
 class WovenMaterial(Model):
@@ -86,63 +166,86 @@ class WovenMaterial(Model):
 
 
 class NeoHookeMaterial(Model):
-    """Incompressible foil, see `NeoHooke`."""
+    """Incompressible foil, see `NeoHooke`; Gt, or E and thickness."""
 
     kind: Literal["neo-hooke"]
-    Gt: ForcePerLength
+    Gt: ForcePerLength | None = None
+    E: Pressure | None = None
+    thickness: Length | None = None
 
 
 class MooneyRivlinMaterial(Model):
-    """Incompressible foil, see `MooneyRivlin`."""
+    """Incompressible foil, see `MooneyRivlin`; C10t and C01t, or C10, C01 and thickness."""
 
     kind: Literal["mooney-rivlin"]
-    C10t: ForcePerLength
-    C01t: ForcePerLength
+    C10t: ForcePerLength | None = None
+    C01t: ForcePerLength | None = None
+    C10: Pressure | None = None
+    C01: Pressure | None = None
+    thickness: Length | None = None
 
 
 class PartModel(Model):
-    """Cells of a part: a group of the geometry, by default that of its name; cells by hand; edges of a membrane."""
+    """Cells of a part: groups of the geometry, by default that of its name; cells or lines of nodes; membrane edges."""
 
-    group: str | None = None
-    cells: list[list[int]] | None = None
+    group: Names | None = None
+    cells: list[list[Node]] | None = None
+    lines: list[list[Node]] | None = None
     edges_of: str | None = None
     where: Box | None = None
 
 
+class AxisModel(Model):
+    """Axis of a radial warp, see `RadialDirection`."""
+
+    origin: Point = (0.0, 0.0, 0.0)
+    axis: Direction = (0.0, 0.0, 1.0)
+
+
+Warp = Annotated[
+    Annotated[AxisModel, Tag("table")] | Annotated[Directions, Tag("list")] | Annotated[Directions, Tag("value")],
+    Discriminator(shape_of),
+]
+
+
 class MembranePart(PartModel):
-    """A membrane, see `Membrane`."""
+    """A membrane, see `Membrane`; its warp is along a vector, one per cell, or away from an axis."""
 
     kind: Literal["membrane"]
     material: str
     prestress: Stress = None
-    warp: Directions = None
+    warp: Warp = None
     compression_stiffness: Number | None = None
     mass: AreaMass | None = None
 
 
-class CablePart(PartModel):
-    """Cables, see `Cable`."""
+class BarPart(PartModel):
+    """Cables or masts; axial_stiffness, or E and area."""
+
+    axial_stiffness: Force | None = None
+    E: Pressure | None = None
+    area: Area | None = None
+    prestress: Forces = None
+    mass: LineMass | None = None
+
+
+class CablePart(BarPart):
+    """Cables, see `Cable`; axial_stiffness, or E and area."""
 
     kind: Literal["cable"]
-    axial_stiffness: Force
-    prestress: Forces = None
     compression_stiffness: Number | None = None
-    mass: LineMass | None = None
 
 
-class MastPart(PartModel):
-    """Masts, see `Mast`."""
+class MastPart(BarPart):
+    """Masts, see `Mast`; axial_stiffness, or E and area."""
 
     kind: Literal["mast"]
-    axial_stiffness: Force
-    prestress: Forces = None
-    mass: LineMass | None = None
 
 
 class NodeChoice(Model):
-    """Nodes by number, by group of the geometry, by place, or the rim of a membrane; one of these."""
+    """Nodes by number or name, by group of the geometry, by place, or the rim of a membrane; one of these."""
 
-    nodes: list[int] | None = None
+    nodes: list[Node] | None = None
     group: str | None = None
     where: Box | None = None
     rim_of: str | None = None
@@ -154,8 +257,8 @@ class SupportModel(NodeChoice):
     components: str | None = None
 
 
-Geometry = Annotated[GridGeometry | FileGeometry | PointGeometry, Field(discriminator="kind")]
+Geometry = Annotated[GridGeometry | FileGeometry | SailGeometry | PointGeometry, Field(discriminator="kind"), Kept]
 Material = Annotated[
-    FabricMaterial | WovenMaterial | NeoHookeMaterial | MooneyRivlinMaterial, Field(discriminator="kind")
+    FabricMaterial | WovenMaterial | NeoHookeMaterial | MooneyRivlinMaterial, Field(discriminator="kind"), Kept
 ]
-Part = Annotated[MembranePart | CablePart | MastPart, Field(discriminator="kind")]
+Part = Annotated[MembranePart | CablePart | MastPart, Field(discriminator="kind"), Kept]

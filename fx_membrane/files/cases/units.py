@@ -14,6 +14,8 @@ UNIT = re.compile(r"[A-Za-zµ23*/^()·²³ ]{1,40}")
 EXAMPLES = {
     "F": "12 kN",
     "L": "3.5 m",
+    "T": "60 s",
+    "L^2": "4 cm2",
     "F/L": "2 kN/m",
     "F/L^2": "0.6 kN/m2",
     "F T^2/L^3": "1.1 kg/m2",
@@ -53,7 +55,8 @@ class Units:
         """
         example = EXAMPLES[dimension]
         if isinstance(value, bool) or not isinstance(value, int | float | str):
-            raise ValueError(f"give a number, or a text with a unit as {example!r}")
+            other = "" if dimension == "1" else f", or a text with a unit as {example!r}"
+            raise ValueError(f"give a number{other}")
         if not isinstance(value, str):
             return _finite(float(value))
         found = NUMBER.fullmatch(value)

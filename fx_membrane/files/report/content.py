@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 
 from ...geometry.measures import measures
 from ...model.stages import Stage
-from ...results.checks import Verdict, checks
+from ...results.check import Verdict
+from ...results.checks import checks
+from ...results.limits import Limits
 from ...results.states import StageResult, StageResults
 from ...results.summary import summary
 
@@ -23,7 +25,8 @@ PROGRAMS = {"fx_membrane": "fx-membrane", "dolfinx": "fenics-dolfinx", "numpy": 
 
 def content(results: StageResults, title: str, force: str, length: str) -> dict[str, Any]:
     """Values of the template of a report."""
-    stages = [_stage(state, _of_name(results.stages, name), force, length) for name, state in results.items()]
+    limits = results.limits or Limits()
+    stages = [_stage(state, _of_name(results.stages, name), limits, force, length) for name, state in results.items()]
     verdicts = {check.verdict for stage in stages for check in stage["checks"]}
     worst = next(verdict for verdict in (Verdict.FAIL, Verdict.WARN, Verdict.PASS) if verdict in verdicts)
     structure = next(iter(results.values())).structure
@@ -46,13 +49,13 @@ def _of_name(stages: tuple[Stage, ...], name: str) -> Stage | None:
     return next((stage for stage in stages if stage.name == name), None)
 
 
-def _stage(state: StageResult, stage: Stage | None, force: str, length: str) -> dict[str, Any]:
+def _stage(state: StageResult, stage: Stage | None, limits: Limits, force: str, length: str) -> dict[str, Any]:
     told = summary(state)
     return {
         "name": state.name,
         "after": (stage.after if stage else None) or "",
         "loads": [_load(load) for load in stage.loads] if stage else [],
-        "checks": checks(state),
+        "checks": checks(state, limits),
         "sums": {"loads": _force(state, told["sum of loads"]), "reactions": _force(state, told["sum of reactions"])},
         "extremes": list(_extremes(state, told, force, length)),
         "reactions": list(_reactions(state)),

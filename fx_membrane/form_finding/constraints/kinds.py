@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...checks import validation
+from ...model.by_value import ByValue
 
 RIGHT_ANGLE = 90.0
 
@@ -22,7 +23,7 @@ def _check_cable(constraint: CableConstraint) -> None:
 
 
 @dataclass(frozen=True, eq=False)
-class CableForce:
+class CableForce(ByValue):
     """Force of a cable in form finding, instead of its prestress.
 
     Args:
@@ -51,7 +52,7 @@ class CableForce:
 
 
 @dataclass(frozen=True, eq=False)
-class CableDensity:
+class CableDensity(ByValue):
     """Force density of a cable in form finding, instead of its prestress.
 
     Args:
@@ -77,7 +78,7 @@ class CableDensity:
 
 
 @dataclass(frozen=True, eq=False)
-class CableLength:
+class CableLength(ByValue):
     """Length of a cable in the form; its force is found.
 
     A line of the cable runs between its ends, branches and nodes held in all components; a closed one is divided where
@@ -108,7 +109,7 @@ class CableLength:
 
 
 @dataclass(frozen=True, eq=False)
-class CableSag:
+class CableSag(ByValue):
     """Sag of a cable in the form; its force is found. Lines are those of `CableLength`.
 
     Args:
@@ -140,7 +141,7 @@ class CableSag:
 
 
 @dataclass(frozen=True, eq=False)
-class EdgeAngle:
+class EdgeAngle(ByValue):
     """Largest angle of an edge cable in the form, between its chord and its tangent at an end.
 
     An edge cable of force T in a membrane of stress n is an arc of radius T / n. Over a chord c its angle a has
@@ -173,7 +174,7 @@ class EdgeAngle:
 
 
 @dataclass(frozen=True, eq=False)
-class Slide:
+class Slide(ByValue):
     """Nodes that slide without friction in form finding: on a line, or on a plane, through their first position.
 
     In the structure of the form, a node that slides along axes has a support in its other components. One that slides
@@ -219,7 +220,7 @@ class Slide:
 
 
 @dataclass(frozen=True, eq=False)
-class Ring:
+class Ring(ByValue):
     """Nodes on a circle that stay plane and round in form finding, while the ring moves and turns.
 
     The nodes keep their angles on the circle. Supports of the ring's nodes guide it: held in "z", it moves in its
@@ -251,7 +252,7 @@ class Ring:
 
 
 @dataclass(frozen=True, eq=False)
-class RigidBody:
+class RigidBody(ByValue):
     """Nodes that move and turn together in form finding, as those of a stiff head frame.
 
     Two nodes are the ends of a strut of given length; a `Mast` without prestress between them takes its force. Bars and

@@ -19,6 +19,7 @@ from models import CENTRE, EDGE, FABRIC, LIFT, POINTS, SNOW, TRIANGLES, WIND, cl
 # Supports
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     "structure",
     [
@@ -38,6 +39,7 @@ def test_structure_without_enough_supports(structure):
         Analysis(structure).run([Stage("rest")])
 
 
+@pytest.mark.mpi
 def test_piece_without_supports_is_named():
     points = np.vstack([POINTS, POINTS + np.array([0, 0, 1])])
     parts = {"low": Membrane(TRIANGLES, FABRIC, 1e3), "high": Membrane(TRIANGLES + 25, FABRIC, 1e3)}
@@ -56,6 +58,7 @@ def test_cable_pinned_at_both_ends_carries_a_load_across():
     assert 2 * force * sine == pytest.approx(50.0, rel=1e-9)
 
 
+@pytest.mark.mpi
 def test_prescribed_displacements_support_their_stage_and_those_after_it():
     banner = Analysis(sheet(Support(0)))
     hold = [PrescribedDisplacement([4, 20, 24], (0, 0, 0))]
@@ -88,6 +91,7 @@ def test_without_after_a_stage_starts_from_the_reference_shape(analysis):
     assert same_state(results["wind"], analysis.run([Stage("wind", [WIND])])["wind"])
 
 
+@pytest.mark.mpi
 def test_branches_do_not_see_each_other(analysis):
     lift, snow, wind = (
         Stage("lift", displacements=[LIFT]),
@@ -109,6 +113,7 @@ def test_stage_that_adds_nothing_starts_in_equilibrium(analysis, name):
     assert same_state(results["same"], results[name])
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("steps", [2, 5])
 def test_result_does_not_depend_on_the_number_of_steps(analysis, steps):
     results = analysis.run(
@@ -141,6 +146,7 @@ def test_stage_without_a_name_is_refused():
 # Loads
 
 
+@pytest.mark.mpi
 def test_load_on_a_support_goes_into_its_reaction(analysis):
     force = np.array([3.0, -4.0, 5.0])
     results = analysis.run([Stage("snow", [SNOW]), Stage("both", [SNOW, PointLoad(0, force)])])
@@ -150,6 +156,7 @@ def test_load_on_a_support_goes_into_its_reaction(analysis):
     assert np.delete(change, 0, axis=0) == pytest.approx(np.zeros((24, 3)), abs=1e-9)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(("cells", "area"), [(None, 4.0), ([0, 1, 5], 3 * 0.125), (7, 0.125)])
 def test_distributed_load_sums_to_load_times_area(analysis, cells, area):
     result = analysis.run([Stage("snow", [DistributedLoad((1.0, 2.0, -3.0), "fabric", cells)])])["snow"]

@@ -33,6 +33,7 @@ PUSH = Stage("push", [PointLoad(1, (0, 0, -1.2 * LIMIT))], increments=8)
 PART = Pressure(400.0, "fabric", range(9))  # not uniform: it has no potential
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize(
     "loads",
     [([SNOW], []), ([Pressure(400.0, "fabric")], []), ([PART], []), ([SNOW, PART], [LIFT]), ([], [LIFT])],
@@ -60,6 +61,7 @@ def test_goes_on_from_a_loaded_state_and_keeps_its_loads():
     assert close(path.state(-1).displacement, results["second"].displacement)
 
 
+@pytest.mark.mpi
 def test_same_path_on_any_number_of_processes():
     stage = Stage("air", [Pressure(400.0, "fabric"), SNOW], increments=5, after="rest")
     paths = []
@@ -75,6 +77,7 @@ def test_same_path_on_any_number_of_processes():
     assert close(together.state(-1).reactions, alone.state(-1, MPI.COMM_SELF).reactions)
 
 
+@pytest.mark.mpi
 def test_negative_pivots_are_negative_eigenvalues():
     path = equilibrium_path(arch(), PUSH)
     assert set(path.negative_pivots) == {0, 1}
@@ -95,6 +98,7 @@ def test_a_displacement_at_the_start_is_no_end_there(value):
     assert not path.complete
 
 
+@pytest.mark.mpi
 def test_a_limit_point_is_the_last_point_allowed():
     found = equilibrium_path(arch(), PUSH).limit_points[0]
     path = equilibrium_path(arch(), PUSH, max_points=found + 1)
@@ -112,6 +116,7 @@ def test_ends_with_the_last_point_allowed():
     assert repr(path) == f"EquilibriumPath('push', 6 points, load factor {path.load_factors[-1]:.4g}, complete=False)"
 
 
+@pytest.mark.mpi
 def test_ends_at_what_comes_first():
     both = equilibrium_path(arch(), PUSH, 0.5, (1, "z", -0.2))
     assert both.load_factors[-1] == pytest.approx(0.5, rel=1e-15)
@@ -151,6 +156,7 @@ def test_cables_that_slacken():
     assert len(path.points) <= 6  # no step is rejected for the kink
 
 
+@pytest.mark.mpi
 def test_start_that_is_not_stable_is_reported():
     """Masts in line, pressed together by a spring force, held across by a cable that is too soft."""
     parts = {"column": Mast([[0, 1], [1, 2]], 1e6, prestress=-1e3), "stay": Cable([[1, 3]], 1e3, prestress=1e-3)}
@@ -180,6 +186,7 @@ def test_prestress_beyond_the_material_law_is_reported():
     assert found[0].filename == __file__
 
 
+@pytest.mark.mpi
 def test_path_that_is_lost_is_kept(monkeypatch):
     find, calls = BorderedNewton.find, []
 
@@ -198,6 +205,7 @@ def test_path_that_is_lost_is_kept(monkeypatch):
     assert path.reason == str(error.value)
 
 
+@pytest.mark.mpi
 def test_factorizations_are_one_for_each_iteration_and_one_for_each_point(monkeypatch):
     """The tangent of a point gives its pivots and the direction to the next one."""
     count = []
@@ -215,6 +223,7 @@ def test_ends_where_a_component_is_that_the_stage_moves():
     assert path.load_factors[-1] == pytest.approx(0.75, rel=1e-13)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("steps", [7, 10, 16])  # with 7 and 10 the sum is one up to rounding
 def test_last_point_comes_once(steps):
     drive = Stage("drive", displacements=[PrescribedDisplacement(1, (0, 0, -0.6), "z")], increments=steps)
@@ -224,6 +233,7 @@ def test_last_point_comes_once(steps):
     assert path.load_factors[-1] == 1.0
 
 
+@pytest.mark.mpi
 def test_displacement_driven_stage_holds_what_it_moves():
     drive = Stage("drive", displacements=[PrescribedDisplacement(1, (0, 0, -0.6), "z")], increments=5)
     path = equilibrium_path(arch(), drive)

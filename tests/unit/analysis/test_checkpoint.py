@@ -30,6 +30,7 @@ def test_run_with_a_checkpoint_gives_what_one_without_gives(path, expected):
     assert path.exists()
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("most", [1, 2, 4, 6])
 def test_run_cut_short_goes_on_and_computes_nothing_twice(path, expected, most):
     cut_short(path, most)
@@ -39,6 +40,7 @@ def test_run_cut_short_goes_on_and_computes_nothing_twice(path, expected, most):
     assert len(calls) == 7 - most
 
 
+@pytest.mark.mpi
 def test_complete_run_is_read_and_not_computed(path, expected):
     Analysis(structure()).run(stages(), path)
     again = Analysis(structure())
@@ -113,6 +115,7 @@ def test_halved_increments_go_on_with_the_same_length(path):
     assert 0 < len(remaining) < len(tried)
 
 
+@pytest.mark.mpi
 def test_failed_run_can_be_taken_up_by_a_better_solver(path, expected):
     analysis = Analysis(structure())
     calls = counted(analysis)
@@ -122,6 +125,7 @@ def test_failed_run_can_be_taken_up_by_a_better_solver(path, expected):
     assert len(calls) == 7
 
 
+@pytest.mark.mpi
 def test_only_the_first_process_writes(tmp_path, monkeypatch, expected):
     written = []
     write = CheckpointFile.write
@@ -133,6 +137,7 @@ def test_only_the_first_process_writes(tmp_path, monkeypatch, expected):
     assert_same(found, expected)
 
 
+@pytest.mark.mpi
 def test_run_of_one_process_goes_on_with_several(path, expected):
     if MPI.COMM_WORLD.rank == 0:
         alone = Analysis(structure(), comm=MPI.COMM_SELF)
@@ -167,7 +172,6 @@ analysis.run(model.stages(), sys.argv[2])
 """
 
 
-@pytest.mark.serial
 def test_process_that_is_killed_goes_on(path, expected):
     command = [sys.executable, "-c", KILLED, str(Path(interrupted.__file__).parent), str(path), "4"]
     assert subprocess.run(command, timeout=120, check=False).returncode == 7

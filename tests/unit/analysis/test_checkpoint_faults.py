@@ -22,8 +22,6 @@ from fx_membrane.results.states import Increment
 from interrupted import Killed, assert_same, counted, stages, structure
 from models import POINTS
 
-pytestmark = pytest.mark.serial
-
 TESTS = str(Path(interrupted.__file__).parent)
 
 

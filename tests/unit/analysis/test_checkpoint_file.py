@@ -23,6 +23,7 @@ from models import EDGE, POINTS
 # Refusals
 
 
+@pytest.mark.mpi
 def test_checkpoint_of_another_structure_is_refused(path):
     cut_short(path, 3)
     other = Analysis(structure(prestress=1100.0))
@@ -60,6 +61,7 @@ def write(path, content):
     MPI.COMM_WORLD.Barrier()
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     "content",
     [b"", b"Notes about the roof\n", b"PK\x03\x04 no archive", bytes(1000), b"\x93NUMPY"],
@@ -92,6 +94,7 @@ def test_single_array_is_refused(path):
         Analysis(structure()).run(stages(), path)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("share", [0.1, 0.5, 0.9, 0.999])
 def test_truncated_file_is_refused(path, share):
     cut_short(path, 3)
@@ -124,6 +127,7 @@ def loaded(path):
         return kept.progress
 
 
+@pytest.mark.mpi
 def test_what_is_saved_is_loaded_to_the_last_digit(tmp_path):
     path, state = tmp_path / "state", progress()
     saved(path, lift=state)
@@ -135,10 +139,12 @@ def test_what_is_saved_is_loaded_to_the_last_digit(tmp_path):
     assert isinstance(found["lift"].increments[0].iterations[0], Iteration)
 
 
+@pytest.mark.mpi
 def test_no_file_is_no_progress(tmp_path):
     assert loaded(tmp_path / "none") == {}
 
 
+@pytest.mark.mpi
 def test_states_that_are_saved_again_replace_what_was(tmp_path):
     path = tmp_path / "state"
     saved(path, lift=progress())
@@ -149,6 +155,7 @@ def test_states_that_are_saved_again_replace_what_was(tmp_path):
     assert len(found["snow"].increments) == 5
 
 
+@pytest.mark.mpi
 def test_nothing_but_the_checkpoint_is_left_behind(path):
     Analysis(structure()).run(stages(), path)
     MPI.COMM_WORLD.Barrier()
@@ -172,7 +179,6 @@ def test_stage_of_any_name_is_saved(tmp_path, name):
     assert list(loaded(path)) == [name]
 
 
-@pytest.mark.serial
 def test_increment_costs_its_own_state_however_many_came_before(tmp_path):
     def written():
         return int(re.search(r"wchar: (\d+)", Path("/proc/self/io").read_text())[1])
@@ -190,6 +196,7 @@ def test_increment_costs_its_own_state_however_many_came_before(tmp_path):
     assert (tmp_path / "state").stat().st_size < 1.5 * len(many) * shape.nbytes
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("outcome", list(Outcome))
 def test_outcome_is_saved_by_its_name(tmp_path, outcome):
     path = tmp_path / "state"
@@ -219,6 +226,7 @@ def edit(path, change):
         database.execute(change)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     "change",
     [

@@ -27,6 +27,7 @@ from models import LIFT, LIMIT, POINTS, SNOW, TOO_MUCH, arch, rotation, same_sta
 PLAIN = Newton(line_search=False)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("R", [np.eye(3), *map(rotation, range(4))], ids=["z=0", *(f"turned {i}" for i in range(4))])
 def test_flat_membrane_without_prestress_has_no_stiffness_across(R):
     # Without the line search and its shift; see the test after this one.
@@ -72,6 +73,7 @@ def test_failure_keeps_the_completed_stages_and_the_state_before(analysis):
     assert len(failure.failed.iterations) == 5
 
 
+@pytest.mark.mpi
 def test_failure_in_a_later_step_keeps_the_steps_before():
     # So close to the limit load there is little stiffness left, and displacements have fewer digits than forces.
     analysis = Analysis(arch(), Newton(rtol=1e-13, max_iterations=12, line_search=False))
@@ -117,6 +119,7 @@ def test_failure_after_moving_supports_keeps_their_position():
     assert last.equilibrium.residual <= 1e-9 * LIMIT
 
 
+@pytest.mark.mpi
 def test_analysis_can_go_on_after_a_failure(analysis):
     short = Analysis(sheet(), Newton(max_iterations=4, line_search=False))
     mild = [Stage("mild", [DistributedLoad((0, 0, -20.0), "fabric")])]
@@ -131,6 +134,7 @@ def test_bad_stage_is_refused_before_anything_is_solved():
         short.run([Stage("snow", [SNOW]), Stage("wind", [PointLoad(99, (0, 0, 1))])])
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("masts", [2, 4])
 def test_frame_that_sways_is_given_up_after_one_try(masts, monkeypatch):
     """Hinged masts with cables between their tops: pushed aside they fall, at every load."""
@@ -158,6 +162,7 @@ def test_frame_that_sways_is_given_up_after_one_try(masts, monkeypatch):
     assert len(error.value.failed.iterations) == 1 + Patience().usual(Newton().max_iterations)
 
 
+@pytest.mark.mpi
 def test_column_that_falls_over_is_reported():
     column = Mast([[0, 1], [1, 2]], 1e6)
     supports = [Support(0), Support(2, "xy"), Support(1, "y")]

@@ -45,6 +45,7 @@ def pushed(failing, steps, retry=True):
     return tried, [increment.load_factor for increment in result.increments], result
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     ("steps", "failing", "tried", "found"),
     [
@@ -71,6 +72,7 @@ def test_history_is_that_of_the_increments_found():
     assert max(entry.residual for _, entry in result.history) < 1e3
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("steps", [1, 3])
 def test_gives_up_after_eight_halvings(analysis, steps):
     stubborn = Analysis(sheet())
@@ -102,6 +104,7 @@ def test_increment_that_no_length_helps_is_not_halved():
     assert len(tried) == 1
 
 
+@pytest.mark.mpi
 def test_hard_load_in_one_step_ends_where_many_steps_end(analysis):
     plain = Newton(max_iterations=4, line_search=False)
     short = Analysis(sheet(), plain).run([Stage("hard", POINT)])["hard"]
@@ -133,7 +136,6 @@ def judged(control, outcome, lost=False):
     return control.judge(solution, SHAPE if outcome.converged else None, 10)
 
 
-@pytest.mark.serial
 @pytest.mark.parametrize("outcome", list(Outcome))
 def test_verdict_follows_from_the_outcome(outcome):
     expected = Verdict.ACCEPT if outcome.converged else Verdict.HALVE if outcome.retry else Verdict.STOP
@@ -141,7 +143,6 @@ def test_verdict_follows_from_the_outcome(outcome):
     assert judged(control(loads=False), outcome) is (Verdict.ACCEPT if outcome.converged else Verdict.STOP)
 
 
-@pytest.mark.serial
 def test_increments_are_halved_eight_times():
     control_ = control(4)
     verdicts = [judged(control_, Outcome.DIVERGED) for _ in range(9)]
@@ -150,7 +151,6 @@ def test_increments_are_halved_eight_times():
     assert control_.failed(Solution(Outcome.DIVERGED, "", ())).outcome is Outcome.DIVERGED
 
 
-@pytest.mark.serial
 @pytest.mark.parametrize("critical", [Fraction(1, 3), Fraction(1, 512)])
 def test_critical_load_is_bracketed(critical):
     control_, found = control(), []
@@ -165,14 +165,12 @@ def test_critical_load_is_bracketed(critical):
     assert low < critical < found[snapped[0]].load_factor <= low + 1 / 2**8
 
 
-@pytest.mark.serial
 @pytest.mark.parametrize("balanced", [True, False])
 def test_stability_is_judged_from_a_balanced_start_on(balanced):
     verdict = judged(control(balanced=balanced), Outcome.CONVERGED, lost=True)
     assert verdict is (Verdict.HALVE if balanced else Verdict.ACCEPT)
 
 
-@pytest.mark.serial
 def test_unstable_state_is_graver_than_a_loss_of_stability():
     control_ = control()
     while judged(control_, Outcome.UNSTABLE, lost=True) is Verdict.HALVE:
@@ -182,7 +180,6 @@ def test_unstable_state_is_graver_than_a_loss_of_stability():
     assert control_.accept().increments[-1].outcome is Outcome.FALLEN
 
 
-@pytest.mark.serial
 def test_search_for_a_critical_load_that_was_cut_off_is_a_limit_of_work():
     control_ = control()
     judged(control_, Outcome.CONVERGED, lost=True)

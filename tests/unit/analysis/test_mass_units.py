@@ -57,7 +57,7 @@ def first(structure):
     return natural_frequencies(Analysis(structure).run([Stage("rest")])["rest"], 1).frequencies[0]
 
 
-@pytest.mark.mpi
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("units", CONSISTENT)
 def test_consistent_units_give_one_frequency_without_a_word(units, recwarn):
     expected = first(roof(1.0, 1.0, 1.0))
@@ -85,7 +85,6 @@ def test_mixed_units_are_remarked_on(units, kind, size):
         warn_of_mass_units(roof(*MIXED[units], size, kind), stacklevel=2)
 
 
-@pytest.mark.serial
 def test_frequencies_are_remarked_on_where_they_are_asked_for():
     with pytest.warns(MassUnitWarning) as found:
         frequency = first(roof(*MIXED["kN m kg"]))

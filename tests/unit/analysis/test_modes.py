@@ -38,6 +38,7 @@ def guyed(mass=0.0, prestress=T):
     return Structure(points, parts, [Support([0, 3])])
 
 
+@pytest.mark.mpi
 def test_parts_without_mass_follow():
     modes = natural_frequencies(rest(guyed()), 3)
     across, along = 1.5 * T / L, 1.5 * (EA + T) / L
@@ -56,6 +57,7 @@ def test_results_are_shown_in_short():
     assert repr(stiffness) == f"Stability(lowest stiffness {stiffness.stiffnesses[0]:.4g}, 0 negative)"
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("count", [4, 10])
 @pytest.mark.parametrize("stiffness", [1.0, 1e6, 1e12])
 def test_no_stiffness_is_no_instability(stiffness, count):
@@ -100,6 +102,7 @@ def wrinkled():
     return Analysis(structure).run([Stage("pull", displacements=[moved])])["pull"]
 
 
+@pytest.mark.mpi
 def test_wrinkles_are_no_instability_and_slack_nodes_are_left_out():
     state = wrinkled()
     assert (state.membrane("fabric").state == "slack").any()
@@ -109,6 +112,7 @@ def test_wrinkles_are_no_instability_and_slack_nodes_are_left_out():
     assert (found.stiffnesses > 0).all()
 
 
+@pytest.mark.mpi_once
 @pytest.mark.filterwarnings("ignore:Stage 'rest'")
 @pytest.mark.parametrize("kept", [1e-6, 1e-3])
 def test_what_slack_cables_keep_holds_no_mast(kept):
@@ -133,6 +137,7 @@ def test_more_modes_than_there_are():
         natural_frequencies(state, 0)
 
 
+@pytest.mark.mpi
 def test_without_mass():
     structure = guyed()
     massless = replace(structure, parts={"cable": Cable([[0, 1]], EA, T), "guy": structure.parts["guy"]})
@@ -141,6 +146,7 @@ def test_without_mass():
     assert stability(rest(massless)).negative == 0
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("prestress", [0.0, -T])
 def test_part_without_mass_that_nothing_holds(prestress):
     """The guy can rest without tension; with a mass its state is unstable, and zero frequencies are its limit."""
@@ -188,6 +194,7 @@ def pulled(seed=None, comm=MPI.COMM_WORLD):
     return state, number
 
 
+@pytest.mark.mpi
 def test_prescribed_components_are_held():
     state, number = pulled()
     assert state.actions.held.sum() == state.structure.supported.sum() + 1
@@ -200,6 +207,7 @@ def test_prescribed_components_are_held():
     assert np.einsum("ani,bni->ab", directions, directions) == pytest.approx(np.eye(4), abs=1e-9)
 
 
+@pytest.mark.mpi
 def test_neither_processes_nor_numbering_matter():
     """Frequencies are distinct here, so that shapes are unique, and their sign is that of the largest component."""
     state, _ = pulled(comm=MPI.COMM_SELF)
@@ -240,7 +248,6 @@ print(*counts)
 """
 
 
-@pytest.mark.serial
 def test_mass_matrix_is_compiled_once_and_when_asked_for(own_cache):
     command = [sys.executable, "-c", COMPILED]
     run = subprocess.run(command, env=own_cache, capture_output=True, text=True, check=True, timeout=120)

@@ -45,6 +45,7 @@ def inflated(pressure, held=None):
     return replace(state, structure=free, actions=replace(state.actions, held=free.supported))
 
 
+@pytest.mark.mpi
 def test_pressure_within_held_edges_has_a_potential():
     state = inflated(100.0)
     K, M, _ = matrices(state)
@@ -55,6 +56,7 @@ def test_pressure_within_held_edges_has_a_potential():
     np.testing.assert_allclose((omega**2).real, exact, rtol=1e-9)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(("pressure", "flutter"), [(50.0, False), (200.0, True)])
 def test_pressure_on_free_edges_has_none(pressure, flutter):
     state = inflated(pressure, held=lambda points: np.flatnonzero(points[:, 0] == -1))
@@ -76,6 +78,7 @@ def test_pressure_on_free_edges_has_none(pressure, flutter):
     np.testing.assert_allclose(np.einsum("ai,ij,aj->a", motion.conj(), M, motion), 1, rtol=1e-9)
 
 
+@pytest.mark.mpi
 def test_stability_under_pressure_is_that_of_the_symmetric_part():
     state = inflated(200.0, held=lambda points: np.flatnonzero(points[:, 0] == -1))
     K, _, _ = matrices(state)

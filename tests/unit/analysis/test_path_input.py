@@ -18,6 +18,7 @@ from models import LIMIT, POINTS, SNOW, arch, sheet
 PUSH = Stage("push", [PointLoad(1, (0, 0, -1.2 * LIMIT))], increments=8)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -69,6 +70,7 @@ def test_points_that_are_not_there():
             path.state(number)
 
 
+@pytest.mark.mpi
 def test_start_that_is_singular():
     flat = sheet(prestress=0.0)
     with pytest.raises(PathError, match=r"no start.*tangent stiffness.*singular: nothing") as error:
@@ -76,6 +78,7 @@ def test_start_that_is_singular():
     assert error.value.path.points == ()
 
 
+@pytest.mark.mpi
 def test_start_that_is_not_in_equilibrium():
     rest = Analysis(sheet()).run([Stage("rest")])["rest"]
     shape = np.where(rest.actions.held, 0, np.random.default_rng(1).normal(size=POINTS.shape))

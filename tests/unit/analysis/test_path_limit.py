@@ -10,6 +10,7 @@ from models import LIMIT, arch, close
 PUSH = Stage("push", [PointLoad(1, (0, 0, -1.2 * LIMIT))], increments=8)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("most", [5, 12, 40])
 def test_points_before_the_limit_are_kept(most):
     whole = equilibrium_path(arch(), PUSH)
@@ -32,6 +33,7 @@ def test_limit_that_is_enough_changes_nothing():
     )
 
 
+@pytest.mark.mpi
 def test_limit_of_seconds(monkeypatch):
     clock = iter(np.arange(0.0, 1e6))
     monkeypatch.setattr(work, "monotonic", lambda: next(clock))

@@ -34,6 +34,7 @@ def guyed(kept=1e-4, prestress=0.0, feet=((-3, -1, 0), (-3, 1, 0))):
     return Structure(points, {"mast": Mast([[0, 1]], 2e8), "guys": guys}, [Support([0, *range(2, len(points))])])
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("kept", [1e-2, 1e-3, 1e-4])
 def test_mast_that_leans_on_slack_guys_is_told(kept):
     path, said = pushed(guyed(kept), (-300.0, 0, -300), max_points=20)
@@ -66,6 +67,7 @@ def test_healthy_paths_are_silent():
         equilibrium_path(arch(), Stage("push", [PointLoad(1, (0, 0, -1.2 * LIMIT))], increments=8))
 
 
+@pytest.mark.mpi
 def test_path_that_is_lost_is_told_of_too(monkeypatch):
     following = _Tracer.next
 

@@ -13,6 +13,7 @@ from fx_membrane import (
 from models import CENTRE, EDGE, LIFT, LIMIT, POINTS, SNOW, WIND, arch, close, same_state, sheet
 
 
+@pytest.mark.mpi
 def test_prescribed_displacement_is_reached_and_its_reaction_is_the_force_needed(analysis):
     lifted = analysis.run([Stage("lift", [SNOW], [LIFT], increments=2)])["lift"]
     assert lifted.displacement[CENTRE] == pytest.approx(LIFT.displacement, rel=1e-14)
@@ -31,6 +32,7 @@ def test_components_that_are_not_prescribed_stay_free(analysis):
     assert (result.reactions[CENTRE] != 0).tolist() == [False, False, True]
 
 
+@pytest.mark.mpi
 def test_held_nodes_can_be_moved():
     sides = {side: EDGE[POINTS[EDGE, 0] == side] for side in (-1.0, 1.0)}
     rest = np.setdiff1d(EDGE, np.concatenate(list(sides.values())))
@@ -75,6 +77,7 @@ def test_node_taken_hold_of_where_it_is_needs_no_force(analysis):
     assert np.abs(results["hold"].reactions[CENTRE]).max() <= small
 
 
+@pytest.mark.mpi
 def test_node_taken_hold_of_moves_in_equal_steps_from_where_it_is():
     push = Stage("push", [PointLoad(1, (0, 0, -0.5 * LIMIT))])
     back = Stage("back", displacements=[PrescribedDisplacement(1, (0, 0, 0), "z")], after="push", increments=4)

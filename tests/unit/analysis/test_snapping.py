@@ -60,6 +60,7 @@ def snapped(result):
     return [bound for number in where for bound in factors[number : number + 2]]
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("steps", [1, 3])
 def test_arch_snaps_at_its_largest_load(steps):
     stage = Stage("push", [PointLoad(1, (0, 0, -5 * LIMIT))], increments=steps)
@@ -103,6 +104,7 @@ def turning(request):
     return structure, load, path.load_factors[path.limit_points[0]]
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("steps", [1, 4])
 def test_snaps_where_the_path_turns(turning, steps):
     """Also if Newton's steps pass over all unstable shapes."""
@@ -138,6 +140,7 @@ STILL = {
 }
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("name", STILL)
 def test_what_does_not_snap_is_not_reported(name):
     structure, actions = STILL[name]
@@ -165,7 +168,6 @@ def test_a_state_that_smaller_increments_do_not_reach_is_kept(monkeypatch):
     assert result.equilibrium.residual < 1e-9 * LIMIT
 
 
-@pytest.mark.serial
 @pytest.mark.filterwarnings("ignore::fx_membrane.UnstableStateWarning")
 @pytest.mark.parametrize("saves", [1, 3, 5])
 def test_run_that_is_killed_goes_on_to_the_same_snap(saves, tmp_path, monkeypatch):

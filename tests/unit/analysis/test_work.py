@@ -86,7 +86,6 @@ def test_limit_of_seconds(monkeypatch):
         Analysis(sheet(), limit=WorkLimit(seconds=9.5)).run(EASY)
 
 
-@pytest.mark.serial
 def test_run_goes_on_from_the_checkpoint_with_the_whole_limit_before_it(tmp_path):
     path = tmp_path / "checkpoint"
     expected = Analysis(sheet()).run(EASY)["snow"]
@@ -148,7 +147,6 @@ def mast_with_two_guys():
     return Structure(points, parts, [Support([0, 2, 3])])
 
 
-@pytest.mark.serial
 @pytest.mark.filterwarnings("ignore::fx_membrane.LostPrestressWarning", "ignore:.*slack or wrinkled parts carry")
 def test_limit_that_ends_the_search_for_a_snap_tells_and_saves_none(tmp_path):
     with warnings.catch_warnings(record=True) as caught:

@@ -22,6 +22,7 @@ def residual(actions):
     return PROBLEM.to_numpy(PROBLEM.under(actions).residual(PROBLEM.to_petsc(shape)))
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("factor", [0.0, 0.25, 1.0])
 @pytest.mark.parametrize("ends", [(START, END), (END, START), (START, replace(END, terms=START.terms[:0]))])
 def test_residual_between_is_linear_in_the_load_factor(ends, factor):
@@ -31,6 +32,7 @@ def test_residual_between_is_linear_in_the_load_factor(ends, factor):
     np.testing.assert_allclose(residual(between(start, end, factor)), expected, rtol=0, atol=1e-10)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("ends", [(START, END), (END, START)])
 def test_differences_are_rates(ends):
     start, end = ends
@@ -43,6 +45,7 @@ def test_differences_are_rates(ends):
     np.testing.assert_allclose(rate, PROBLEM.to_numpy(change), rtol=0, atol=1e-10)
 
 
+@pytest.mark.mpi
 def test_terms_of_both_ends_act_once():
     end = PROBLEM.actions_of(Stage("end", [BED, WATER]))
     here = between(START, end, 0.25)

@@ -51,6 +51,7 @@ def calls(monkeypatch):
     return seen
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("kind", ["energy", "tangent", "packing"])
 def test_no_state_of_a_run_is_assembled_or_packed_twice(calls, kind):
     load = DistributedLoad((0, 0, -500.0), "fabric")
@@ -62,6 +63,7 @@ def test_no_state_of_a_run_is_assembled_or_packed_twice(calls, kind):
     assert all(a != b for a, b in itertools.pairwise(states))
 
 
+@pytest.mark.mpi
 def test_kept_sums_follow_displacement_actions_and_reference_shape():
     structure = square()
     problem = Problem(structure)

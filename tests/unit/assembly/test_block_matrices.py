@@ -20,6 +20,8 @@ from fx_membrane import (
 from fx_membrane.assembly.problem import Problem
 from fx_membrane.solvers import factorization
 
+pytestmark = pytest.mark.mpi
+
 
 def tent() -> Structure:
     """Membrane with a cable along its edge and a mast outside of it."""

@@ -3,8 +3,6 @@
 import subprocess
 import sys
 
-import pytest
-
 COMPILED = """
 import os
 from pathlib import Path
@@ -36,7 +34,6 @@ print(*(count for n in (2, 3, 4) for count in analyse(n)))
 """
 
 
-@pytest.mark.serial
 def test_nothing_is_compiled_twice(own_cache):
     def counts():
         command = [sys.executable, "-c", COMPILED]

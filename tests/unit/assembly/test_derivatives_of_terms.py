@@ -36,6 +36,7 @@ PROBLEMS = {
 }
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_tangent_is_the_derivative_of_the_residual(name):
     """No switch is passed within the steps."""
@@ -45,6 +46,7 @@ def test_tangent_is_the_derivative_of_the_residual(name):
     np.testing.assert_allclose(np.log2(norms[:-1] / norms[1:]), 2, rtol=0, atol=0.02)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("name", ["all symbols", "some cells", "water"])
 def test_residual_is_the_derivative_of_the_energy(name):
     """Remainders of the third order: with pressure, the energy along the step."""
@@ -78,6 +80,7 @@ def test_energy_along_includes_the_work_of_terms_without_potential(loads):
         assert problem.energy(end) - found(length) == pytest.approx(length / 2 * weights @ power, rel=1e-10)
 
 
+@pytest.mark.mpi
 def test_forces_are_those_of_the_energy_summed_by_hand():
     structure, k = inclined_sheet(), 100 + 10 * np.arange(3.0)
     bed = ElasticBed("fabric", k[:, None], cells=[4, 0, 7])
@@ -121,6 +124,7 @@ def test_distributed_load_as_a_term():
     assert own.energy == pytest.approx(given.energy, rel=1e-9)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("where", ["energy", "virtual work"])
 def test_pressure_as_a_term(where):
     @dataclass(frozen=True)

@@ -7,6 +7,8 @@ from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, boundary_edges
 from fx_membrane.assembly.discretization import Discretization
 from fx_membrane.geometry.topology import node_graph
 
+pytestmark = pytest.mark.mpi
+
 
 @pytest.fixture(scope="module")
 def structure():

@@ -54,6 +54,7 @@ def test_without_pressure_it_is_the_energy():
         assert found(t) == pytest.approx(energy(problem, at + t * step), rel=1e-13)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("seed", range(3))
 def test_work_of_pressures_is_the_integral_of_their_power(seed):
     # Each cell has its own pressure, and the edge moves too: there is no potential.
@@ -88,6 +89,7 @@ def test_work_of_an_even_pressure_is_pressure_times_volume(kind, p):
     assert work(problem, at, step) == pytest.approx(expected, abs=1e-12 * energy(problem, at + step))
 
 
+@pytest.mark.mpi
 def test_slope_is_that_of_the_residual():
     problem = under_pressure(inclined_sheet(), Pressure(300.0, "fabric", range(20)))
     at, step, h = random(5), random(6), 1e-5

@@ -32,6 +32,7 @@ BED = ElasticBed("fabric", 400.0)
 SNOW = DistributedLoad((0, 0, -200.0), "fabric")
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("solver", [Newton(), Newton(line_search=False), ConjugateGradient(rtol=1e-9)])
 @pytest.mark.parametrize("water", [WATER, WaterWork("fabric", 2e3, 0.3)])
 def test_balance(solver, water):
@@ -83,6 +84,7 @@ def test_load_factor_scales_terms_of_the_stage_alone():
                  + problem.under(end).pressure_loads(x))  # fmt: skip
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("water", [WATER, WaterWork("fabric", 2e3, 0.3)])
 def test_path(water):
     """Points of a path are the states of stages under the same factor; terms with a potential have their pivots."""
@@ -114,6 +116,7 @@ def test_bed_alone_holds_a_sheet():
     assert stability(state, 1).stable
 
 
+@pytest.mark.mpi
 def test_stability_counts_a_concave_term():
     """A bed that pushes away, stronger than the sheet: the flat state is unstable."""
     weak, strong = (
@@ -146,6 +149,7 @@ def test_results_do_not_depend_on_orientation_of_space():
     assert states[0].terms[0].forces[CENTRE, 2] > 1
 
 
+@pytest.mark.mpi
 def test_part_of_which_a_process_has_no_cell():
     points = np.vstack([inclined_sheet().points, [[0, 0, -1.0]]])
     fabric = inclined_sheet().parts["fabric"]
@@ -162,6 +166,7 @@ def test_part_of_which_a_process_has_no_cell():
     assert not all_processes.remarks
 
 
+@pytest.mark.mpi
 def test_checkpoint_of_other_terms_is_refused(tmp_path):
     path = MPI.COMM_WORLD.bcast(tmp_path / "run")
 
@@ -179,6 +184,7 @@ def test_checkpoint_of_other_terms_is_refused(tmp_path):
         run(400.0, 2.1e3)
 
 
+@pytest.mark.mpi
 @pytest.mark.skipif(MPI.COMM_WORLD.size == 1, reason="one process agrees with itself")
 def test_terms_that_differ_between_processes_are_refused():
     k = 400.0 + MPI.COMM_WORLD.rank
@@ -188,6 +194,7 @@ def test_terms_that_differ_between_processes_are_refused():
         Analysis(inclined_sheet()).run([Stage("a", [ElasticBed("fabric", k)])])
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("k", [1e5, 1e8])
 def test_stiff_contact(k):
     """Penetration falls with the penalty; forces balance, and no remark is made."""

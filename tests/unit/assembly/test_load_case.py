@@ -30,6 +30,7 @@ def problem():
 # Loads per plan area
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("slope", [0.0, 1.0, -3.0])
 def test_plan_load_on_an_inclined_sheet_is_that_on_its_plan(slope):
     points, triangles = rectangle(2.0, 3.0, 3, 2)
@@ -83,6 +84,7 @@ def held_at(**moves):
     return prescribed(Stage("lift", displacements=entries), inclined_sheet())
 
 
+@pytest.mark.mpi
 def test_prescribed_components_and_values():
     held, displacement = held_at(
         a={"nodes": [6, 12], "displacement": [(1.0, 2, 3), (4, 5, 6)], "components": "zx"},
@@ -129,6 +131,7 @@ def test_clash_of_prescribed_displacements(moves, message):
         held_at(**moves)
 
 
+@pytest.mark.mpi
 def test_clash_is_found_before_anything_is_solved(monkeypatch):
     stages = [Stage("rest"), Stage("lift", displacements=[PrescribedDisplacement(0, (0, 0, 0.1))], after="rest")]
     calls = []
@@ -159,6 +162,7 @@ HELD_BEFORE = np.eye(4, 3, dtype=bool)
 HELD_AFTER = HELD_BEFORE | (np.arange(12).reshape(4, 3) == 10)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("factor", [0.0, 0.25, 1.0])
 def test_between_is_linear(factor):
     start = actions(1, HELD_BEFORE, fabric=np.array([1.0, 2.0]))
@@ -172,6 +176,7 @@ def test_between_is_linear(factor):
     assert np.array_equal(here.held, HELD_AFTER)
 
 
+@pytest.mark.mpi
 def test_taking_hold_starts_from_where_the_node_is():
     start, finish = actions(1, HELD_BEFORE), actions(2, HELD_AFTER)
     shape = np.random.default_rng(3).normal(size=(4, 3))

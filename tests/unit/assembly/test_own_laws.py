@@ -85,6 +85,7 @@ LOADS = [
 ]
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("foil", [NeoHooke(400.0), MooneyRivlin(150.0, 40.0)], ids=["neo-Hooke", "Mooney-Rivlin"])
 def test_same_on_any_number_of_processes(foil):
     structure = mixed(foil, Rope(5e3, 2e5))
@@ -99,6 +100,7 @@ def test_same_on_any_number_of_processes(foil):
     )
 
 
+@pytest.mark.mpi
 @pytest.mark.skipif(MPI.COMM_WORLD.size == 1, reason="compares processes")
 def test_another_energy_on_another_process_is_refused():
     rank = MPI.COMM_WORLD.rank
@@ -112,6 +114,7 @@ def test_another_energy_on_another_process_is_refused():
         Analysis(mixed(NeoHooke(400.0), Mine(5e3, 2e5)))
 
 
+@pytest.mark.mpi
 def test_fabric_by_its_energy_alone():
     """Equal to the formulas: a whole analysis with wrinkles and slack cells."""
     structure = inclined_sheet()
@@ -166,6 +169,7 @@ def test_shear_of_an_energy_in_one_place():
 PARAMETERS = [("foil", "C10t"), ("foil", "C01t"), ("rope", "k"), ("mast", "EA"), ("foil", "prestress")]
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(("part", "parameter"), PARAMETERS)
 def test_derivative_by_a_parameter(part, parameter):
     """Differences of the residual, wrinkles and slack cells included: second order in the step."""
@@ -239,7 +243,6 @@ for n in (1, 2, 3):
 """
 
 
-@pytest.mark.serial
 def test_compiled_once_in_a_script(own_cache, tmp_path):
     """With cold and warm cache: the same forms for any numbers, and none more in a second process."""
     script = tmp_path / "script.py"

@@ -93,9 +93,7 @@ FOILS = [
 
 # On several processes one of each kind: constants and fields, of membranes, bars and foils.
 KINDS = [("fabric", "Et"), ("edge", "axial_stiffness"), ("woven", "prestress"), ("edge", "prestress"), ("foil", "C10t")]
-ALL = [
-    pytest.param(*given, marks=[] if given[:2] in KINDS else [pytest.mark.serial]) for given in [*PARAMETERS, *FOILS]
-]
+ALL = [pytest.param(*given, marks=[pytest.mark.mpi] if given[:2] in KINDS else []) for given in [*PARAMETERS, *FOILS]]
 
 
 @pytest.mark.parametrize(("part", "parameter", "direction"), ALL)
@@ -126,6 +124,7 @@ def test_random_shape_has_cells_in_all_states():
     assert {"taut", "wrinkled"} <= set(state.membrane("rubber").state) | set(state.membrane("foil").state)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("direction", [1.0, np.linspace(-1.0, 2.0, 32)], ids=["even", "each cell"])
 def test_derivative_by_a_pressure(direction):
     problem = Problem(inclined_sheet())
@@ -144,6 +143,7 @@ def test_derivative_by_a_pressure(direction):
     assert np.array_equal(problem.to_numpy(view.residual(x)), before)
 
 
+@pytest.mark.mpi
 def test_derivative_by_the_load_factor():
     """Of a stage with loads of fixed direction and pressure, and of all loads."""
     problem = Problem(inclined_sheet())
@@ -175,6 +175,7 @@ def solved(K, b):
     return s
 
 
+@pytest.mark.mpi
 def test_derivative_of_the_displacement_by_a_modulus():
     """The recipe of the documentation, against states of stiffer fabrics."""
 
@@ -197,6 +198,7 @@ def test_derivative_of_the_displacement_by_a_modulus():
     np.testing.assert_allclose(np.log2(np.divide(errors[:-1], errors[1:])), 2, rtol=0, atol=0.1)
 
 
+@pytest.mark.mpi
 def test_derivative_of_the_displacement_by_a_load_factor_with_moving_supports():
     lift = Stage("lift", [PointLoad(7, (0, 0, 20.0))], displacements=[PrescribedDisplacement(CENTRE, (0, 0, 0.1))])
     analysis = Analysis(inclined_sheet())
@@ -218,6 +220,7 @@ def test_derivative_of_the_displacement_by_a_load_factor_with_moving_supports():
     np.testing.assert_allclose(np.log2(np.divide(errors[:-1], errors[1:])), 2, rtol=0, atol=0.2)
 
 
+@pytest.mark.mpi
 def test_nothing_is_compiled_twice(monkeypatch):
     problem = Problem(MIXED)
     view, x = problem.under(), problem.create_vector()

@@ -34,6 +34,7 @@ def test_pressure_is_positive_along_the_normals_of_the_structure():
         assert inflated.loads.sum(axis=0) == pytest.approx([0, 0, sign * 300.0 * 4.0], abs=1e-9 * 1200)
 
 
+@pytest.mark.mpi
 def test_pressure_acts_along_the_current_normals():
     pressure = np.linspace(100.0, 500.0, COUNT)
     structure = inclined_sheet()
@@ -64,6 +65,7 @@ def test_pressure_keeps_its_sign_on_cells_that_were_turned():
     assert acting.tolist() == [300.0] * COUNT
 
 
+@pytest.mark.mpi
 def test_pressures_add_up(problem):
     actions = end(problem, Pressure(300.0, "fabric"), Pressure(-100.0, "fabric", [2, 7]), Pressure(-100.0, "fabric", 7))
     expected = np.full(COUNT, 300.0)
@@ -72,6 +74,7 @@ def test_pressures_add_up(problem):
     assert not actions.loads.any()
 
 
+@pytest.mark.mpi
 def test_branches_keep_the_pressure_of_their_parent_and_do_not_change_it(problem):
     parent = end(problem, Pressure(300.0, "fabric"))
     wind = end(problem, Pressure(50.0, "fabric", 3), start=parent)

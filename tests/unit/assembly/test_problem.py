@@ -9,6 +9,8 @@ from fx_membrane.assembly.problem import Problem
 from fx_membrane.geometry.measures import measures
 from models import MIXED, sheet
 
+pytestmark = pytest.mark.mpi
+
 POINTS = MIXED.points
 
 

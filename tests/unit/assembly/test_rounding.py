@@ -79,7 +79,7 @@ def test_stiff_part_beside_changes_nothing(kind, stiffness):
     assert both.equilibrium.residual < 1e-10 * 600
 
 
-@pytest.mark.mpi
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("name", STAGES)
 def test_stiff_mast_beside_changes_nothing_under_any_load(name):
     structure = beside(Mast([[COUNT, COUNT + 1]], 1e20))
@@ -125,7 +125,7 @@ def test_stiff_fabric_alone_carries_its_load(stiffness):
     assert 0 < np.abs(state.displacement).max() < 1e7 / stiffness
 
 
-@pytest.mark.mpi
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("stiffness", [1e9, 1e18, 1e24, 1e30])
 def test_rounding_that_is_no_equilibrium_is_told(stiffness):
     """A mast carries a corner of the roof; the stiffest ones leave no digits of its force."""

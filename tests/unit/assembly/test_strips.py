@@ -18,6 +18,8 @@ from fx_membrane import (
 from fx_membrane.assembly import discretization
 from fx_membrane.assembly.problem import Problem
 
+pytestmark = pytest.mark.mpi
+
 CELLS = 7  # of a strip
 
 

@@ -3,8 +3,6 @@
 import subprocess
 import sys
 
-import pytest
-
 COMPILED = """
 import os
 from dataclasses import dataclass
@@ -63,7 +61,6 @@ print(*(count for n in (2, 3) for count in analyse(n)))
 """
 
 
-@pytest.mark.serial
 def test_forms_of_terms_are_compiled_once(own_cache: dict[str, str]) -> None:
     def counts() -> list[int]:
         command = [sys.executable, "-c", COMPILED]
@@ -106,7 +103,6 @@ print(first is same, first is exchanged, first is other)
 """
 
 
-@pytest.mark.serial
 def test_equal_formulas_share_their_forms_and_others_do_not() -> None:
     """A number from `self` is another formula; so are exchanged parameters."""
     run = subprocess.run([sys.executable, "-c", SHARED], capture_output=True, text=True, check=True, timeout=300)

@@ -62,6 +62,7 @@ def test_view_does_not_depend_on_other_views(problem):
     assert not same(alone[1], alone[0])
 
 
+@pytest.mark.mpi
 def test_view_keeps_the_actions_that_it_got(problem):
     actions = end(problem, Pressure(3e3, "fabric"))
     actions = Actions(actions.loads.copy(), actions.held.copy(), actions.displacement.copy(), actions.pressures)
@@ -77,6 +78,7 @@ def test_view_is_frozen(problem):
         problem.under().shift = 1e-3
 
 
+@pytest.mark.mpi
 def test_compression_stiffness_set_aside_leaves_that_of_others():
     problem, at = Problem(SLACK), -0.01 * POINTS
     full = problem.under()
@@ -103,6 +105,7 @@ def test_arc_length_leaves_other_views_alone(problem):
     newton.free()
 
 
+@pytest.mark.mpi
 def test_linearization_of_the_arc_length_does_not_depend_on_the_last_residual(problem):
     wind, x = end(problem, Pressure(3e3, "fabric")), problem.to_petsc(state(problem.structure))
     newton = BorderedNewton(problem, problem.under().actions, wind, x, 1e-10)
@@ -115,6 +118,7 @@ def test_linearization_of_the_arc_length_does_not_depend_on_the_last_residual(pr
     newton.free()
 
 
+@pytest.mark.mpi
 def test_vectors_and_matrices_given_are_filled_and_returned(problem):
     view, x = problem.under(), problem.to_petsc(state(problem.structure))
     b, A = problem.create_vector(), problem.create_matrix()
@@ -124,6 +128,7 @@ def test_vectors_and_matrices_given_are_filled_and_returned(problem):
     assert b.array_r == pytest.approx(view.residual(x).array_r, rel=1e-12, abs=1e-9)
 
 
+@pytest.mark.mpi
 def test_numbering_is_the_documented_one():
     """Rows 3 block + component: each row of the vector holds the value of the user's node and component."""
     problem = Problem(MIXED)
@@ -136,6 +141,7 @@ def test_numbering_is_the_documented_one():
     assert np.array_equal(problem.to_numpy(vector), values)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -210,6 +216,7 @@ RESULTS = {
 }
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("vector", VECTORS)
 def test_vectors_of_another_problem_are_refused(problem, method, vector):
@@ -218,6 +225,7 @@ def test_vectors_of_another_problem_are_refused(problem, method, vector):
         METHODS[method](problem.under(), make())
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("method", RESULTS)
 @pytest.mark.parametrize("vector", VECTORS)
 def test_vectors_for_results_of_another_problem_are_refused(problem, method, vector):
@@ -226,6 +234,7 @@ def test_vectors_for_results_of_another_problem_are_refused(problem, method, vec
         RESULTS[method](problem.under(), problem.create_vector(), make())
 
 
+@pytest.mark.mpi
 def test_matrices_of_another_problem_are_refused(problem):
     x = problem.create_vector()
     other = PETSc.Mat().createAIJ((75, 78), comm=problem.comm)
@@ -255,12 +264,14 @@ def test_start_of_a_load_factor_that_does_not_fit_is_refused(problem):
         view.load_derivative(x, 3)
 
 
+@pytest.mark.mpi
 def test_problem_is_shared_by_copies_and_never_pickled(problem):
     assert copy.deepcopy(problem) is problem
     with pytest.raises(TypeError, match="cannot be pickled"):
         pickle.dumps(problem)
 
 
+@pytest.mark.mpi
 def test_number_is_that_of_all_processes():
     alone = Problem(MIXED, MPI.COMM_SELF) if MPI.COMM_WORLD.rank == 0 else None
     both = Problem(MIXED), Problem(MIXED)

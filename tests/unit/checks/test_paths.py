@@ -8,7 +8,6 @@ import pytest
 from fx_membrane import Analysis, PointLoad, Stage, plot
 from models import arch
 
-pytestmark = pytest.mark.serial
 PUSH = Stage("push", [PointLoad(1, (0, 0, -1.0))])
 
 

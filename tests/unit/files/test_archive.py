@@ -14,9 +14,7 @@ from ufl import inner
 
 from fx_membrane import (
     Analysis,
-    Cable,
     Fabric,
-    Mast,
     Membrane,
     OrthotropicFabric,
     PointLoad,
@@ -34,33 +32,23 @@ from fx_membrane import (
     updated_reference,
 )
 from fx_membrane.files import archive
+from models import HEAD, POINTS, masted_roof
 
 
 @pytest.fixture(scope="module")
 def results():
-    points, triangles = rectangle(2.0, 2.0, 4, 4)
-    points = np.vstack([points, (1.0, 1.0, -2.0)])
-    rim = boundary_edges(triangles)
-    middle = int(np.abs(points[:-1] - (1, 1, 0)).sum(axis=1).argmin())
-    parts = {
-        "roof": Membrane(triangles, OrthotropicFabric(6e5, 4e5, 0.3, 2e4), (2e3, 1e3), warp=(1, 0.2, 0), mass=1.0),
-        "edge": Cable(rim, 1e6, np.linspace(1e2, 2e2, len(rim))),
-        'mäst, "=1"': Mast([(middle, len(points) - 1)], 1e7),
-    }
-    structure = Structure(
-        points, parts, [Support(np.unique(rim)), Support(len(points) - 1, "xy")], separate=[("roof", "edge")]
+    structure = masted_roof(
+        ("roof", "edge", 'mäst, "=1"'),
+        foot="xy",
+        edge_prestress=np.linspace(1e2, 2e2, 16),
+        separate=[("roof", "edge")],
+        material=OrthotropicFabric(6e5, 4e5, 0.3, 2e4),
+        warp=(1, 0.2, 0),
+        mass=1.0,
     )
-    return Analysis(structure).run(
-        [
-            Stage("lift", displacements=[PrescribedDisplacement(len(points) - 1, (0, 0, 0.01))]),
-            Stage(
-                "wind",
-                [Pressure(50.0, "roof", cells=[0, 3]), PointLoad(middle, (0, 0, -5))],
-                after="lift",
-                increments=2,
-            ),
-        ]
-    )
+    lift = Stage("lift", displacements=[PrescribedDisplacement(len(POINTS), (0, 0, 0.01))])
+    loads = [Pressure(50.0, "roof", cells=[0, 3]), PointLoad(HEAD, (0, 0, -5))]
+    return Analysis(structure).run([lift, Stage("wind", loads, after="lift", increments=2)])
 
 
 def same(one, other):
@@ -140,8 +128,16 @@ def test_own_law_needs_its_class(tmp_path):
     structure = Structure(points, {"roof": Membrane(triangles, Foam(1e3), 10.0)}, [Support(rim)])
     found = Analysis(structure).run([Stage("rest")])
     save_results(found, tmp_path / "x")
-    with pytest.raises(ValueError, match=r"Foam.*classes=\[Foam\]"):
+    with pytest.raises(
+        ValueError, match=r"x holds objects of classes that no.*Foam: import.*load_results\(path, classes=\[Foam\]\)"
+    ):
         load_results(tmp_path / "x")
+    other = dataclasses.make_dataclass("Foam", ["k"], frozen=True)
+    with pytest.raises(ValueError, match="its Foam has a field 'stiffness', which the Foam of this program has not"):
+        load_results(tmp_path / "x", classes=[other])
+    picky = dataclasses.make_dataclass("Foam", ["stiffness"], namespace={"__post_init__": lambda self: 1 / 0})
+    with pytest.raises(ValueError, match="its Foam is refused: division by zero"):
+        load_results(tmp_path / "x", classes=[picky])
     assert load_results(tmp_path / "x", classes=[Foam])["rest"].structure.parts["roof"].material == Foam(1e3)
     with pytest.raises(ValueError, match="Fabric"):
         load_results(tmp_path / "x", classes=[Fabric])
@@ -173,6 +169,51 @@ def changed(path, change):
             new.writestr(name, content)
 
 
+def entries_of(document, name):
+    found = [entry["fields"] for entry in document["objects"] if entry["class"] == name]
+    assert found
+    return found
+
+
+def without(name, field):
+    """Change of a document: a class without a field."""
+    return lambda document: [entry.pop(field) for entry in entries_of(document, name)]
+
+
+@pytest.mark.parametrize(
+    ("change", "absent"),
+    [
+        (lambda document: document["content"].pop("names"), lambda state: None),
+        (without("MembraneResult", "warp_weft_stress"), lambda state: state.membrane("roof").warp_weft_stress),
+        (without("BarResult", "slack"), lambda state: state.cable("edge").slack),
+        (without("Equilibrium", "unbalanced"), lambda state: state.equilibrium.unbalanced),
+        (without("StageResult", "terms"), lambda state: state.terms or None),
+        (without("Increment", "fallen"), lambda state: state.increments[0].fallen or None),
+    ],
+)
+def test_archive_of_an_earlier_format(results, tmp_path, change, absent):
+    save_results(results, tmp_path / "roof")
+    changed(tmp_path / "roof", lambda document: (document.update(format=1), change(document)))
+    found = load_results(tmp_path / "roof")
+    assert absent(found["wind"]) is None
+    assert np.array_equal(found["wind"].displacement, results["wind"].displacement)
+    assert same(found["wind"].structure, results["wind"].structure)
+
+
+def test_file_that_cannot_be_understood_names_its_format(results, tmp_path):
+    def spoilt(change):
+        save_results(results, tmp_path / "roof")
+        changed(tmp_path / "roof", lambda document: (document.update(format=1), change(document)))
+        return pytest.raises(
+            ValueError, match=rf"field.*\(format 1, by fx_membrane .*reads formats 1 to {archive.FORMAT}\)\.$"
+        )
+
+    with spoilt(without("Membrane", "cells")):
+        load_results(tmp_path / "roof")
+    with spoilt(lambda document: [entry.update(steps=2) for entry in entries_of(document, "Stage")]):
+        load_results(tmp_path / "roof")
+
+
 @pytest.mark.parametrize(
     ("spoil", "words"),
     [
@@ -182,7 +223,18 @@ def changed(path, change):
         (lambda path: path.write_bytes(path.read_bytes()[:-200]), "no archive"),
         (lambda path: path.write_bytes(path.read_bytes()[:3000] + b"x" * 50 + path.read_bytes()[3050:]), "no archive"),
         (lambda path: changed(path, lambda document: document.update(kind="other")), "no archive"),
-        (lambda path: changed(path, lambda document: document.update(format=99)), "format is 99.*newer"),
+        (
+            lambda path: changed(path, lambda document: document.update(format=99)),
+            rf"archive of results of a later version \(format 99, .* 1 to {archive.FORMAT}\): install a newer one",
+        ),
+        (lambda path: changed(path, lambda document: document.update(format="x")), "archive"),
+        (
+            lambda path: (
+                changed(path, lambda document: document.update(versions=None))
+                or changed(path, lambda d: d.update(format=99))
+            ),
+            "archive",
+        ),
         (lambda path: changed(path, lambda document: document["objects"][0].update({"class": "Popen"})), "Popen"),
         (lambda path: changed(path, lambda document: document.pop("objects")), "no archive"),
         (lambda path: changed(path, lambda document: document["objects"].reverse()), "no archive"),

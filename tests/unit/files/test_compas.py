@@ -24,7 +24,6 @@ MESH = {
 }
 
 
-@pytest.mark.serial
 @pytest.mark.parametrize(
     "wrap",
     [
@@ -49,7 +48,6 @@ def test_compas(wrap, tmp_path):
     assert len(found.parts["edges"].cells) == len(POINTS) + len(TRIANGLES) - 1  # Euler
 
 
-@pytest.mark.serial
 def test_compas_net_finds_its_form(tmp_path):
     data = NETWORK | {"edge": {str(10 + a): {str(10 + b): {}} for a, b in [(4, 5)]}}
     data["edge"] = {"14": {"15": {}, "18": {}, "13": {}, "11": {}}, "15": {"12": {}, "16": {}}}

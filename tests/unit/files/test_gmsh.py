@@ -57,6 +57,7 @@ def state(structure):
     return Analysis(structure).run([Stage("load", [DistributedLoad((0, 0, -100.0), "fabric")])])["load"]
 
 
+@pytest.mark.mpi
 def test_model_in_memory_and_file_are_the_same(model):
     memory, file = (structure_from_gmsh(source, PARTS, SUPPORTS) for source in (None, model))
     np.testing.assert_allclose(file.points, memory.points, atol=1e-15)
@@ -65,6 +66,7 @@ def test_model_in_memory_and_file_are_the_same(model):
     assert gmsh.model.getCurrent() == "sail"  # the open model stays open
 
 
+@pytest.mark.mpi
 def test_physical_curve_node_line_and_submesh_give_the_same(model):
     by_gmsh = structure_from_gmsh(model, PARTS, SUPPORTS)
     points, triangles = by_gmsh.points, by_gmsh.parts["fabric"].cells
@@ -94,11 +96,13 @@ def test_no_edge_to_pick():
         edges_where(points, triangles, lambda x: np.isclose(x[1], 0.1))
 
 
+@pytest.mark.mpi
 def test_file_that_does_not_exist(tmp_path):
     with pytest.raises(ValueError, match=r"There is no file .*roof\.msh"):
         structure_from_gmsh(tmp_path / "roof.msh", PARTS)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     ("name", "content"),
     [
@@ -119,6 +123,7 @@ def test_file_that_is_not_a_mesh(name, content, tmp_path):
         structure_from_gmsh(file, PARTS)
 
 
+@pytest.mark.mpi
 def test_model_without_a_mesh(model):
     gmsh.model.mesh.clear()
     with pytest.raises(ValueError, match=r"^The gmsh model.*open.*no mesh.*gmsh\.model\.mesh\.gen"):

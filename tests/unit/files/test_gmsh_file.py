@@ -99,7 +99,6 @@ def good(meshes, tmp_path, monkeypatch):
     return Path(shutil.copy(meshes / "4.1-0.msh", tmp_path / "roof.msh"))
 
 
-@pytest.mark.serial
 def test_mesh_in_a_fresh_process(good):
     read = python(READ, good)
     assert read.returncode == 0, read.stderr
@@ -108,6 +107,7 @@ def test_mesh_in_a_fresh_process(good):
     assert held == segments + 1  # the opposite side, of the same length
 
 
+@pytest.mark.mpi
 def test_all_formats_give_the_same(meshes):
     first, *others = (
         structure_from_gmsh(meshes / f"{version}-{binary}.msh", PARTS, {"fixed": "xyz"}) for version, binary in FORMATS
@@ -120,7 +120,6 @@ def test_all_formats_give_the_same(meshes):
             np.testing.assert_array_equal(other.parts[name].cells, first.parts[name].cells)
 
 
-@pytest.mark.serial
 @pytest.mark.parametrize("before", ["", "import gmsh; gmsh.initialize()"])
 def test_script_is_not_run(before, tmp_path):
     names = ["roof.msh", "roof.geo", "roof.msh.opt", "roof.opt", "roof.py"]
@@ -149,7 +148,6 @@ def test_script_with_a_good_mesh_is_not_run(where, good):
     assert {file.name for file in Path().iterdir()} <= {good.name, beside.name}
 
 
-@pytest.mark.serial
 def test_configuration_of_the_user_is_not_read(good, tmp_path):
     (tmp_path / ".gmshrc").write_text(script(tmp_path))
     read = python(READ, good, cwd=tmp_path, env={**os.environ, "HOME": str(tmp_path), "GMSH_HOME": str(tmp_path)})
@@ -172,13 +170,13 @@ def test_what_the_user_has_open_stays(good):
         gmsh.finalize()
 
 
-@pytest.mark.serial
 def test_no_model_is_open():
     words = python(NO_MODEL).stdout.splitlines()
     assert len(words) == 3
     assert all("No gmsh model is open" in line and "gmsh.initialize()" in line for line in words)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("share", [0.02, 0.2, 0.5, 0.8, 0.97])
 @pytest.mark.parametrize("name", ["2.2-0", "4.1-1"])
 def test_truncated_mesh(name, share, meshes, tmp_path):
@@ -189,6 +187,7 @@ def test_truncated_mesh(name, share, meshes, tmp_path):
         structure_from_gmsh(file, PARTS)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     ("ending", "words"),
     [
@@ -208,6 +207,7 @@ def test_reader_that_aborts_or_never_ends(ending, words, good, tmp_path, monkeyp
         structure_from_gmsh(good, PARTS)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     ("source", "message"),
     [

@@ -43,7 +43,6 @@ def assert_same_cells(one, other, tolerance=0.0):
         assert np.allclose(cells, in_space(other)[name], rtol=0, atol=tolerance)
 
 
-@pytest.mark.serial
 @pytest.mark.parametrize("ending", ["msh", "obj", "dxf"])
 def test_mesh_comes_back(ending, tmp_path):
     if ending == "dxf":
@@ -61,7 +60,6 @@ def test_mesh_comes_back(ending, tmp_path):
         assert np.array_equal(found.points, state.position)
 
 
-@pytest.mark.serial
 def test_part_may_depend_on_place(tmp_path):
     write_mesh(roof(), tmp_path / "roof.msh")
 
@@ -78,7 +76,6 @@ def test_part_may_depend_on_place(tmp_path):
     assert with_default.parts["Dach süd"].prestress == 7.0
 
 
-@pytest.mark.serial
 def test_dxf_of_a_drawing_office(tmp_path, capfd):
     ezdxf = pytest.importorskip("ezdxf")
     document = ezdxf.new()
@@ -117,7 +114,6 @@ def test_dxf_of_a_drawing_office(tmp_path, capfd):
     assert "mm" in capfd.readouterr().err
 
 
-@pytest.mark.serial
 def test_curves_and_mixed_layers_are_refused(tmp_path):
     ezdxf = pytest.importorskip("ezdxf")
     document = ezdxf.new()
@@ -132,7 +128,6 @@ def test_curves_and_mixed_layers_are_refused(tmp_path):
         structure_from_file(tmp_path / "a.dxf", {"arc": PARTS["edge"]})
 
 
-@pytest.mark.serial
 def test_obj_by_hand(tmp_path):
     (tmp_path / "a.obj").write_text(
         "# by hand\no thing\nv 0 0 0\nv 2 0 0 1.0\nv 2 1 0\nv 0 1 0 # corner\nvn 0 0 1\n"
@@ -145,7 +140,6 @@ def test_obj_by_hand(tmp_path):
     assert found.parts["Dach süd"].cells.tolist() == [[0, 1, 2], [0, 2, 3]]
 
 
-@pytest.mark.serial
 @pytest.mark.parametrize("ending", ["stl", "ply"])
 def test_surface(ending, tmp_path):
     pyvista = pytest.importorskip("pyvista")
@@ -156,7 +150,6 @@ def test_surface(ending, tmp_path):
     assert len(found.points) == len(POINTS)
 
 
-@pytest.mark.serial
 def test_quadrilaterals_are_split_along_the_shorter_diagonal(tmp_path):
     (tmp_path / "a.obj").write_text("v 0 0 0\nv 3 1 0\nv 4 2 0\nv 0 1 0\nf 1 2 3 4\n")
     found = structure_from_file(tmp_path / "a.obj", {"default": PARTS["Dach süd"]}, split_quadrilaterals=True)
@@ -169,7 +162,6 @@ def test_quadrilaterals_are_split_along_the_shorter_diagonal(tmp_path):
     assert (0, 2) not in edges
 
 
-@pytest.mark.serial
 def test_weld_that_collapses_a_cell_is_refused(tmp_path):
     (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 1 0.01 0\nf 1 2 3\n")
     with pytest.raises(ValueError, match=r"'default'.*1 of 1 triangles.*weld"):
@@ -183,7 +175,6 @@ HEAD = (
 )
 
 
-@pytest.mark.serial
 @pytest.mark.parametrize(
     ("name", "content"),
     [
@@ -215,7 +206,6 @@ def test_rubbish_is_refused_in_a_sentence(name, content, tmp_path):
         structure_from_file(tmp_path / name, {"default": PARTS["Dach süd"]})
 
 
-@pytest.mark.serial
 def test_bad_arguments(tmp_path):
     with pytest.raises(ValueError, match="no file"):
         structure_from_file(tmp_path / "none.obj", PARTS)

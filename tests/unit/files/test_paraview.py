@@ -55,7 +55,6 @@ def steps(folder):
     return found
 
 
-@pytest.mark.serial
 def test_series_has_every_increment(tmp_path):
     states = []
     series = ParaViewSeries(tmp_path / "out", force_unit="kN")
@@ -83,7 +82,6 @@ def test_series_has_every_increment(tmp_path):
     assert np.array_equal(states[-1].displacement, results["load"].displacement)
 
 
-@pytest.mark.serial
 def test_final_states(tmp_path):
     results = Analysis(structure()).run(STAGES)
     write_paraview(results, tmp_path)
@@ -92,14 +90,12 @@ def test_final_states(tmp_path):
     assert list(steps(tmp_path)) == [1.0, 2.0]
 
 
-@pytest.mark.serial
 def test_continued_run_appends(tmp_path):
     Analysis(structure()).run(STAGES[:1], tmp_path / "checkpoint", ParaViewSeries(tmp_path / "out"))
     Analysis(structure()).run(STAGES, tmp_path / "checkpoint", ParaViewSeries(tmp_path / "out", append=True))
     assert list(steps(tmp_path / "out")) == [0.5, 1.0, 2.0]
 
 
-@pytest.mark.serial
 def test_kill_leaves_a_readable_series(tmp_path):
     script = f"""
         import os, signal
@@ -121,7 +117,6 @@ def test_kill_leaves_a_readable_series(tmp_path):
     assert list(found) == [0.125, 0.25, 0.375]
 
 
-@pytest.mark.serial
 def test_full_disk_warns_and_the_run_goes_on(tmp_path, monkeypatch):
     series, whole = ParaViewSeries(tmp_path), pyvista.MultiBlock.save
 
@@ -137,7 +132,6 @@ def test_full_disk_warns_and_the_run_goes_on(tmp_path, monkeypatch):
     assert list(steps(tmp_path)) == [0.5]
 
 
-@pytest.mark.serial
 def test_refusals(tmp_path):
     (tmp_path / "file").write_text("x")
     with pytest.raises(ValueError, match="file"):

@@ -78,6 +78,7 @@ def state(structure):
     return Analysis(structure).run([Stage("load", [DistributedLoad((0, 0, -100.0), "fabric")])])["load"]
 
 
+@pytest.mark.mpi
 def test_nodes_and_cells_are_in_the_order_of_the_input():
     points, triangles = rectangle(2.0, 1.0, 6, 5)
     triangles = triangles[np.random.default_rng(1).permutation(len(triangles))]
@@ -88,6 +89,7 @@ def test_nodes_and_cells_are_in_the_order_of_the_input():
     np.testing.assert_array_equal(found.parts["fabric"].cells, expected.parts["fabric"].cells)
 
 
+@pytest.mark.mpi
 def test_cells_of_a_tag_keep_the_order_of_the_input():
     points, triangles = rectangle(2.0, 1.0, 6, 5)
     msh = distributed(points, triangles)
@@ -98,6 +100,7 @@ def test_cells_of_a_tag_keep_the_order_of_the_input():
     np.testing.assert_array_equal(found.points[found.parts["right"].cells], points[right])
 
 
+@pytest.mark.mpi
 def test_plane_mesh_of_several_processes_is_that_of_one():
     supports = {"side": "xyz", "ends": "yz", "rope": "z"}
     several, one = (
@@ -114,6 +117,7 @@ def test_plane_mesh_of_several_processes_is_that_of_one():
     np.testing.assert_array_equal(one.supported.sum(axis=0), [5, 7, 10])
 
 
+@pytest.mark.mpi
 def test_answer_is_that_of_a_structure_of_arrays():
     msh = mesh.create_unit_square(WORLD, 6, 4)
     found = structure_from_dolfinx(msh, sail(msh), PARTS, {"side": "xyz", "ends": "xyz"})
@@ -129,6 +133,7 @@ def test_answer_is_that_of_a_structure_of_arrays():
     np.testing.assert_allclose(np.sort(a.cable("rope").force), np.sort(b.cable("rope").force), rtol=1e-10)
 
 
+@pytest.mark.mpi
 def test_process_without_cells():
     points, triangles = rectangle(1.0, 1.0, 1, 1)
     msh = distributed(points, triangles[:1])
@@ -140,6 +145,7 @@ def test_process_without_cells():
     np.testing.assert_array_equal(found.supported.all(axis=1), [True, True, False])
 
 
+@pytest.mark.mpi
 def test_sub_mesh_of_a_solid_is_the_same_on_any_number_of_processes():
     found = []
     for comm in (WORLD, MPI.COMM_SELF):
@@ -158,6 +164,7 @@ def test_sub_mesh_of_a_solid_is_the_same_on_any_number_of_processes():
     np.testing.assert_array_equal(several.supported, one.supported)
 
 
+@pytest.mark.mpi
 def test_tagged_faces_of_a_solid_make_a_membrane():
     box = mesh.create_unit_cube(WORLD, 2, 2, 2)
     groups = {"skin": (tagged(box, 2, skin=lambda x: np.isclose(x[2], 1)), 1)}
@@ -166,6 +173,7 @@ def test_tagged_faces_of_a_solid_make_a_membrane():
     np.testing.assert_array_equal(skin.points[:, 2], 1.0)
 
 
+@pytest.mark.mpi
 def test_mesh_of_intervals_joins_at_equal_places():
     """Two guys from corners of the sheet to the ground, in a mesh of their own."""
     points, triangles = rectangle(2.0, 1.0, 4, 4)
@@ -182,6 +190,7 @@ def test_mesh_of_intervals_joins_at_equal_places():
     np.testing.assert_array_equal(found.points[shared], [[1, -0.5, 0], [1, 0.5, 0]])
 
 
+@pytest.mark.mpi
 def test_separate_parts_of_one_mesh():
     """Two skins with nodes of their own, in one mesh."""
     points, triangles = rectangle(1.0, 1.0, 2, 2)
@@ -201,6 +210,7 @@ def _square(cell=None):
     return mesh.create_unit_square(WORLD, 2, 2, *kinds)
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -229,6 +239,7 @@ def test_refusals(change, words):
         structure_from_dolfinx(**given)
 
 
+@pytest.mark.mpi
 def test_tag_that_no_entity_has():
     msh = _square()
     groups = sail(msh)
@@ -238,6 +249,7 @@ def test_tag_that_no_entity_has():
         structure_from_dolfinx(msh, groups, PARTS)
 
 
+@pytest.mark.mpi
 def test_tags_of_another_mesh():
     msh, other = _square(), _square()
     with pytest.raises(ValueError, match=r"'fabric'.*MeshTags.*mesh"):
@@ -246,6 +258,7 @@ def test_tags_of_another_mesh():
         structure_from_dolfinx(msh, {"fabric": other}, {"fabric": fabric})
 
 
+@pytest.mark.mpi
 def test_curved_cells(curved):
     with pytest.raises(ValueError, match=r"curved cells.*degree 2"):
         structure_from_dolfinx(curved, {"fabric": curved}, {"fabric": fabric})

@@ -9,35 +9,19 @@ from mpi4py import MPI
 
 from fx_membrane import (
     Analysis,
-    Cable,
-    Fabric,
-    Mast,
-    Membrane,
     PointLoad,
     Pressure,
     Stage,
-    Structure,
-    Support,
-    boundary_edges,
-    rectangle,
     write_tables,
 )
+from models import HEAD, masted_roof
 
 
 @pytest.fixture(scope="module")
 def results():
-    points, triangles = rectangle(2.0, 2.0, 4, 4)
-    points = np.vstack([points, (1.0, 1.0, -2.0)])
-    rim = boundary_edges(triangles)
-    middle = int(np.abs(points[:-1] - (1, 1, 0)).sum(axis=1).argmin())
-    parts = {
-        "=roof": Membrane(triangles, Fabric(4e5, 0.3), (2e3, 1e3), warp=(1, 0, 0)),
-        'edge, "A"': Cable(rim, 1e6, 1e2),
-        "mast": Mast([(middle, len(points) - 1)], 1e7),
-    }
-    structure = Structure(points, parts, [Support(np.unique(rim)), Support(len(points) - 1)], separate=[])
+    structure = masted_roof(("=roof", 'edge, "A"', "mast"))
     up = Stage("Überdruck\n+1", [Pressure(50.0, "=roof")])
-    return Analysis(structure).run([up, Stage("load", [PointLoad(middle, (0, 0, -5))])])
+    return Analysis(structure).run([up, Stage("load", [PointLoad(HEAD, (0, 0, -5))])])
 
 
 def rows(path):
@@ -49,7 +33,6 @@ def numbers(table, head):
     return [float(row[head]) for row in table]
 
 
-@pytest.mark.serial
 def test_tables_have_every_number(results, tmp_path):
     write_tables(results, tmp_path / "new" / "folder", force_unit="kN")
     folder = tmp_path / "new" / "folder"
@@ -79,7 +62,6 @@ def test_tables_have_every_number(results, tmp_path):
     assert sum(float(row["area [m2]"]) for row in cells[half:]) == pytest.approx(4.0, rel=1e-14)
 
 
-@pytest.mark.serial
 def test_summary(results, tmp_path):
     write_tables(results, tmp_path)
     found = json.loads((tmp_path / "summary.json").read_text())
@@ -94,7 +76,6 @@ def test_summary(results, tmp_path):
     assert told["largest displacement"]["value"] == pytest.approx(load.largest_displacement)
 
 
-@pytest.mark.serial
 def test_dataframes(results):
     pytest.importorskip("pandas")
     load = results["load"]
@@ -105,7 +86,6 @@ def test_dataframes(results):
         load.to_dataframe("other")
 
 
-@pytest.mark.serial
 def test_refusals(results, tmp_path):
     (tmp_path / "file").write_text("x")
     with pytest.raises(ValueError, match="file"):

@@ -24,6 +24,8 @@ from fx_membrane import (
 )
 from fx_membrane.forms import elasticity, kinematics, loads
 
+pytestmark = pytest.mark.mpi
+
 WORLD = MPI.COMM_WORLD
 WOVEN = OrthotropicFabric(Et_warp=8e5, Et_weft=5e5, nu=0.2, Gt=6e4)
 SNOW = 600.0

@@ -34,7 +34,7 @@ METHODS = [
 ]
 
 
-@pytest.mark.mpi
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(("kind", "value"), [(CableLength, 12.9), (CableSag, 0.9), (EdgeAngle, 15.0)])
 def test_edges_have_the_geometry_given_and_the_form_is_in_equilibrium(method, kind, value):

@@ -75,7 +75,7 @@ def test_unfit_data_are_refused(make):
         make()
 
 
-@pytest.mark.mpi
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("method", [projected_stress, natural_force_density])
 @pytest.mark.parametrize("constraint", [CableSag("rope", 1.0), CableLength("rope", 101.0)])
 def test_straight_rope_without_a_load_is_named(method, constraint):

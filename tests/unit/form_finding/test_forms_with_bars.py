@@ -81,6 +81,7 @@ def between_supports():
     return Structure(PLAN, parts, [Support(RIM)])
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     "structure",
     [
@@ -100,6 +101,7 @@ def test_forms_with_an_equilibrium_have_the_forces_prescribed(structure):
     assert len(updated_reference(form.structure, tolerance=1e-2).steps) == 1
 
 
+@pytest.mark.mpi
 def test_three_equal_cables_meet_at_120_degrees():
     form = updated_reference(star(100.0, 100, 100), tolerance=1e-8)
     way = form.structure.points[:3] - form.structure.points[3]
@@ -134,6 +136,7 @@ def test_bars_that_shrink_to_a_point_are_named(structure, message):
         updated_reference(structure)
 
 
+@pytest.mark.mpi
 def test_sheet_held_at_one_point_has_no_form():
     points = PLAN.copy()
     points[CENTRE, 2] = 0.5
@@ -142,7 +145,6 @@ def test_sheet_held_at_one_point_has_no_form():
         updated_reference(structure)
 
 
-@pytest.mark.serial  # only one process warns, for all
 def test_form_with_a_stress_that_is_far_off_has_not_settled():
     # One step leaves a change below a wide tolerance, and a stress that is not the prescribed one.
     points = PLAN * [1, 1, 0] + np.column_stack([np.zeros((81, 2)), PLAN[:, 0] * PLAN[:, 1]])

@@ -96,7 +96,6 @@ def test_head_of_a_sail_is_found_near_its_first_place(push, pull, edge):
     assert moved[0] == pytest.approx(moved[1], rel=1e-2)
 
 
-@pytest.mark.mpi
 def test_loads_are_balanced_too():
     structure, _ = guyed_sail(0.98)
     loads = [DistributedLoad((0, 0, -0.02), "fabric"), Pressure(0.05, "fabric")]
@@ -110,7 +109,6 @@ def test_a_tighter_tolerance_leads_to_the_same_place():
     assert near.points[heads] == pytest.approx(nearer.points[heads], abs=5e-3)
 
 
-@pytest.mark.serial  # only one process warns, for all
 def test_too_few_moves_leave_a_form_in_equilibrium():
     structure, _ = guyed_sail(0.98)
     with pytest.warns(UnsettledFormWarning, match="max_iterations"):
@@ -120,7 +118,7 @@ def test_too_few_moves_leave_a_form_in_equilibrium():
 
 
 @pytest.mark.parametrize(("push", "lower"), [(-3900.0, 2925.0), (-3500.0, 2925.0), (-3900.0, 2500.0)])
-@pytest.mark.mpi
+@pytest.mark.mpi_once
 def test_flying_mast_below_a_sheet(push, lower):
     structure, (head, foot) = flying_mast(push, lower)
     form = updated_reference(structure)

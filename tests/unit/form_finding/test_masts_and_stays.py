@@ -39,7 +39,7 @@ def moved(form, loads=()):
 
 @pytest.mark.parametrize("find", [projected_stress, updated_reference, natural_force_density])
 @pytest.mark.parametrize(("seed", "unit"), [(None, 1.0), (None, 1e-3), (3, 1.0)])
-@pytest.mark.mpi
+@pytest.mark.mpi_once
 def test_sail_on_tilted_masts_is_at_rest(find, seed, unit):
     turn = None if seed is None else rotation(seed)
     structure, corners = sail(turn=turn, unit=unit)

@@ -87,7 +87,7 @@ def test_force_below_stress_times_half_the_span_is_named():
         updated_reference(held_on_three_sides(5.0), max_iterations=300)
 
 
-@pytest.mark.mpi
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("scale", [1.0, 1e3])
 def test_collapse_of_weak_edges_says_where_and_how_much(scale):
     with pytest.raises(

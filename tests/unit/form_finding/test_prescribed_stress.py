@@ -73,6 +73,7 @@ def state_of(form, loads=()):
     return Analysis(form.structure).run([Stage("form", loads)])["form"]
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("loaded", [False, True])
 def test_form_is_in_equilibrium_as_it_is(loaded):
     structure, acting = canopy(), loads() if loaded else []
@@ -169,6 +170,7 @@ def test_wish_and_differences_belong_to_the_cells_of_the_form():
     assert "n_radial = 2000 + c / r" in form.remarks[0]
 
 
+@pytest.mark.mpi
 def test_functions_of_place_are_taken_where_the_cells_are():
     seen = []
 
@@ -208,12 +210,14 @@ def test_mesh_stays_even():
     assert areas.max() < 40 * areas.min()
 
 
+@pytest.mark.mpi
 def test_every_process_has_the_same_form():
     form = prescribed_stress(canopy(n=4))
     for points in MPI.COMM_WORLD.allgather(form.points):
         assert np.array_equal(points, form.points)
 
 
+@pytest.mark.mpi
 def test_masts_between_held_nodes_are_taken():
     structure = canopy(n=4)
     corners = np.flatnonzero(structure.supported.all(axis=1))
@@ -223,6 +227,7 @@ def test_masts_between_held_nodes_are_taken():
     assert np.abs(state_of(form).displacement).max() < 1e-12 * 8
 
 
+@pytest.mark.mpi
 def test_edge_cable_too_weak_for_its_span_is_named_with_the_force_that_would_do():
     with pytest.warns(
         UnsettledFormWarning, match=r"edge cable 'edge' between .* too weak for its span of 8\.\d+.*R = T"
@@ -232,6 +237,7 @@ def test_edge_cable_too_weak_for_its_span_is_named_with_the_force_that_would_do(
     assert np.abs(state_of(form).displacement).max() < 1e-12 * 8
 
 
+@pytest.mark.mpi
 def test_too_few_steps_are_reported():
     with pytest.warns(UnsettledFormWarning, match="has not settled: step 1"):
         form = prescribed_stress(canopy(), max_iterations=1, tolerance=1e-12)
@@ -250,6 +256,7 @@ def on_axis():
     return Structure(points, {"film": film}, [Support(np.unique(boundary_edges(triangles)))])
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize(
     ("structure", "given", "words"),
     [

@@ -28,7 +28,7 @@ from models import rotation
 pytestmark = pytest.mark.filterwarnings("ignore::fx_membrane.UnsettledFormWarning")
 
 
-@pytest.mark.mpi
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("seed", [None, 3])
 @pytest.mark.parametrize("make", [lambda ring: Ring(ring, 1.0), RigidBody, lambda ring: Ring(ring, 1.3)])
 def test_ring_stays_round_and_its_masts_take_its_force(make, seed):

@@ -49,7 +49,7 @@ def test_slide_along_axes_is_a_support(method, slide, held):
     assert np.array_equal(one.structure.supported, other.structure.supported)
 
 
-@pytest.mark.mpi
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("seed", [1, 2])
 @pytest.mark.parametrize("slide", [{"normal": (0, 0, 1.0)}, {"direction": (0, 1.0, 0)}])
 def test_inclined_slide_is_the_turned_one(seed, slide):

@@ -31,6 +31,7 @@ def found(request):
     return structure, loads, updated_reference(structure, loads)
 
 
+@pytest.mark.mpi_once
 def test_found_form_is_in_equilibrium_as_it_is(found):
     _, loads, form = found
     assert form.converged
@@ -40,6 +41,7 @@ def test_found_form_is_in_equilibrium_as_it_is(found):
     assert result.equilibrium.residual <= 1e-8 * np.abs(result.reactions).max()
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(("others", "tolerance"), [([], 1e-3), ([], 1e-6), ([PointLoad(7, (30.0, 50, -200))], 1e-3)])
 def test_hanging_cable_is_in_equilibrium_as_it_is(others, tolerance):
     structure, loads = hanging_cable()
@@ -92,6 +94,7 @@ def test_result_of_an_analysis_has_the_found_stress(found):
             assert result.cable(name).force == pytest.approx(part.prestress_tensors().ravel(), rel=1e-6)
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("model", MODELS)
 def test_all_processes_together_find_what_one_finds(model):
     structure, loads = model()
@@ -112,6 +115,7 @@ def test_orthotropic_prestress_follows_warp_and_weft():
     assert (stress[:, 1, 1] / stress[:, 0, 0]).mean() == pytest.approx(2, rel=0.05)
 
 
+@pytest.mark.mpi
 def test_distributed_load_is_per_area_of_the_form():
     # The area of the form is larger than that of the flat start.
     loads = [Pressure(2500.0, "film"), DistributedLoad((0, 0, -100.0), "film")]
@@ -152,6 +156,7 @@ def test_structure_that_is_found_is_found_again():
     assert again.structure.points == pytest.approx(form.structure.points, abs=1e-9)
 
 
+@pytest.mark.mpi
 def test_too_few_steps_are_in_equilibrium_all_the_same():
     structure, loads = film_with_edge_cables()
     if MPI.COMM_WORLD.rank:  # the first process warns for all

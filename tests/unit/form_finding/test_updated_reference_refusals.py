@@ -26,6 +26,7 @@ def test_structure_without_prestress_is_refused():
         updated_reference(structure)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("supports", [[], [Support(0)], [Support(RIM, "xy")]])
 def test_structure_without_enough_supports_is_refused(supports):
     structure = Structure(saddle(), {"film": Membrane(TRIANGLES, FABRIC, prestress=1e3)}, supports)
@@ -59,6 +60,7 @@ def test_settings_out_of_range(settings, message):
         updated_reference(film()[0], **settings)
 
 
+@pytest.mark.mpi
 def test_film_without_an_equilibrium_is_reported():
     # A film of tension on four points only shrinks to lines between them.
     structure = Structure(saddle(), {"film": Membrane(TRIANGLES, FABRIC, prestress=1e3)}, [Support(CORNERS)])
@@ -83,6 +85,7 @@ def test_compressive_prestress_is_refused(film, edge, message):
         updated_reference(Structure(points, parts, [Support([0, 4, 20, 24])]))
 
 
+@pytest.mark.mpi
 def test_edge_cables_too_weak_for_the_film_collapse():
     # A circle of radius force / stress = 1.5 m cannot span 10 m.
     points, triangles = rectangle(10.0, 10.0, 8, 8)

@@ -5,7 +5,6 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-import pytest
 from ufl import inner
 
 from fx_membrane import (
@@ -60,7 +59,6 @@ print(fingerprint([ElasticBed("fabric", [1.0, 2.0], [0, 1]), Water("fabric", 2.0
 """
 
 
-@pytest.mark.serial
 def test_digest_is_the_same_in_another_process():
     """Symbols are numbered by a global count of UFL: other symbols made before do not matter."""
     tests = str(Path(__file__).parents[2])

@@ -122,12 +122,33 @@ class Nowhere:
         return parameters.k * state.u[2]
 
 
+@dataclass(frozen=True)
+class Heavier(ElasticBed):
+    factor: float = 2.0
+
+
+class Renamed(ElasticBed):
+    pass
+
+
+@dataclass(frozen=True)
+class Deeper(WaterWork):
+    def depth(self):
+        return 2.0
+
+
 @pytest.mark.parametrize(
     ("make", "words"),
     [
         (NotFrozen, r"NotFrozen.*class.*no frozen dataclass; write @dataclass\(frozen=True\)"),
         (lambda: term(bed, frozen=False), "Mine.*class.*no frozen dataclass"),
         (lambda: Nothing("fabric"), r"Nothing\(.*with.*method energy\(state, parameters\).*virtual_work"),
+        (
+            lambda: Heavier("fabric", 1.0),
+            r"Heavier.*derived from ElasticBed, .*\(energy = ElasticBed\.energy if.*meant\)",
+        ),
+        (lambda: Renamed("fabric", 1.0), "Renamed.*derived from ElasticBed, whose energy would be used"),
+        (lambda: Deeper("fabric", 1.0, 1.0), "Deeper.*derived from WaterWork, whose virtual_work would be used"),
         (lambda: Nowhere(1.0), "Nowhere without.*part; add.*field part"),
         (lambda: ElasticBed, "class ElasticBed.*object.*brackets behind"),
         (lambda: term(bed, virtual_work=bed), "Mine.*energy.*virtual_work; define one.*two"),
@@ -182,11 +203,19 @@ def works(self, state, v, parameters):
         (lambda: ElasticBed("fabric", np.ones((COUNT, 2))), r"parameter k.*shape \(32, 2\)"),
         (lambda: ElasticBed("fabric", [1.0, 2.0], cells=[4]), r"parameter k.*shape \(2,\).*1 cells"),
         (lambda: term(raising), "raises AttributeError: .*missing.*; mend it"),
-        (lambda: term(missing_argument), "raises TypeError: .*; mend it"),
+        (lambda: term(missing_argument), r"energy that takes \(state\); let it take \(state, parameters\)"),
+        (lambda: term(lambda self, s, p: float(p.k) * s.u[2] ** 2), "raises TypeError.*ufl.sqrt.*float"),
+        (lambda: term(lambda self, s, p: float(s.u[2]) ** 2), "raises TypeError.*ufl.sqrt.*float"),
+        (lambda: term(lambda self, s, p: np.sqrt(p.k) * s.u[2]), "raises TypeError.*ufl.sqrt.*NumPy"),
+        (lambda: term(virtual_work=lambda self, s, v, p: float(v[2])), "raises TypeError.*ufl.sqrt.*float"),
+        (lambda: term(lambda self, s, p: p.K * s.u[2]), "raises AttributeError.*K.*u, X, x, F and n.*fields k"),
         (lambda: term(lambda self, state, parameters: None), "returns None; return.*scalar.*UFL"),
         (lambda: term(lambda self, state, parameters: 3.0), r"returns 3\.0; return.*scalar.*UFL"),
-        (lambda: term(lambda self, state, parameters: state.u), "return.*scalar.*UFL without dx"),
-        (lambda: term(lambda self, state, parameters: state.u[2] * dx), "return.*scalar.*UFL without dx"),
+        (lambda: term(lambda self, state, parameters: state.u), r"returns a vector of shape \(3,\); return.*scalar"),
+        (
+            lambda: term(lambda self, state, parameters: state.u[2] * dx),
+            "returns an integral; return.*scalar.*UFL without dx",
+        ),
         (
             lambda: term(lambda self, state, parameters: parameters.k * state.X[0]),
             "not depend.*displacement",
@@ -232,6 +261,16 @@ def test_form_finding_takes_no_terms():
         updated_reference(replace(sheet(), terms=[ElasticBed("fabric", 1.0)]))
     with pytest.raises(ValueError, match=r"^loads has ElasticBed"):
         updated_reference(sheet(), [ElasticBed("fabric", 1.0)])
+
+
+def test_three_numbers_for_three_cells_are_one_vector():
+    points, cells = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 0]], [[0, 1, 4], [1, 2, 4], [2, 3, 4]]
+    structure = Structure(points, {"fabric": Membrane(cells, Fabric(1e5, 0.3))})
+    with pytest.raises(ValueError, match=r"vector of shape \(3,\).*k: shape \(3,\) is one vector.*\(cells, 1\)"):
+        replace(structure, terms=[ElasticBed("fabric", [1.0, 2.0, 3.0])])
+    assert replace(structure, terms=[ElasticBed("fabric", [[1.0], [2.0], [3.0]])]).terms
+    with pytest.raises(ValueError, match=r"shape \(2,\).*\(3, 1\) or \(3, 3\)\. Shape \(3,\) is always one vector\.$"):
+        replace(structure, terms=[ElasticBed("fabric", [1.0, 2.0])])
 
 
 # README

@@ -7,6 +7,7 @@ import pytest
 import ufl
 
 from fx_membrane import Axial, Cable, Fabric, Mast, MooneyRivlin, NeoHooke
+from fx_membrane._dolfinx import abstract_mesh
 from fx_membrane.results.strain_limits import elastic_strain
 from own_laws import Foil, law, membrane
 
@@ -27,6 +28,9 @@ class Stiffening:
     @property
     def stiffness(self):
         return self.EA
+
+
+AREA = abstract_mesh(2)
 
 
 # Taken
@@ -127,18 +131,38 @@ def guarded(self, E, sigma0, parameters):
     return ufl.inner(sigma0, E) + parameters.D * ufl.conditional(ufl.gt(ufl.inner(E, E), 0), ufl.inner(E, E), 0)
 
 
+def foil(E, sigma0, parameters):
+    return ufl.inner(sigma0, E) + parameters.D * ufl.inner(E, E)
+
+
+def ufl_without_stiffness(self, E, sigma0, parameters):
+    return ufl.inner(sigma0, E) + parameters.D * ufl.inner(E, E) ** 2
+
+
+@dataclass(frozen=True)
+class Loose:
+    """Law without a stiffness."""
+
+    k: float
+    energy = Foil.energy
+
+
 REFUSED = [
+    (Loose(1.0), "Loose stiffness is missing; give a typical stiffness"),
     (law(energy=ogden()), r"derivatives at E = 0, at equal stretches, that are not numbers.*tr\(C\).*under the root"),
     (law(energy=lambda self, E, s, p: ufl.inner(s, E) + ufl.inner(E, E) ** 0.9), "derivatives.*not numbers"),
     (law(energy=guarded), "not positive"),
     (law(strain_limit="5 %"), r"Mine strain_limit is the text '5 %'"),
     (law(strain_limit=-0.05), r"Mine strain_limit is -0\.05; it must be positive"),
-    (law(relaxed_energy=lambda self, E, s, p: ufl.tr(E)), r"relaxed_energy\(.*\) is .*; return .*Relaxed.*or None"),
+    (
+        law(relaxed_energy=lambda self, E, s, p: ufl.tr(E)),
+        r"relaxed_energy\(.*\) returns .*; return .*Relaxed.*or None",
+    ),
     (
         law(relaxed_energy=lambda self, E, s, p: (ufl.tr(E), 0)),
-        r"relaxed_energy\(.*\) is .*; return .*Relaxed.*or None",
+        r"relaxed_energy\(.*\) returns .*; return .*Relaxed.*or None",
     ),
-    (law(relaxed_energy=lambda self, E: None), r"relaxed_energy\(.*\) raises TypeError"),
+    (law(relaxed_energy=lambda self, E: None), r"relaxed_energy takes \(E\); let it take \(E, sigma0, parameters\)"),
     (law(strain=lambda self, s: s[:, 0]), r"strain\(stress\) has the shape \(3, 2\).*\(3, 2, 2\).*same shape"),
     (law(strain=lambda self, s: s / self.EA), r"strain\(stress\) raises AttributeError"),
     (Foil, "brackets"),
@@ -148,10 +172,33 @@ REFUSED = [
     (Text(1.0), "Text name is the text 'north'; give a number"),
     (law(stiffness=-1.0), r"Mine stiffness is -1\.0; it must be positive"),
     (law(stiffness=None), "Mine stiffness must be a number"),
-    (law(energy=lambda self, E, s, p: E), r"energy\(E, sigma0, parameters\) is .*; return a scalar in UFL"),
-    (law(energy=lambda self, E, s, p: 3.0), "return a scalar in UFL"),
-    (law(energy=lambda self, E, s, p: p.EA * E[0, 0]), "raises AttributeError"),
-    (law(energy=lambda self, E: E[0, 0]), "raises TypeError"),
+    (law(stiffness=lambda self: 1.0), "Mine stiffness is a method; write @property"),
+    (law(stiffness=property(lambda self: self.EA)), "Mine stiffness raises AttributeError.*EA.*give"),
+    (law(directed="yes"), "Mine directed is 'yes'; give True or False"),
+    (law(relaxed_energy=3), "Mine relaxed_energy is 3; give a method, or None"),
+    (
+        law(energy=lambda self, E, s, p: E),
+        r"Mine\(D=2\.0\), whose.* returns a tensor of shape \(2, 2\); return a scalar",
+    ),
+    (law(energy=lambda self, E, s, p: ufl.diag_vector(E)), r"returns a vector of shape \(2,\); return a scalar"),
+    (
+        law(energy=lambda self, E, s, p: ufl.as_ufl(1.0) * ufl.dx(domain=AREA)),
+        "returns an integral; return.*without dx",
+    ),
+    (law(energy=lambda self, E, s, p: 3.0), r"returns 3\.0; return a scalar in UFL"),
+    (law(energy=lambda self, E, s, p: p.EA * E[0, 0]), "raises AttributeError.*E and sigma0.*parameters the numbers D"),
+    (law(energy=lambda self, E, s, p: p.D[0] * E[0, 0]), "raises .*E and sigma0.*parameters the numbers D"),
+    (law(energy=lambda self, E: E[0, 0]), r"energy takes \(E\); let it take \(E, sigma0, parameters\)"),
+    (law(energy=lambda self, E, s, p, q: E[0, 0]), r"energy takes \(E, s, p, q\); let it take"),
+    (law(energy=lambda self, E, s, p: float(p.D) * foil(E, s, p)), "raises TypeError.*ufl.sqrt.*float"),
+    (law(energy=lambda self, E, s, p: float(E[0, 0]) * foil(E, s, p)), "raises TypeError.*ufl.sqrt.*float"),
+    (law(energy=lambda self, E, s, p: np.exp(p.D) * foil(E, s, p)), "raises TypeError.*ufl.exp.*NumPy"),
+    (law(energy=lambda self, E, s, p: foil(E, s, p) if p.D > 1 else 0), "raises .*ufl.conditional.* if"),
+    (law(energy=lambda self, E, s, p: (1 + (p.D == 2)) * foil(E, s, p)), "Python's own comparison.*ufl.conditional"),
+    (
+        law(energy=ufl_without_stiffness),
+        r"second derivative 0 at E = 0 in.*\[\[1\.0, 0\.0\], .*stiffness.*; give an energy",
+    ),
     (law(energy=lambda self, E, s, p: p.D * ufl.inner(E, E)), r"add inner\(sigma0, E\)"),
     (law(energy=lambda self, E, s, p: ufl.inner(s, E) + ufl.tr(E)), r"add inner\(sigma0, E\)"),
     (law(energy=lambda self, E, s, p: ufl.inner(s, E) - p.D * ufl.inner(E, E)), "not positive"),
@@ -180,6 +227,8 @@ def test_remedies_are_taken(material):
         ({"material": Fabric(1.0, 0.3)}, "law.*membranes.*one.*bars"),
         ({"material": Foil}, "give an Axial, with brackets"),
         ({"material": law(energy=lambda self, E, s, p: ufl.inner(s, E) + E[1, 1] ** 2)}, "energy.* raises"),
+        ({"material": law(energy=lambda self, E, s, p: float(p.D) * foil(E, s, p))}, "raises TypeError.*ufl.sqrt"),
+        ({"material": law(energy=lambda self, E, s, p: s)}, r"returns a tensor of shape \(1, 1\)"),
         ({"axial_stiffness": 2e6, "material": Axial(1e6)}, "axial_stiffness is 2000000.0.*give one.*two"),
         ({}, "axial_stiffness.*material"),
     ],

@@ -17,8 +17,6 @@ from fx_membrane import (
 from fx_membrane.plot import scene
 from pictures import POINTS, assert_drawn, has_colour, picture
 
-pytestmark = pytest.mark.serial
-
 
 @pytest.fixture
 def drawing():

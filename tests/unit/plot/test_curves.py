@@ -5,8 +5,6 @@ import pytest
 from fx_membrane import Analysis, Stage, Structure, Support, plot
 from pictures import assert_drawn, has_colour
 
-pytestmark = pytest.mark.serial
-
 
 def test_comparison_of_solvers(result, tmp_path):
     histories = {"one": [entry for _, entry in result.history], "other": result.increments[-1].iterations}

@@ -53,6 +53,7 @@ def test_others_are_refused(field, message):
         checked(RESULT, "title", field)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(("given", "message"), [(None, "parts is None"), ({}, "parts is empty")])
 def test_lines_of_nothing(tmp_path, given, message):
     with pytest.raises(ValueError, match=message):

@@ -5,8 +5,6 @@ import pytest
 from fx_membrane import plot
 from pictures import POINTS, TRIANGLES
 
-pytestmark = pytest.mark.serial
-
 
 @pytest.mark.parametrize("name", ["roof.foo", "roof.v2", "roof.xlsx"])
 def test_path_of_no_picture_is_refused(result, tmp_path, name):

@@ -28,7 +28,6 @@ def drawn():
     return draw
 
 
-@pytest.mark.serial
 @pytest.mark.parametrize(("axis", "along"), [(0, 1), (1, 0)], ids=["x to the right", "y up"])
 @pytest.mark.parametrize("view", [(0, 0, 1), (0, 0, 5.0), (1e-6, -2e-6, 1)])
 def test_plan_has_x_to_the_right_and_y_up(drawn, axis, along, view):
@@ -38,14 +37,12 @@ def test_plan_has_x_to_the_right_and_y_up(drawn, axis, along, view):
     assert last > first + 20 if axis == 0 else first > last + 20  # rows of a picture run down
 
 
-@pytest.mark.serial
 def test_plan_of_a_slope_is_not_in_perspective(drawn):
     ink = (drawn(0.5 * SLOPE[:, 0], (0, 0, 1)) < 250).any(axis=2)
     low, high = (np.count_nonzero(ink[:, column]) for column in (ink.shape[1] // 10, 9 * ink.shape[1] // 10))
     assert high == pytest.approx(low, abs=3)
 
 
-@pytest.mark.serial
 @pytest.mark.parametrize("lack", ["pyvista", "screen", "library"])
 def test_picture_that_cannot_be_drawn_is_a_warning_with_the_remedy(lack, monkeypatch, tmp_path):
     """The script continues: computed results must survive a failed picture."""

@@ -6,8 +6,6 @@ import pytest
 from fx_membrane import plot
 from pictures import POINTS, TRIANGLES, assert_drawn, picture
 
-pytestmark = pytest.mark.serial
-
 
 def test_wireframe_in_plan(result, tmp_path):
     path = tmp_path / "plan.png"

@@ -81,13 +81,11 @@ def test_rigid_motion_is_not_out_of_balance(motion, prestress, unit):
     Analysis(hypar(unit, prestress, held=[])).run([Stage("move", displacements=[moves])])
 
 
-@pytest.mark.serial  # the first process warns for all
 def test_a_stiff_cable_without_digits_is_told():
     with pytest.warns(UnbalancedStateWarning, match="^Stage 'snow'.*unbalanced force"):
         Analysis(hypar(ridge=1e18)).run([snow(600.0)])
 
 
-@pytest.mark.serial
 def test_a_strong_prestress_elsewhere_hides_nothing():
     """Its own rounding is 1e-3 N, far above what is out of balance in the roof."""
     points = np.vstack([POINTS, [[9, 0, 0], [9, 0, 3.0], [9, 0, 6.0]]])

@@ -1,11 +1,8 @@
 """Results show themselves in notebooks, names of users as text."""
 
 import numpy as np
-import pytest
 
 from fx_membrane import Analysis, Fabric, Membrane, Pressure, Stage, Structure, Support, boundary_edges, rectangle
-
-pytestmark = pytest.mark.serial
 
 
 def test_states_show_their_checks_and_extremes():

@@ -43,6 +43,7 @@ def states():
     return analysis, analysis.run(STAGES)
 
 
+@pytest.mark.mpi
 def test_everything_after_an_analysis_continues_on_its_meshes(made):
     analysis = Analysis(SHEET)
     results = analysis.run(STAGES)
@@ -56,6 +57,7 @@ def test_everything_after_an_analysis_continues_on_its_meshes(made):
     assert len(made) == 1
 
 
+@pytest.mark.mpi
 def test_path_of_a_structure_makes_its_meshes_once(made):
     path = equilibrium_path(arch(), Stage("push", [PointLoad(1, (0, 0, -1e3))], increments=4), max_points=3)
     assert path.state(0).problem is path.state(1).problem is path.problem
@@ -70,6 +72,7 @@ COPIES = {
 }
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("kind", COPIES)
 def test_a_copy_has_no_problem_until_it_is_asked(states, made, kind):
     state = COPIES[kind](states[1]["push"])
@@ -84,6 +87,7 @@ def test_a_copy_has_no_problem_until_it_is_asked(states, made, kind):
         np.testing.assert_allclose(one.stiffnesses, expected.stiffnesses, rtol=1e-9)
 
 
+@pytest.mark.mpi
 def test_results_of_stages_and_paths_are_copied(states):
     path = equilibrium_path(states[1]["rest"], STAGES[1], max_points=2)
     for copied in (copy.deepcopy(path), pickle.loads(pickle.dumps(path))):
@@ -95,6 +99,7 @@ def test_results_of_stages_and_paths_are_copied(states):
     assert dataclasses.asdict(states[1]["rest"])["owner"] is states[0].problem
 
 
+@pytest.mark.mpi
 def test_other_processes_get_meshes_of_their_own(states, made):
     state = states[1]["push"]
     made.clear()
@@ -104,6 +109,7 @@ def test_other_processes_get_meshes_of_their_own(states, made):
     np.testing.assert_allclose(alone.stiffnesses, stability(state).stiffnesses, rtol=1e-9)
 
 
+@pytest.mark.mpi
 def test_processes_that_hold_states_of_other_problems_agree(states):
     """Equal states with two problems, one on the first process, the other on the rest."""
     state, other = states[1]["push"], Problem(SHEET)

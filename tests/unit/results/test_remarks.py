@@ -122,7 +122,7 @@ RIGHT = {
 }
 
 
-@pytest.mark.mpi
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("name", RIGHT)
 def test_structures_that_are_held_get_no_remark(name):
     structure, stages = RIGHT[name]
@@ -135,7 +135,6 @@ def test_structures_that_are_held_get_no_remark(name):
     assert report(results["push"]).startswith("Stage 'push', iterations")
 
 
-@pytest.mark.mpi
 def test_forgotten_guy_loses_the_prestress_and_lets_the_mast_go():
     stages = [Stage("rest"), push(200, 0, 0, after="rest"), Stage("back", [PointLoad(1, (-200, 0, 0))], after="rest")]
     with pytest.warns(LostPrestressWarning, match="'rest'.*prestress.*lost: no cell.*'guys'.*1 %"):
@@ -262,8 +261,6 @@ def test_sheet_that_is_let_in_has_lost_its_prestress():
         Analysis(structure).run([Stage("let in", [DistributedLoad((0, 0, -0.01), "fabric")], [let_in])])
 
 
-@pytest.mark.mpi
-@pytest.mark.serial  # it writes a file
 def test_remarks_are_the_same_from_a_checkpoint_and_on_a_path(tmp_path):
     stages = [push(-3000, 0, 0)]
     whole = Analysis(guyed()).run(stages, tmp_path / "push")["push"]

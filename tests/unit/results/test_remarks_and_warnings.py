@@ -67,6 +67,7 @@ CASES = {
 }
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("name", CASES)
 def test_warnings_are_the_remarks_that_the_report_begins_with(name):
     structure, stage, solver, category = CASES[name]
@@ -84,6 +85,7 @@ def test_warnings_are_the_remarks_that_the_report_begins_with(name):
     assert [remark.category for remark in again] == [remark.category for remark in result.remarks]
 
 
+@pytest.mark.mpi
 def test_a_point_of_a_path_has_them_too():
     path = equilibrium_path(hypar(), snow(8000.0), comm=MPI.COMM_SELF)
     with pytest.warns(LargeStrainWarning, match="^Stage 'snow': cell") as caught:
@@ -93,6 +95,7 @@ def test_a_point_of_a_path_has_them_too():
     assert path.state(0, MPI.COMM_SELF).remarks == ()
 
 
+@pytest.mark.mpi
 def test_last_state_of_a_failed_stage_has_them_too():
     more = Stage("more", [PointLoad(40, (0, 0, -1e5))], after="snow", increments=100)
     with (

@@ -83,6 +83,7 @@ def test_table(result):
     assert len(lines) == 14
 
 
+@pytest.mark.mpi
 def test_largest_values_are_given_with_their_cell(result):
     points, parts = result.structure.points, result.structure.parts
     fabric = result.membrane("fabric")
@@ -126,6 +127,7 @@ def test_strain_of_the_prestress_and_stress_along_warp_and_weft():
     assert "largest strain with that of the prestress -0.03000 in cell 0 at" in lines[14]
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_first_of_equal_cells_is_named(seed):
     """Sums are rounded in another order on other processes: that must not show in the table."""

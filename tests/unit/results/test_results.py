@@ -51,6 +51,7 @@ def result():
     return Analysis(structure).run([Stage("all", loads, [lift], increments=2)])["all"]
 
 
+@pytest.mark.mpi
 def test_values_belong_to_the_users_nodes_and_cells():
     count = 12
     rng = np.random.default_rng(5)
@@ -148,6 +149,7 @@ def test_prestress_acts_along_warp_and_weft():
     assert result.membrane("fabric").cauchy == pytest.approx(np.array([expected] * 2), abs=1e-12)
 
 
+@pytest.mark.mpi
 def test_loads_and_reactions_balance(result):
     balance = result.equilibrium
     size = np.abs(result.reactions).sum()
@@ -166,6 +168,7 @@ def test_balance_is_that_of_the_arrays(result):
     assert balance.reaction_moment == pytest.approx(np.cross(x, result.reactions).sum(axis=0))
 
 
+@pytest.mark.mpi
 def test_reactions_are_zero_where_free(result):
     held = np.zeros(result.structure.points.shape, dtype=bool)
     held[[1, 3, 7, 9, 10]] = True
@@ -173,6 +176,7 @@ def test_reactions_are_zero_where_free(result):
     assert (np.abs(result.reactions[held]) > 1e-3).all()
 
 
+@pytest.mark.mpi
 def test_nodes_that_no_part_uses_stay_put(result):
     for values in (result.displacement, result.loads, result.reactions):
         assert values.shape == result.structure.points.shape
@@ -231,6 +235,7 @@ def patch(x, y, material=FABRIC, **data):
 WOVEN = OrthotropicFabric(Et_warp=2e5, Et_weft=1e5, nu=0.2, Gt=1e4)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("material", [FABRIC, WOVEN])
 @pytest.mark.parametrize(
     ("x", "y", "state"),

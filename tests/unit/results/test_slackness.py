@@ -27,6 +27,7 @@ def state(force):
     return Analysis(STRUCTURE).run([Stage("load", [PointLoad(1, (0, force, 0))])])["load"]
 
 
+@pytest.mark.mpi
 def test_parts_that_are_slack_are_named():
     words = slack_parts(state(2e3))
     assert "'side' is slack in 1 of 1 cells" in words
@@ -59,12 +60,14 @@ def test_what_has_little_force_or_carries_compression_is_not_slack():
     assert not Analysis(bar).run([Stage("rest")])["rest"].mast("mast").slack.any()
 
 
+@pytest.mark.mpi
 def test_failure_names_slack_parts():
     short = Analysis(STRUCTURE, Newton(max_iterations=1, rtol=1e-15, line_search=False))
     with pytest.raises(ConvergenceError, match=r"'side' is slack in 1 of 1 cells"):
         short.run([Stage("load", [PointLoad(1, (0, 2e3, 0))])])
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(("supports", "words"), [([0, 2], "'side' ends in the air at node 3"), ([0, 2, 3], "")])
 def test_failure_names_a_cable_that_ends_in_the_air(supports, words):
     structure = Structure(POINTS, PARTS, [Support(supports), Support(1, "z")])

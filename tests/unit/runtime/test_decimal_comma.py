@@ -11,7 +11,6 @@ import pytest
 
 from fx_membrane.runtime.decimal_point import decimal_point
 
-pytestmark = pytest.mark.serial
 SCRIPT = """
 import locale
 import sys

@@ -12,7 +12,6 @@ import pytest
 
 from fx_membrane.runtime import jit_cache
 
-pytestmark = pytest.mark.serial
 WORD = "compiling forms (once)"
 SCRIPT = """
 import numpy as np

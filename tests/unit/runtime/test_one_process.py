@@ -7,8 +7,6 @@ import pytest
 
 import launch
 
-pytestmark = pytest.mark.serial
-
 DIFFERENT = "ValueError: The input of process 1 differs from that of process 0 in: {}; give all processes the same"
 
 EXPECTED = {

@@ -20,7 +20,6 @@ os.write(2, b"as a C library does")
 """
 
 
-@pytest.mark.serial
 @pytest.mark.parametrize("closed", [(2,), (1,), (0, 1, 2)])
 def test_closed_streams(closed, tmp_path):
     shell = 'exec "$@" ' + " ".join(f"{number}>&-" for number in closed)

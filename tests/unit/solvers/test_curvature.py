@@ -35,6 +35,7 @@ def found(structure, tension=WEAK, displacement=None):
     return result, problem.discretization.to_numpy(result.motion)
 
 
+@pytest.mark.mpi
 def test_frame_sways_to_the_side():
     result, motion = found(frame())
     assert abs(result.stiffness) < WEAK
@@ -51,6 +52,7 @@ def test_lowest_mode_of_a_taut_sheet_is_across():
     assert np.linalg.norm(motion[:, 2]) == pytest.approx(1, abs=1e-6)
 
 
+@pytest.mark.mpi
 def test_compressed_mast_in_the_middle_of_a_weak_cable_is_unstable():
     # Two struts in a row under 10 N, held across by nothing: each direction across is negative.
     struts = Mast([[0, 1], [1, 2]], 1e6, prestress=-10.0)
@@ -74,6 +76,7 @@ def dense(problem, A):
     return np.stack(columns, axis=1)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     ("held", "negative"), [([0, 4, 20, 24], 0), (EDGE[POINTS[EDGE, 0] < -0.9], 1)], ids=["corners", "one side"]
 )
@@ -112,6 +115,7 @@ def test_ripples_are_no_instability():
     assert negative_curvature_direction(full, x).negative > 0
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("kept", [1e-6, 1e-4, 1.0])
 @pytest.mark.parametrize(("load", "negative"), [(-100.0, 0), (100.0, 1)])
 def test_mast_between_two_stays_stands_by_uplift_only(load, negative, kept):
@@ -130,6 +134,7 @@ def test_mast_between_two_stays_stands_by_uplift_only(load, negative, kept):
     assert result.stiffness * problem.stabilizer.work(result.motion) == pytest.approx(-load / 4, rel=1e-6)
 
 
+@pytest.mark.mpi
 def test_the_motion_downhill_is_the_steepest_of_several():
     # Chains of struts of 1 m under 10 and 30 N: their middles give way, the second with three times the curvature.
     points = [[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 1, 0], [1, 1, 0], [2, 1, 0]]
@@ -143,6 +148,7 @@ def test_the_motion_downhill_is_the_steepest_of_several():
     assert motion[4, 0] == pytest.approx(0, abs=1e-9)
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("count", [3, 12])
 def test_direction_of_a_double_mode_is_the_same_on_any_number_of_processes(count):
     """A straight strut buckles to any side, in a lowest mode of many that are negative."""

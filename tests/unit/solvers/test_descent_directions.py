@@ -75,6 +75,7 @@ def loaded_sheet():
     return Reduced(structure, loads)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("kind", [None, "jacobi"])
 @pytest.mark.parametrize("beta", ["FR", "PR"])
 def test_iterates_on_a_quadratic_energy_are_those_of_linear_conjugate_gradients(beta, kind):
@@ -94,6 +95,7 @@ def test_iterates_on_a_quadratic_energy_are_those_of_linear_conjugate_gradients(
     assert errors[10] < 1e-7
 
 
+@pytest.mark.mpi
 def test_tangent_as_preconditioner_solves_a_quadratic_energy_in_one_step():
     reduced = net()
     solution = np.linalg.solve(reduced.tangent(reduced.start), -reduced.gradient(reduced.start))
@@ -102,6 +104,7 @@ def test_tangent_as_preconditioner_solves_a_quadratic_energy_in_one_step():
         assert np.abs(found - solution).max() < 1e-8 * np.abs(solution).max()
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("beta", ["FR", "PR", None])
 def test_steps_follow_the_directions_of_the_textbook(beta, kind):
@@ -135,6 +138,7 @@ def test_the_two_formulas():
     assert polak_ribiere(now, before) == pytest.approx(((g1 - g0) * s1).sum() / (g0 * s0).sum(), rel=1e-12)
 
 
+@pytest.mark.mpi
 def test_same_state_as_an_independent_implementation():
     """SciPy's conjugate gradients (Polak-Ribiere, its own line search)."""
     reduced = loaded_sheet()

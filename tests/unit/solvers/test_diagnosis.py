@@ -44,6 +44,7 @@ def sheet(prestress, points=POINTS):
     return Structure(points, {"fabric": membrane}, [Support(EDGE)])
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("R", [np.eye(3), rotation(1), rotation(2)], ids=["z=0", "turned 1", "turned 2"])
 def test_flat_sheet_without_prestress_is_loose_across(R):
     loose = loose_nodes(*first_tangent(sheet(0.0, POINTS @ R.T)))
@@ -52,12 +53,14 @@ def test_flat_sheet_without_prestress_is_loose_across(R):
         assert abs(np.dot(direction, R[:, 2])) == pytest.approx(1, rel=1e-9)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("R", [np.eye(3), rotation(1)], ids=["z=0", "turned"])
 @pytest.mark.parametrize("prestress", [1.0, 1e3])
 def test_sheet_with_prestress_is_not_loose(R, prestress):
     assert loose_nodes(*first_tangent(sheet(prestress, POINTS @ R.T))) == []
 
 
+@pytest.mark.mpi
 def test_linear_failure_names_node_direction_and_prestress():
     message = linear_failure(*first_tangent(sheet(0.0)))
     assert "singular" in message
@@ -106,6 +109,7 @@ def lifted(height):
     return Actions(np.zeros(POINTS.shape), sheet(1e3).supported, displacement)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     ("displacement", "words"),
     [
@@ -144,6 +148,7 @@ def test_stalled_at_rounding_advises_another_tolerance():
     assert "increment" not in message
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("process", range(3))
 def test_every_process_sees_what_is_not_a_number_on_one(process):
     comm = MPI.COMM_WORLD
@@ -154,6 +159,7 @@ def test_every_process_sees_what_is_not_a_number_on_one(process):
     assert all(comm.allgather(np.isnan(max_norm(vector))))
 
 
+@pytest.mark.mpi
 def test_mechanism_names_the_node_that_moves_and_where():
     points = [[0.0, 0, 0], [0, 1, 0], [1, 1, 0], [1, 0, 0]]
     frame = Structure(points, {"frame": Mast([[0, 1], [1, 2], [2, 3]], 1e6)}, [Support([0, 3]), Support([1, 2], "z")])
@@ -180,6 +186,7 @@ def test_mast_that_slack_cables_hold_is_a_mechanism_but_for_them():
             assert np.abs(found.motion[1, 2]) < 1e-6
 
 
+@pytest.mark.mpi
 def test_mast_beside_slack_fabric_that_is_softer_is_found():
     points = [*POINTS, [9.0, 0, 0], [9, 0, 4], [12, 0, 0], [7, 2, 0], [7, -2, 0]]
     fabric = Membrane(TRIANGLES, Fabric(1e5, 0.3), prestress=-10.0)
@@ -192,6 +199,7 @@ def test_mast_beside_slack_fabric_that_is_softer_is_found():
     assert "mast 'pole' (cell 0) by the tension of 'guys': no load is safe" in found.words
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(("angle", "said"), [(0.4, False), (0.6, True), (2.5, True)])
 def test_mast_that_has_turned_far_is_named(angle, said):
     points = [[0.0, 0, 0], [0, 0, 4], [3, 0, 0], [5, 0, 0], [5, 0, 2]]

@@ -9,6 +9,8 @@ from petsc4py import PETSc
 from fx_membrane.solvers.eigenvalues import lowest, lowest_unsymmetric
 from fx_membrane.solvers.factorization import symmetric_part
 
+pytestmark = pytest.mark.mpi
+
 N = 60
 
 

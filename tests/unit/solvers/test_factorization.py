@@ -45,6 +45,7 @@ def symmetric(eigenvalues, seed):
     return (A + A.T) / 2
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("negative", [0, 1, 5, 12])
 def test_negative_pivots_of_a_diagonal_matrix(negative):
     diagonal = np.arange(1.0, 13) * np.where(np.arange(12) < negative, -1, 1)
@@ -52,6 +53,7 @@ def test_negative_pivots_of_a_diagonal_matrix(negative):
     assert pivots(ksp) == (negative, 0)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("negative", [0, 1, 7, 30])
 def test_negative_pivots_are_as_many_as_negative_eigenvalues(negative, seed):
@@ -61,12 +63,14 @@ def test_negative_pivots_are_as_many_as_negative_eigenvalues(negative, seed):
     assert pivots(ksp) == (negative, 0)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(("positive", "negative", "zero"), [(8, 0, 1), (5, 3, 1), (4, 2, 3), (0, 0, 4)])
 def test_zero_pivots_of_a_diagonal_matrix(positive, negative, zero):
     ksp, _ = factored(np.diag(np.repeat([2.0, -3.0, 0.0], [positive, negative, zero])))
     assert pivots(ksp) == (negative, zero)
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("free", [1, 2])
 def test_zero_pivots_are_as_many_as_free_motions(free):
     # Unsupported chains of springs.
@@ -76,6 +80,7 @@ def test_zero_pivots_are_as_many_as_free_motions(free):
     assert pivots(ksp) == (0, free)
 
 
+@pytest.mark.mpi
 def test_no_new_factorization_for_another_right_hand_side():
     dense = symmetric(np.linspace(1.0, 5.0, 12), 1)
     before = count(NUMERIC)
@@ -89,6 +94,7 @@ def test_no_new_factorization_for_another_right_hand_side():
     assert count(NUMERIC) - before == 1
 
 
+@pytest.mark.mpi
 def test_new_factorization_for_another_matrix_but_no_new_analysis():
     before, analyses = count(NUMERIC), count(SYMBOLIC)
     ksp, A = factored(np.diag(np.arange(1.0, 13)))
@@ -103,6 +109,7 @@ def test_new_factorization_for_another_matrix_but_no_new_analysis():
     assert count(SYMBOLIC) - analyses == 1
 
 
+@pytest.mark.mpi
 def test_matrix_that_is_not_symmetric_is_solved():
     dense = np.random.default_rng(2).normal(size=(9, 9)) + 5 * np.eye(9)
     ksp, A = factored(dense)
@@ -115,6 +122,7 @@ def test_matrix_that_is_not_symmetric_is_solved():
 AIR = Pressure(300.0, "fabric")
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("solver", [Newton(), Newton(line_search=False)], ids=["line search", "plain"])
 @pytest.mark.parametrize("load", [SNOW, AIR], ids=["symmetric", "not symmetric"])
 def test_newton_factors_once_for_each_step(load, solver):
@@ -128,6 +136,7 @@ def test_newton_factors_once_for_each_step(load, solver):
     assert count(SYMBOLIC) - analyses == 1
 
 
+@pytest.mark.mpi
 def test_newton_factors_again_where_it_adds_tension():
     # The first tangent is singular; then each step begins with the shift of the last, which suffices here.
     analysis = Analysis(sheet(prestress=0.0))

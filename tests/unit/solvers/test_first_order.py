@@ -54,9 +54,9 @@ CASES = {
 
 
 def choose(case, solver):
-    """On several processes: one formula of conjugate gradients, and steepest descent where it takes few steps."""
-    few = case == "prescribed displacements" if isinstance(solver, SteepestDescent) else solver.beta == "PR"
-    return pytest.param(case, solver, id=f"{case}, {name(solver)}", marks=[] if few else [pytest.mark.serial])
+    """On several processes: the case with few steps, by one formula of conjugate gradients and by steepest descent."""
+    again = case == "prescribed displacements" and getattr(solver, "beta", "PR") == "PR"
+    return pytest.param(case, solver, id=f"{case}, {name(solver)}", marks=[pytest.mark.mpi] if again else [])
 
 
 @cache
@@ -82,6 +82,7 @@ def test_same_state_as_newton(case, solver):
             assert (np.diff(energies) <= 1e-12 * np.abs(energies).max()).all()
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("case", ["snow", "no stiffness at the start"])
 def test_preconditioners_save_iterations(case):
     structure, stages = CASES[case]
@@ -94,6 +95,7 @@ def test_preconditioners_save_iterations(case):
         assert len({tuple(count) for count in counts}) == 3
 
 
+@pytest.mark.mpi
 def test_start_from_which_no_preconditioner_can_be_made(monkeypatch):
     monkeypatch.setattr(preconditioners, "SHIFTS", (0.0,))
     structure, stages = CASES["no stiffness at the start"]
@@ -102,6 +104,7 @@ def test_start_from_which_no_preconditioner_can_be_made(monkeypatch):
             Analysis(structure, ConjugateGradient("PR", kind)).run(stages)
 
 
+@pytest.mark.mpi
 def test_prescribed_displacements_are_there_from_the_first_iterate():
     stage = Stage("lift", displacements=[LIFT])
     first = Analysis(inclined_sheet(), ConjugateGradient()).run([stage])["lift"].history[0][1]
@@ -111,7 +114,6 @@ def test_prescribed_displacements_are_there_from_the_first_iterate():
     assert first.energy == pytest.approx(there.energy(there.discretization.to_petsc(moved)), rel=1e-12)
 
 
-@pytest.mark.serial
 def test_steepest_descent_is_the_slowest():
     stage = Stage("push", [PointLoad(CENTRE, (0, 0, -300.0))])
     counts = [
@@ -121,6 +123,7 @@ def test_steepest_descent_is_the_slowest():
     assert counts[0] < counts[1] < counts[2]
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize(
     ("solver", "helpful"),
     [
@@ -156,12 +159,14 @@ def test_iterations_that_stand_still_at_rounding_are_not_called_slow(solver):
     assert "slow" not in str(error.value)
 
 
+@pytest.mark.mpi
 def test_tolerance_below_rounding_ends_at_rounding():
     solver = ConjugateGradient(preconditioner="tangent", rtol=1e-30)
     result = Analysis(inclined_sheet(), solver).run([Stage("snow", [SNOW])])["snow"]
     assert result.equilibrium.residual < 1e-14 * 1e5
 
 
+@pytest.mark.mpi
 def test_snapping_through_goes_downhill():
     """Beyond the limit load Newton's method fails with full steps; descent leads to the hanging shape."""
     load = PointLoad(1, (0, 0, -1.2e4))

@@ -31,6 +31,7 @@ def solve(given, solver=Newton()):
     return solver.prepare(problem)(loaded, x), problem.to_numpy(x)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("solver", [Newton(), PLAIN], ids=["line search", "plain"])
 def test_newton_converges_quadratically(solver):
     solution, displacement = solve(sheet_under((0, 0, -300.0)), solver)
@@ -81,6 +82,7 @@ def test_load_far_below_the_prestress_moves_the_sheet_in_proportion(force):
     assert displacement == pytest.approx(force / 1e-2 * expected, abs=1e-5 * force / 1e-2 * np.abs(expected).max())
 
 
+@pytest.mark.mpi
 def test_solver_can_be_used_again():
     problem, loaded = sheet_under((0, 0, -300.0))
     again = Newton().prepare(problem)
@@ -93,6 +95,7 @@ def test_solver_can_be_used_again():
     assert again(loaded, x).iterations[0].energy == pytest.approx(energies[-1], rel=1e-12)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("most", [1, 2, 3])
 def test_number_of_iterations_is_limited(most):
     solution, _ = solve(sheet_under((0, 0, -300.0)), Newton(max_iterations=most, line_search=False))
@@ -102,6 +105,7 @@ def test_number_of_iterations_is_limited(most):
     assert "Newton(max_iterations=...)" in solution.reason
 
 
+@pytest.mark.mpi
 def test_tolerance_is_relative_to_the_nodal_forces():
     coarse, _ = solve(sheet_under((0, 0, -300.0)), Newton(rtol=1e-2))
     fine, _ = solve(sheet_under((0, 0, -300.0)), Newton(rtol=1e-10))
@@ -110,6 +114,7 @@ def test_tolerance_is_relative_to_the_nodal_forces():
     assert len(coarse.iterations) < len(fine.iterations)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("scale", [1e-6, 1e6])
 def test_units_do_not_matter(scale):
     def iterations(unit):
@@ -125,6 +130,7 @@ def test_units_do_not_matter(scale):
     assert iterations(scale) == pytest.approx(iterations(1.0), abs=1e-12)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("load", [0.0, 1e-3])
 def test_prestress_in_balance_with_itself_is_in_equilibrium(seed, load):
@@ -145,6 +151,7 @@ def test_prestress_in_balance_with_itself_is_in_equilibrium(seed, load):
     assert displacement[1] @ R[:, 2] == pytest.approx(expected, rel=1e-5, abs=1e-15)
 
 
+@pytest.mark.mpi
 def test_singular_tangent_stops_with_a_reason():
     solution, displacement = solve(sheet_under((0, 0, -300.0), prestress=0.0), PLAIN)
     assert not solution.converged
@@ -154,10 +161,12 @@ def test_singular_tangent_stops_with_a_reason():
     assert not displacement.any()
 
 
+@pytest.mark.mpi
 def test_singular_tangent_at_the_start_is_so_for_any_increment():
     assert solve(sheet_under((0, 0, -300.0), prestress=0.0), PLAIN)[0].outcome is Outcome.SINGULAR_START
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     ("force", "solver"), [(300.0, Newton(max_iterations=1, line_search=False)), (1e30, PLAIN), (1e30, Newton())]
 )
@@ -167,6 +176,7 @@ def test_smaller_increment_may_help_where_the_iteration_fails(force, solver):
     assert solution.outcome.retry
 
 
+@pytest.mark.mpi
 def test_monitor_is_told_each_iterate():
     (problem, loaded), told = sheet_under((0, 0, -300.0)), []
     solution = Newton().prepare(problem)(
@@ -185,6 +195,7 @@ def test_monitor_of_one_solve_is_not_told_of_the_next():
     assert len(told) == count
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("force", [1e30, 1e200])
 def test_divergence_stops_with_a_reason(force):
     solution, _ = solve(sheet_under((0, 0, force)), PLAIN)

@@ -79,6 +79,7 @@ def answering(answer, impose=True):
     return Answer()
 
 
+@pytest.mark.mpi
 def test_snes_of_a_script_finds_the_state_of_newton(tmp_path):
     stages = [SNOW, Stage("lift", displacements=[PrescribedDisplacement(CENTRE, (0.01, 0, 0.05))], after="snow")]
     expected = Analysis(inclined_sheet()).run(stages)
@@ -100,12 +101,14 @@ def test_checkpoint_continues_with_another_solver(tmp_path):
     assert first.history == again.history
 
 
+@pytest.mark.mpi
 def test_limit_of_work_ends_a_solver_from_inside_its_callbacks():
     with pytest.raises(ConvergenceError, match=r"limit.*3 iterations.*stage") as failure:
         Analysis(inclined_sheet(), BySnes(), limit=WorkLimit(iterations=3)).run([SNOW])
     assert failure.value.failed.outcome is Outcome.WORK_LIMIT
 
 
+@pytest.mark.mpi
 def test_failure_halves_the_increment_and_keeps_words_and_results():
     with pytest.raises(ConvergenceError, match="It is Sunday") as failure:
         Analysis(inclined_sheet(), answering(Solution(Outcome.MAX_ITERATIONS, "It is Sunday.", ()))).run([SNOW])
@@ -126,6 +129,7 @@ def _nan(x):
     return Solution(Outcome.CONVERGED, "", ())
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     ("solver", "words"),
     [
@@ -143,10 +147,53 @@ def test_state_that_breaks_its_constraints_is_no_equilibrium(solver, words):
     assert failure.value.failed.outcome is Outcome.NO_EQUILIBRIUM
 
 
-@pytest.mark.parametrize("answer", [None, True, "converged", (Outcome.CONVERGED, "", ()), Solution(True, "", ())])
+@pytest.mark.mpi_once
+@pytest.mark.parametrize("answer", [None, True, "converged", (Outcome.CONVERGED, "", ())])
 def test_answer_of_another_kind(answer):
     with pytest.raises(ValueError, match=r"Answer returns .*; let it return Solution\(outcome, reason, iterations\)"):
         Analysis(inclined_sheet(), answering(answer)).run([SNOW])
+
+
+DONE = Outcome.CONVERGED
+
+
+@pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        (
+            Solution(True, "", ()),
+            r"outcome is True; let it return Solution\(.*fx_membrane\.Outcome, as Outcome\.CONVERGED",
+        ),
+        (Solution("converged", "", ()), "outcome is 'converged'; let it return Solution"),
+        (Solution(DONE, None, ()), "reason is None; give a sentence"),
+        (Solution(DONE, "", 5), r"iterations are 5; give a list of fx_membrane\.Iteration"),
+        (Solution(DONE, "", (1.0,)), r"iterations are \(1\.0,\); give a list"),
+        (Solution(DONE, "", [("a", 1, 2)]), "iterations are .*; give a list"),
+        (Solution(DONE, "", (), extra_iterations="3"), "extra_iterations is '3'; give a whole number"),
+        (Solution(DONE, "", (), lost_stability="no"), "lost_stability is 'no'; give True or False"),
+        (Solution(DONE, "", (), motion=3.0), r"motion has the shape \(\); give \(25, 3\), or None"),
+    ],
+)
+def test_answer_with_a_field_of_another_kind(answer, words):
+    with pytest.raises(ValueError, match=f"^Answer returns a Solution whose {words}"):
+        Analysis(inclined_sheet(), answering(answer)).run([SNOW])
+
+
+@pytest.mark.parametrize("told", [(0,), (0, 5.0), (0, (1.0, 2.0)), (0, None), ("first", (1.0, 2.0, 1.0))])
+def test_monitor_told_of_something_else(told):
+    class Teller:
+        def prepare(self, problem):
+            return lambda loaded, x, monitor, thorough: monitor(*told)
+
+    with pytest.raises(
+        ValueError, match=r"^Teller( calls its monitor with 0 and .*monitor\(number, .*Iteration\(|: .* 'first')"
+    ):
+        Analysis(inclined_sheet(), Teller()).run([SNOW])
+
+
+def test_failure_without_a_reason_has_that_of_its_outcome():
+    with pytest.raises(ConvergenceError, match=r"the iteration diverged\."):
+        Analysis(inclined_sheet(), answering(Solution(Outcome.DIVERGED, "", ()))).run([SNOW])
 
 
 class NoArgument:
@@ -186,3 +233,12 @@ def test_settings_of_one_process_alone_are_refused():
     kind = "newtontr" if PETSc.COMM_WORLD.rank == 1 else "newtonls"
     with pytest.raises(ValueError, match=r"process 1 differs.*process 0.*solver"):
         Analysis(inclined_sheet(), BySnes(kind))
+
+
+@pytest.mark.mpi
+@pytest.mark.skipif(PETSc.COMM_WORLD.size == 1, reason="compares processes")
+def test_answer_of_one_process_alone_is_refused_on_all():
+    wrong = PETSc.COMM_WORLD.rank == 1
+    answer = Solution(True if wrong else Outcome.MAX_ITERATIONS, "", ())
+    with pytest.raises(ValueError, match=r"^Answer returns a Solution whose outcome is True"):
+        Analysis(inclined_sheet(), answering(answer)).run([SNOW])

@@ -62,6 +62,7 @@ def run(stages, solver=None):
     return Analysis(inclined_sheet(), solver or Newton()).run(stages)[stages[0].name]
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("backend", ["dolfinx", "snes"])
 @pytest.mark.parametrize("stages", [SNOW, WIND])
 @pytest.mark.parametrize(
@@ -93,6 +94,7 @@ def test_other_linear_solver_finds_the_same_state(given, stages, backend, option
     np.testing.assert_allclose(found.displacement, expected.displacement, rtol=0, atol=1e-9 * size)
 
 
+@pytest.mark.mpi
 def test_flat_sheet_without_prestress_by_conjugate_gradients(options):
     """Its first tangent is singular: the shift of the tangent still finds the state."""
     expected = Analysis(sheet(prestress=0.0)).run(SNOW)["snow"]
@@ -104,6 +106,7 @@ def test_flat_sheet_without_prestress_by_conjugate_gradients(options):
     assert stability(found).stable
 
 
+@pytest.mark.mpi
 def test_controls_of_mumps_reach_the_factorization(options, solvers, monkeypatch):
     monkeypatch.setattr(own, "release", lambda solve: None)  # at the end of the run, factors included
     run(SNOW)
@@ -137,12 +140,14 @@ def test_refused(given, words, options):
         Analysis(sheet())
 
 
+@pytest.mark.mpi
 def test_linear_solver_that_fails_is_named(options):
     options(ksp_type="cg", pc_type="jacobi", ksp_max_it=2)
     with pytest.raises(ConvergenceError, match="the linear solver that the PETSc options choose, cg with jacobi"):
         run(SNOW)
 
 
+@pytest.mark.mpi
 @pytest.mark.parametrize("backend", ["dolfinx", "snes"])
 @pytest.mark.parametrize(
     ("given", "shown"),
@@ -167,6 +172,7 @@ def told(record):
     return MPI.COMM_WORLD.bcast(messages)
 
 
+@pytest.mark.mpi
 def test_option_that_nothing_reads_is_told_once(options, recwarn):
     options(ksp_typo="cg", snes_monitor="", mat_mumps_icntl_14=60)
     analysis = Analysis(sheet())
@@ -191,6 +197,7 @@ def test_first_order_methods_have_no_steps_to_solve_for(preconditioner, names, o
     assert message.startswith(f"PETSc options have no effect on ConjugateGradient: {expected}. Mend")
 
 
+@pytest.mark.mpi
 def test_path_keeps_its_factorization(options, recwarn):
     state = run(SNOW)
     options(ksp_type="cg", pc_type="jacobi")
@@ -209,7 +216,6 @@ def test_options_of_one_process_alone_are_refused(options):
         Analysis(sheet())
 
 
-@pytest.mark.serial
 def test_environment():
     """A program of its own with PETSC_OPTIONS."""
     script = (

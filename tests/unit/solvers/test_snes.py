@@ -27,6 +27,7 @@ def structure(prestress):
     return Structure(POINTS, {"fabric": Membrane(TRIANGLES, Fabric(1e3, 0.3), prestress=prestress)}, SUPPORTS)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     ("prestress", "solver"), [(0.0, Newton()), (10.0, Newton()), (10.0, Newton(line_search=False))]
 )
@@ -41,6 +42,7 @@ def test_same_iterates(prestress, solver, monkeypatch):
         np.testing.assert_allclose(entry, expected_entry, rtol=1e-9, atol=1e-9)
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     ("prestress", "solver"),
     [(0.0, Newton(line_search=False)), (10.0, Newton(max_iterations=1, line_search=False))],

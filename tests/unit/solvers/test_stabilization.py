@@ -8,6 +8,8 @@ from fx_membrane.assembly.problem import Problem
 from models import FOOT, MIXED
 from taylor import remainders
 
+pytestmark = pytest.mark.mpi
+
 POINTS = MIXED.points
 TENSION = 0.3
 

@@ -10,10 +10,12 @@ import struct
 import subprocess
 import sys
 import termios
+from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
 from mpi4py import MPI
+from tqdm import tqdm
 
 from fx_membrane import (
     Analysis,
@@ -42,6 +44,7 @@ def test_lines_are_written_where_there_is_no_terminal(capfd):
     assert re.fullmatch(lines if MPI.COMM_WORLD.rank == 0 else "", err)
 
 
+@pytest.mark.mpi
 def test_iterations_are_those_of_the_report(capfd):
     """The start of an increment is none of them."""
     state = Analysis(sheet()).run([Stage("snow", [SNOW], increments=3)])["snow"]
@@ -52,6 +55,7 @@ def test_iterations_are_those_of_the_report(capfd):
     assert shown == (np.cumsum(counts).tolist() if MPI.COMM_WORLD.rank == 0 else [])
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("solver", [Newton(), ConjugateGradient()])
 def test_nothing_is_written_where_it_is_not_wanted(capfd, solver):
     Analysis(sheet(), solver, progress=False).run([Stage("snow", [SNOW], increments=3)])
@@ -84,6 +88,7 @@ class Gone:
         pass
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("stderr", [Gone(), None])
 def test_a_reader_of_the_lines_that_is_gone_ends_no_run(monkeypatch, stderr):
     analysis = Analysis(sheet())
@@ -101,7 +106,6 @@ analysis.run([Stage("prestress"), Stage("snow on the roof", [snow], increments=4
 """
 
 
-@pytest.mark.serial
 @pytest.mark.parametrize("columns", [120, 80, 0], ids=["wide", "usual", "no size told"])
 def test_terminal_shows_stage_and_load_factor(columns):
     terminal, process_end = pty.openpty()
@@ -123,9 +127,29 @@ def test_terminal_shows_stage_and_load_factor(columns):
         assert re.search(rf"\rsnow on the roof: [^\r]* load factor {re.escape(factor)}", text), factor
     assert re.search(r"iteration \d+, residual \d\.\de[+-]\d\d", text)
     assert text.count("\n") == 2  # one line for each stage
+    more = re.search(r"increment 4, iteration \d+, [^\r]*, stage 2 of 2, 00:0\d<", text)
+    assert bool(more) == (columns == 120)
 
 
-@pytest.mark.serial
+def test_notebook_has_a_bar_of_its_own(capfd, monkeypatch):
+    """A stand-in for the bar of notebooks shows the words that it is given; ipywidgets are not needed here."""
+    shown = []
+
+    class Bar(tqdm):
+        def display(self, *_, **__):
+            shown.append(str(self))
+
+    monkeypatch.setitem(sys.modules, "ipykernel", ModuleType("ipykernel"))
+    monkeypatch.setitem(sys.modules, "tqdm.notebook", SimpleNamespace(tqdm=Bar))
+    monkeypatch.setattr(progress, "find_spec", lambda _: True)
+    Analysis(sheet()).run([Stage("snow", [SNOW], increments=3)])
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert err.strip() == ""
+    if MPI.COMM_WORLD.rank == 0:
+        assert any("load factor 1.0000" in text and "stage 1 of 1" in text for text in shown)
+
+
 def test_closed_pipe_is_an_exception_and_no_crash():
     script = "import fx_membrane\nwhile True:\n    print('table')"
     process = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
@@ -137,7 +161,6 @@ def test_closed_pipe_is_an_exception_and_no_crash():
     assert b"PETSC" not in errors
 
 
-@pytest.mark.serial
 def test_form_finding_and_paths_are_not_silent_for_long(capfd, monkeypatch):
     monkeypatch.setattr(progress, "monotonic", itertools.count(0.0, 6.0).__next__)
     updated_reference(sheet())

@@ -62,6 +62,7 @@ def cases(term):
     yield replace(sheet(), terms=[fine, term]), Stage("load", [SNOW], increments=2, after="rest")
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("solver", [Newton(), Newton(line_search=False), ConjugateGradient()])
 @pytest.mark.parametrize("name", TERMS)
 def test_term_is_named(name, solver):
@@ -75,6 +76,7 @@ def test_term_is_named(name, solver):
         assert list(error.value.results) == ([] if structure.terms else ["rest"])
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("name", TERMS)
 def test_term_is_named_by_a_path(name):
     term, words = TERMS[name]
@@ -84,6 +86,7 @@ def test_term_is_named_by_a_path(name):
         assert error.value.path.points == ()
 
 
+@pytest.mark.mpi
 def test_term_that_a_step_leaves_is_no_fault_of_the_start():
     """Defined at the start, and beyond a point no more: the line search steps back."""
 

@@ -126,6 +126,7 @@ def test_seam_between_membranes_stays_shared():
         assert {tuple(sorted(edge)) for edge in polyline(ordered).tolist()} <= edges(found.parts[name].cells)
 
 
+@pytest.mark.mpi
 def test_masts_guys_and_held_lines():
     """Bars off the membrane keep their nodes; a line of held nodes stays held, cell by cell."""
     points, _, roof = hypar()

@@ -169,6 +169,7 @@ def test_structure_is_as_good_as_another():
     assert repr(found).startswith("Remeshed(Structure(")
 
 
+@pytest.mark.mpi
 def test_same_on_all_processes():
     points, triangles, roof = hypar()
     found = remeshed(Structure(points, {"roof": roof, "edge": Cable(boundary_edges(triangles), 1e7, 2e3)}), 0.5)

@@ -22,6 +22,7 @@ def sphere(n=8):
     return every / np.linalg.norm(every, axis=1, keepdims=True), which.ravel()[cells]
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     ("size", "message"),
     [

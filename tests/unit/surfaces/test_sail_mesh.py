@@ -138,6 +138,7 @@ def test_sail_is_found_from_its_mesh():
     np.testing.assert_allclose(form.points[:, :2], mesh.points[:, :2], rtol=0, atol=0.1)
 
 
+@pytest.mark.mpi
 def test_same_on_all_processes():
     mesh = sail_mesh(SQUARE, 0.5, sag=0.1, points={"p": (2, 2, 1)})
     others = MPI.COMM_WORLD.allgather((mesh.points, mesh.triangles, mesh.lines, mesh.nodes))
@@ -170,7 +171,6 @@ print(len(mesh.points))
 """
 
 
-@pytest.mark.serial
 def test_open_model_is_left_alone():
     code = USER.replace("MODELS", "models").replace("before =", "models = gmsh.model.list()\nbefore =")
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
@@ -178,6 +178,7 @@ def test_open_model_is_left_alone():
     assert int(done.stdout) > 20
 
 
+@pytest.mark.mpi_once
 @pytest.mark.parametrize(
     ("changes", "message"),
     [

@@ -9,6 +9,7 @@ import tomllib
 import pytest
 
 import roof_case
+import tent_case
 
 pytest.importorskip("pydantic", "2")
 pytest.importorskip("pint")
@@ -16,7 +17,7 @@ pytest.importorskip("pint")
 from fx_membrane.files.cases.case import read_case
 from fx_membrane.files.cases.faults import CaseError
 
-pytestmark = pytest.mark.serial
+pytestmark = pytest.mark.filterwarnings("ignore:overflow")  # of places beyond all sizes
 
 VALUES = [None, -1, 0, 1e300, "", "text", "1,5 kN", "9**9**9 m", [], [[]], {}, {"a": 1}, True, [1, 2, 3], "nan", "5 kg"]
 
@@ -37,10 +38,10 @@ def toml(value):
     return json.dumps(value)
 
 
-def broken(seed):
+def broken(seed, text):
     """Case whose one place is wrong: removed, renamed, or with another value."""
     draw = random.Random(seed)
-    data = copy.deepcopy(tomllib.loads(roof_case.ROOF))
+    data = copy.deepcopy(tomllib.loads(text))
     path = draw.choice(list(leaves(data)))
     table = data
     for key in path[:-1]:
@@ -56,14 +57,41 @@ def broken(seed):
     return "".join(f"{json.dumps(key)} = {toml(entry)}\n" for key, entry in data.items())
 
 
-def test_broken_files_are_told_in_sentences(tmp_path):
+def test_the_case_with_all_tables_has_no_fault(tmp_path):
+    (tmp_path / "a.toml").write_text(tent_case.TENT, encoding="utf-8")
+    case = read_case(tmp_path / "a.toml")
+    assert case.methods == ["force density", "projected stress", "masts and stays", "new mesh"]
+
+
+@pytest.mark.parametrize("text", [roof_case.ROOF, tent_case.TENT], ids=["roof", "tent"])
+def test_broken_files_are_told_in_sentences(text, tmp_path):
     told, lines = 0, list[str]()
     for seed in range(300):
-        (tmp_path / "a.toml").write_text(broken(seed), encoding="utf-8")
+        (tmp_path / "a.toml").write_text(broken(seed, text), encoding="utf-8")
         try:
             read_case(tmp_path / "a.toml")
         except CaseError as error:
             told += 1
             lines += error.lines
     assert told > 150  # the others lack what may be left out
+    assert [line for line in lines if not re.fullmatch(r".*a\.toml:\d+: [^:]+: .{8,}", line, re.DOTALL)] == []
+    assert [line for line in lines if re.search(r"pydantic|Traceback|object at 0x|\bbool\(|NoneType", line)] == []
+
+
+def test_torn_files_are_told_in_sentences(tmp_path):
+    """Files cut at any place, with a letter changed, or with two lines exchanged."""
+    draw, lines = random.Random(7), list[str]()
+    for text in (roof_case.ROOF, tent_case.TENT):
+        for number in range(60):
+            place = draw.randrange(len(text))
+            rows = text.splitlines()
+            row = draw.randrange(len(rows) - 1)
+            rows[row : row + 2] = rows[row + 1], rows[row]
+            torn = [text[:place], text[:place] + draw.choice('[]{}="#,x\0') + text[place + 1 :], "\n".join(rows)]
+            (tmp_path / "a.toml").write_text(torn[number % 3], encoding="utf-8")
+            try:
+                read_case(tmp_path / "a.toml")
+            except CaseError as error:
+                lines += error.lines
+    assert len(lines) > 60
     assert [line for line in lines if not re.fullmatch(r".*a\.toml:\d+: [^:]+: .{8,}", line, re.DOTALL)] == []

@@ -36,8 +36,6 @@ from fx_membrane.files.cases.faults import CaseError
 from fx_membrane.files.cases.lines import line_of
 from fx_membrane.files.cases.schema import json_schema
 
-pytestmark = pytest.mark.serial
-
 
 def write(path, text):
     path.write_text(text, encoding="utf-8")
@@ -134,7 +132,7 @@ def test_all_faults_come_at_once_with_their_lines(tmp_path):
         ('group = "grid"', 'group = "grit"', "parts.roof", "grid"),
         ('group = "grid"', 'group = "grid"\ncells = [[0, 1, 2]]', "parts.roof", "one of"),
         ('components = "z"', 'components = "q"', "supports.0", "x, y and z"),
-        ("nodes = [20, 24]", "nodes = [20, 99]", "supports", "99"),
+        ("nodes = [20, 24]", "nodes = [20, 99]", "supports.2", "99"),
         ('y = "-2 m"', "y = 7", "supports.1", "no node"),
         ('rim_of = "roof"', 'rim_of = "edge, left"', "supports.0", "roof"),
         (
@@ -143,7 +141,7 @@ def test_all_faults_come_at_once_with_their_lines(tmp_path):
             "stages.1.loads.0",
             "'roof' may",
         ),
-        ("cells = [0, 1]", "cells = [0, 1000]", "stages", "1000"),
+        ("cells = [0, 1]", "cells = [0, 1000]", "stages.1.loads.3", "1000"),
         ('after = "lift"', 'after = "left"', "stages", "left"),
         ("rtol = 1e-11", "rtol = -1", "solver", "rtol"),
         ("where = { x = [0, 2] }", "where = { x = [7, 9] }", "stages.1.loads.1", "no cell"),

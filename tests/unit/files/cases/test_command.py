@@ -20,7 +20,6 @@ pytest.importorskip("pint")
 from fx_membrane import Analysis, load_results
 from fx_membrane.files.cases.case import read_case
 
-pytestmark = pytest.mark.serial
 COMMAND = ["-c", "from fx_membrane.cli import main; main()"]
 
 

@@ -7,8 +7,6 @@ pytest.importorskip("pint")
 
 from fx_membrane.files.cases.units import Units
 
-pytestmark = pytest.mark.serial
-
 
 @pytest.mark.parametrize(
     ("value", "dimension", "expected"),

@@ -1,0 +1,64 @@
+"""Schema of loads and prescribed displacements in case files."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from .fields import AreaLoad, ForceVector, LineLoad, Places, Pressure
+from .structure_schema import Box, Kept, Model, NodeChoice
+
+
+class PointLoadModel(NodeChoice):
+    """Equal force on each of some nodes, see `PointLoad`."""
+
+    kind: Literal["point"]
+    force: ForceVector
+
+
+class CellChoice(Model):
+    """Cells of a part by number, or by the place of their centroid; all without either."""
+
+    part: str
+    cells: list[int] | None = None
+    where: Box | None = None
+
+
+class AreaLoadModel(CellChoice):
+    """Load of fixed direction per reference area of a membrane, see `DistributedLoad`."""
+
+    kind: Literal["area"]
+    load: AreaLoad
+
+
+class LineLoadModel(CellChoice):
+    """Load of fixed direction per reference length of cables or masts, see `DistributedLoad`."""
+
+    kind: Literal["line"]
+    load: LineLoad
+
+
+class PlanLoadModel(CellChoice):
+    """Load per plan area, as snow, see `PlanLoad`."""
+
+    kind: Literal["plan"]
+    load: AreaLoad
+
+
+class PressureModel(CellChoice):
+    """Pressure that follows the membrane, see `Pressure`."""
+
+    kind: Literal["pressure"]
+    pressure: Pressure
+
+
+class DisplacementModel(NodeChoice):
+    """Prescribed displacement, one for all nodes or one for each, see `PrescribedDisplacement`."""
+
+    displacement: Places
+    components: str | None = None
+
+
+Load = Annotated[
+    PointLoadModel | AreaLoadModel | LineLoadModel | PlanLoadModel | PressureModel, Field(discriminator="kind"), Kept
+]
+Displacement = Annotated[DisplacementModel, Kept]

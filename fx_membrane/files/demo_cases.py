@@ -1,0 +1,54 @@
+"""Demo cases: case files of the package, with their meshes."""
+
+import shutil
+import tomllib
+from importlib import resources
+from pathlib import Path
+
+SCRIPTS = {  # demos of the sources that no case file can hold
+    "forms_alone": "the forms in a plain dolfinx script",
+    "own_energy": "an energy term of one's own",
+    "own_law": "a law of one's own",
+    "own_solver": "a solver of one's own",
+    "solvers": "several solvers compared",
+}
+
+
+def demos() -> dict[str, str]:
+    """Titles of the demo cases by name."""
+    files = sorted(entry.name for entry in _folder().iterdir() if entry.name.endswith(".toml"))
+    return {name.removesuffix(".toml"): _title(name) for name in files}
+
+
+def write_demo(name: str, folder: Path) -> list[Path]:
+    """Write a demo case in a folder, and the mesh that it reads; return the files, the case first.
+
+    Raises:
+        ValueError: There is no demo of that name; a file exists, or cannot be written.
+    """
+    if name not in demos():
+        known = ", ".join(demos())
+        words = f"{name!r} is a script ({SCRIPTS[name]})" if name in SCRIPTS else f"there is no demo {name!r}"
+        raise ValueError(f"{words[0].upper()}{words[1:]}; as case files there are {known}.")
+    sources = sorted((entry for entry in _folder().iterdir() if entry.name.startswith(f"{name}.")), key=_case_first)
+    targets = [folder / entry.name for entry in sources]
+    for target in targets:
+        if target.exists():
+            raise ValueError(f"{target} exists; remove it, or go to another folder.")
+    for entry, target in zip(sources, targets, strict=True):
+        with resources.as_file(entry) as file:
+            shutil.copyfile(file, target)
+    return targets
+
+
+def _folder() -> resources.abc.Traversable:
+    return resources.files(__package__) / "demos"
+
+
+def _title(name: str) -> str:
+    title: str = tomllib.loads((_folder() / name).read_text(encoding="utf-8"))["title"]
+    return title
+
+
+def _case_first(entry: resources.abc.Traversable) -> bool:
+    return not entry.name.endswith(".toml")

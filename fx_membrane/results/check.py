@@ -1,0 +1,37 @@
+"""One check of a state: number, limit, verdict, place and remedy."""
+
+from enum import Enum
+from typing import NamedTuple
+
+
+class Verdict(Enum):
+    """Verdict of a check."""
+
+    PASS = "PASS"
+    WARN = "WARN"
+    FAIL = "FAIL"
+
+
+class Check(NamedTuple):
+    """One check of a state.
+
+    Attributes:
+        name: The fact that is checked.
+        found: Its number, as text.
+        limit: The limit, as text; empty without one.
+        verdict: The verdict.
+        remedy: What to do about it; empty if it passes.
+        place: Place of the worst node or cell; empty if it passes or has none.
+    """
+
+    name: str
+    found: str
+    limit: str
+    verdict: Verdict
+    remedy: str = ""
+    place: str = ""
+
+    @property
+    def advice(self) -> str:
+        """Place and remedy in one text."""
+        return ": ".join(filter(None, (self.place, self.remedy)))

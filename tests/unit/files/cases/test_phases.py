@@ -1,0 +1,88 @@
+"""Faults of all phases of a check come together: syntax, schema, units, names, and the model itself."""
+
+import re
+
+import pytest
+
+from roof_case import ROOF
+
+pytest.importorskip("pydantic", "2")
+pytest.importorskip("pint")
+
+from fx_membrane.files.cases.case import read_case
+from fx_membrane.files.cases.faults import CaseError
+
+
+def faults(folder, *changes, text=ROOF):
+    """Faults of a changed case as (line, key, words)."""
+    for right, wrong in changes:
+        assert right in text
+        text = text.replace(right, wrong, 1)
+    (folder / "roof.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(CaseError) as caught:
+        read_case(folder / "roof.toml")
+    found = [re.fullmatch(r".*roof\.toml:(\d+): ([^:]+): (.*)", line, re.DOTALL) for line in caught.value.lines]
+    assert all(found)
+    return [(int(line[1]), line[2], line[3]) for line in found]
+
+
+def test_faults_of_schema_units_names_and_model_come_together(tmp_path):
+    found = faults(
+        tmp_path,
+        ("increments = 2", "increments = 2.5"),  # schema
+        ('pressure = "-100 Pa"', 'pressure = "-100 N"'),  # unit
+        ('\n  part = "roof"\n  load = [0, 0, "-0.6', '\n  part = "rof"\n  load = [0, 0, "-0.6'),  # name
+        ("nodes = [20, 24]", "nodes = [20, 99]"),  # model
+        ("rtol = 1e-11", "rtol = -1"),  # solver
+        ('components = "z"', 'components = "q"'),
+    )
+    assert [key for _, key, _ in found] == [
+        "supports.0", "supports.2", "solver", "stages.1.increments", "stages.1.loads.0", "stages.1.loads.1.pressure",
+    ]  # fmt: skip
+    assert [line for line, *_ in found] == sorted(line for line, *_ in found)
+
+
+def test_what_depends_on_a_fault_is_not_told(tmp_path):
+    """A part of a faulty material, the loads on it, its edges and its rim are not called unknown."""
+    found = faults(tmp_path, ("nu = 0.3", "nu = 3"))
+    assert [key for _, key, _ in found] == ["materials.pvc"]
+    found = faults(tmp_path, ('Et = "500 kN/m"', 'Et = "500 kN"'))
+    assert [key for _, key, _ in found] == ["materials.pvc.Et"]
+    found = faults(tmp_path, ('group = "grid"', 'group = "grit"'))
+    assert [key for _, key, _ in found] == ["parts.roof"]
+    found = faults(tmp_path, ("columns = 4", "columns = 0"))
+    assert [key for _, key, _ in found] == ["geometry"]
+    found = faults(tmp_path, ('kind = "cable"', 'kind = "cabel"'))
+    assert [key for _, key, _ in found] == ['parts."edge, left".kind']
+
+
+def test_names_are_checked_without_a_geometry(tmp_path):
+    found = faults(
+        tmp_path,
+        ("columns = 4", "columns = 0"),
+        ('material = "pvc"', 'material = "pcv"'),
+        ('after = "lift"', 'after = "lif"'),
+        ('part = "roof"\n  pressure', 'part = "rof"\n  pressure'),
+        ("rtol = 1e-11", "rtol = -1"),
+    )
+    assert [key for _, key, _ in found] == ["geometry", "parts.roof", "solver", "stages.1", "stages.1.loads.1"]
+
+
+def test_lines_that_are_no_toml_are_told_with_the_faults_of_the_others(tmp_path):
+    found = faults(tmp_path, ("nu = 0.3", "nu 0.3"), ('width = "4 m"', 'width = "4 kg"'), ("rows = 4", "rows = four"))
+    assert [(line, key) for line, key, _ in found] == [(10, "file"), (15, "file"), (7, "geometry.width")]
+
+
+def test_a_line_in_the_middle_of_a_list_is_one_fault(tmp_path):
+    text = "format = 1\nx = [\n 1,\n two,\n 3,\n]\n"
+    assert [(line, key) for line, key, _ in faults(tmp_path, text=text)][:1] == [(4, "file")]
+    lost = faults(tmp_path, ("[parts.roof]", "[parts.roof"))
+    assert [key for _, key, _ in lost] == ["file"]
+
+
+def test_form_finding_may_be_a_table_or_a_list(tmp_path):
+    for head in ("[form_finding]", "[[form_finding]]"):
+        wrong = f'{head}\nmethod = "projected stress"\ntolerance = "1 m"\n\n[solver]'
+        ((_, key, words),) = faults(tmp_path, ("[solver]", wrong))
+        assert key == ("form_finding.tolerance" if head == "[form_finding]" else "form_finding.0.tolerance")
+        assert "no unit" in words

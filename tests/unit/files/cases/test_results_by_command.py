@@ -1,0 +1,89 @@
+"""Commands on results and mesh files, in this process."""
+
+import logging
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from roof_case import ROOF
+
+pytest.importorskip("pydantic", "2")
+pytest.importorskip("pint")
+
+from fx_membrane.cli import main
+
+
+def said(*arguments):
+    """Exit code and text of a command."""
+    ended = CliRunner().invoke(main, [str(argument) for argument in arguments])
+    return ended.exit_code, ended.output
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Folder of a case that has run."""
+    place = tmp_path_factory.mktemp("roof")
+    (place / "roof.toml").write_text(ROOF + "paraview = false\n", encoding="utf-8")
+    assert said("run", place / "roof.toml", "--quiet") == (0, "")
+    return place
+
+
+def test_folder_of_a_run_is_as_good_as_its_archive(folder):
+    shown = said("show", folder / "out")
+    assert shown[0] == 0
+    assert shown == said("show", folder / "out" / "results.fxm")
+
+
+def test_folder_without_results_is_refused_with_the_way_to_some(folder):
+    code, words = said("show", folder)
+    assert code == 2
+    assert "fx-membrane run" in words
+
+
+def test_report_as_pdf_says_only_that_it_is_written(folder, caplog):
+    pytest.importorskip("weasyprint")
+    pytest.importorskip("jinja2")
+    with caplog.at_level(logging.DEBUG, logger="weasyprint"):
+        assert said("report", folder / "out", folder / "a.pdf")[0] == 0
+    warned = [record for record in caplog.records if record.name == "weasyprint" and record.levelno >= logging.WARNING]
+    assert [record.getMessage() for record in warned] == []
+
+
+def test_one_stage_is_no_stages(tmp_path):
+    text = ROOF.split("[[stages]]")[0] + '[[stages]]\nname = "rest"\n'
+    (tmp_path / "roof.toml").write_text(text, encoding="utf-8")
+    code, words = said("check", tmp_path / "roof.toml")
+    assert code == 0
+    assert "1 stage;" in words
+    (tmp_path / "roof.toml").write_text(ROOF, encoding="utf-8")
+    assert "2 stages;" in said("check", tmp_path / "roof.toml")[1]
+
+
+def test_conversion_of_units(tmp_path):
+    ezdxf = pytest.importorskip("ezdxf")
+    document = ezdxf.new(units=4)  # mm
+    document.modelspace().add_3dface([(0, 0, 0), (1000, 0, 0), (0, 2000, 0)], dxfattribs={"layer": "roof"})
+    document.saveas(tmp_path / "a.dxf")
+    code, words = said("convert", tmp_path / "a.dxf", tmp_path / "a.obj")
+    assert code == 0
+    assert "--unit" in words
+    assert "unit=" not in words
+    assert said("convert", tmp_path / "a.dxf", tmp_path / "b.obj", "--unit", "m") == (
+        0,
+        f"Wrote {tmp_path / 'b.obj'}\n",
+    )
+    points = [np.loadtxt(tmp_path / f"{name}.obj", usecols=(1, 2, 3), max_rows=3) for name in "ab"]
+    assert np.array_equal(points[0], 1000 * points[1])
+    code, words = said("convert", tmp_path / "b.obj", tmp_path / "c.obj", "--unit", "m")
+    assert code == 2
+    assert "no unit" in words
+    assert said("convert", tmp_path / "a.dxf", tmp_path / "c.obj", "--unit", "smoot")[0] == 2
+
+
+def test_written_dxf_claims_no_unit(tmp_path):
+    """It has the numbers of the structure, whose unit is not known."""
+    pytest.importorskip("ezdxf")
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\ng roof\nf 1 2 3\n")
+    assert said("convert", tmp_path / "a.obj", tmp_path / "a.dxf")[0] == 0
+    assert "is in" not in said("convert", tmp_path / "a.dxf", tmp_path / "b.obj")[1]

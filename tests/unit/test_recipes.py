@@ -1,0 +1,117 @@
+"""Recipes of README and of docstrings, as a reader types them: in a process of their own; and the places they name."""
+
+import ast
+import re
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import pytest
+
+import fx_membrane
+
+ROOT = Path(__file__).parents[2]
+RECIPES = dict(
+    re.findall(
+        r"### (A[^\n]*)\n(.*?)(?=\n###? )", (ROOT / "README.md").read_text().split("## How to add")[1], re.DOTALL
+    )
+)
+SHEET = """
+import numpy as np
+from fx_membrane import *
+points, triangles = rectangle(2.0, 2.0, 4, 4)
+edges = boundary_edges(triangles)
+def solve(material=Fabric(1e5, 0.3), loads=(), terms=()):
+    parts = {"fabric": Membrane(triangles, material, 1e3), "edge": Cable(edges, 1e6)}
+    structure = Structure(points, parts, [Support(np.unique(edges))], terms=terms)
+    snow = DistributedLoad((0, 0, -50.0), "fabric")
+    return Analysis(structure, progress=False).run([Stage("bed", [*loads, snow])])["bed"].largest_displacement
+"""
+FREE = "free = solve()\n"
+
+
+def code(text):
+    """First block of indented lines of a text that begins with an import."""
+    lines = text.split("\n")
+    first = next(number for number, line in enumerate(lines) if re.match(r" +from \S+ import", line))
+    depth = len(lines[first]) - len(lines[first].lstrip())
+    block = []
+    for line in lines[first:]:
+        if line.strip() and len(line) - len(line.lstrip()) < depth:
+            break
+        block.append(line)
+    return textwrap.dedent("\n".join(block))
+
+
+def run(script):
+    done = subprocess.run([sys.executable, "-W", "error", "-c", script], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def test_names_of_the_recipes():
+    assert list(RECIPES) == ["A law", "A load", "An element", "A result", "A file format"]
+
+
+@pytest.mark.parametrize(
+    ("text", "use"),
+    [
+        (RECIPES["A law"], "Membrane(triangles, Foil(4e5))\nassert 0 < solve(Foil(4e5)) < 0.1"),
+        (
+            RECIPES["A load"],
+            'bed = ElasticBed("fabric", 2e3)\nassert solve(loads=[bed]) < 0.99 * free > solve(terms=[bed])',
+        ),
+        (fx_membrane.Law.__doc__, "Cable(edges, material=Stiffening(1e6, 1e8))"),
+        (fx_membrane.EnergyTerm.__doc__, 'assert solve(terms=[ElasticBed("fabric", 2e3)]) < 0.99 * free'),
+        (fx_membrane.ForceTerm.__doc__, 'assert solve(terms=[Water("fabric", 2e3, 0.2)]) != free'),
+    ],
+)
+def test_code_runs_as_typed(text, use):
+    run(f"{code(text)}\n{SHEET}{FREE}{use}")
+
+
+def test_places_exist():
+    """Files, and names that a recipe puts beside a file."""
+    package = ROOT / "fx_membrane"
+    for recipe in RECIPES.values():
+        places = re.findall(r"`((?:[\w.]+/)+[\w.]*|[\w]+\.pyi?)`", recipe)
+        assert places
+        for place in places:
+            assert any((base / place).exists() for base in (package, ROOT)), place
+
+
+def assigned(file):
+    tree = ast.parse((ROOT / "fx_membrane" / file).read_text())
+    names = {node.name for node in tree.body if isinstance(node, ast.FunctionDef | ast.ClassDef)}
+    for node in tree.body:
+        targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
+        names |= {target.id for target in targets if isinstance(target, ast.Name)}
+    return names
+
+
+@pytest.mark.parametrize(
+    ("recipe", "name", "file"),
+    [
+        ("A law", "SHIPPED", "model/materials.py"),
+        ("A load", "OwnLoad", "model/loads.py"),
+        ("A load", "STAGES", "files/archive.py"),
+        ("An element", "Part", "model/parts.py"),
+        ("An element", "Bar", "model/parts.py"),
+        ("An element", "MODEL", "files/archive.py"),
+        ("An element", "CELLS", "files/tables.py"),
+        ("An element", "part_forms", "assembly/part_forms.py"),
+        ("An element", "CELL", "_dolfinx.py"),
+        ("A result", "MEMBRANE", "results/evaluation.py"),
+        ("A result", "_expression", "results/evaluation.py"),
+        ("A result", "MembraneResult", "results/part_results.py"),
+        ("A result", "FORMAT", "files/archive.py"),
+        ("A result", "_remarks", "results/remarks.py"),
+        ("A file format", "READERS", "files/mesh_files.py"),
+        ("A file format", "Drawing", "files/drawing.py"),
+        ("A file format", "writing", "files/whole_file.py"),
+        ("A file format", "by_the_first", "runtime/processes.py"),
+    ],
+)
+def test_names_exist(recipe, name, file):
+    assert re.search(rf"`[@\w.]*\b{name}\b`", RECIPES[recipe])
+    assert name in assigned(file)
