@@ -22,6 +22,7 @@ class FormStep(NamedTuple):
         area: Area of all membranes [m2].
         change: Largest displacement of the step across the surface or the lines, over the mean length of the edges; for
             cables and masts between nodes that do not slide, the relative change of length if it is larger [-].
+            `prescribed_stress` counts the changes of area and stress and all motion, too.
         stress_error: Largest difference of the stress in the shape from the prescribed one, relative to the latter.
     """
 

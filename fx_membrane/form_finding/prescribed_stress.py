@@ -10,8 +10,8 @@ with the stress s and the wish w where the cell now is, areas A, forces T and le
 force wished for over the mean stress of the membranes: of an edge cable about its radius. Differences are relative, of
 warp and weft alike. Among the stresses of one shape the nearest is w + w e w, with the strain e of a multiplier field;
 so the optimum is a stationary point of a function of the multipliers and the shape, found by Newton's method with
-Levenberg's damping. Nodes move across the surface for the optimum, and within it only to keep the mesh even. After each
-step one linear solve with the stress at hand makes the equilibrium exact.
+Levenberg's damping. Nodes move across the surface for the optimum, and within it to the even mesh of `MeshControl`,
+the same from all starts. After each step one linear solve with the stress at hand makes the equilibrium exact.
 
 Source: U. Pinkall, K. Polthier 1993 and K.-U. Bletzinger et al. 2005 for the drift of nodes within the surface; A. R.
 Conn, N. I. M. Gould, P. L. Toint, Trust-Region Methods, SIAM 2000, ch. 15, for Newton's method under equations; the
@@ -59,6 +59,7 @@ SHORTEST = 0.02  # share, below which no further one is tried
 LOOSE = 1e-2  # tolerance of the states on the way
 ON_WAY = 12  # maximum number of steps of each
 ON_TRIAL = 25  # the same of a trial without one cause of a failure
+EXACT = 0.05  # largest change in a step, below which Newton's equations of the mesh are exact, not convex
 DAMPING = 1e-2  # first factor of Levenberg's damping
 FACTOR = 6.0  # its change from try to try
 TRIES = 7  # maximum number of tries of a step
@@ -75,7 +76,7 @@ def prescribed_stress(
     loads: Sequence[PointLoad | DistributedLoad | PlanLoad | Pressure] = (),
     stress: Mapping[str, Field] | None = None,
     warp: Mapping[str, Field] | None = None,
-    tolerance: float = 1e-4,
+    tolerance: float = 1e-6,
     max_iterations: int = 100,
     constraints: Sequence[Constraint] = (),
 ) -> Form:
@@ -88,16 +89,17 @@ def prescribed_stress(
 
     Args:
         structure: The first mesh with the supports; the prestress is the wish. The mesh may lie in a plane, with its
-            held nodes out of it. Nodes slide in the surface so that the mesh stays even. Masts with a force need two
-            held ends.
+            held nodes out of it. Nodes slide to an even mesh, which does not depend on the first one. Masts with a
+            force need two held ends.
         loads: Loads that the form balances; all but point loads are per area or length of the form.
         stress: By membrane, its stress as a function of place instead of its prestress: called with the centres of the
             cells, shape (3, cells) [m]. It returns numbers, shape (cells,), pairs along warp and weft, (cells, 2), or
             tensors in that frame, (cells, 2, 2) [N/m].
         warp: By membrane, its warp as a function of place, which returns vectors, shape (3,) or (cells, 3); their
             projection on the cell is the warp. `RadialDirection` is that about an axis.
-        tolerance: Accepted change of area, of stress and of shape in a step, each relative [-]; that of shape as
-            `FormStep.change`.
+        tolerance: Accepted change of area and of stress in a step, and motion of nodes over the mean edge, each
+            relative [-]; the largest is `FormStep.change`. The last steps are Newton's, so the change that is left is
+            far smaller, and a form finding of the form moves nothing.
         max_iterations: Maximum number of steps.
         constraints: Cables by force, force density, length, sag or angle; nodes that slide; rings and rigid bodies.
             Forces of these cables are no wish: only the stress of membranes and the forces of other cables give way.
@@ -227,15 +229,16 @@ def _settled(
     problem: NearestProblem, state: State, pulse: Pulse, tolerance: float, most: int
 ) -> tuple[State, list[FormStep], str]:
     """Last state, its steps, and the reason for no further one; empty if settled or out of steps."""
-    steps, damping, before = list[FormStep](), DAMPING, state
-    while len(steps) < most and not (steps and _largest(steps[-1], before, state) <= tolerance):
+    steps, damping, largest = list[FormStep](), DAMPING, np.inf
+    while len(steps) < most and not largest <= tolerance:
         before = state
         blocks = problem.at(before).blocks
-        system = system_of(blocks, problem.control, problem.point_loads, before.points, before.multipliers)
+        exact = largest < EXACT
+        system = system_of(blocks, problem.control, problem.point_loads, before.points, before.multipliers, exact)
         basis = problem.control.guide.basis(before.points)
         for tried in range(TRIES):
             pulse(f"step {len(steps) + 1}, try {tried + 1}, difference of the stress {before.mean:.2e}")
-            found = _stepped(problem, before, step_of(system, basis, damping / before.area))
+            found = _stepped(problem, before, step_of(system, basis, damping / before.area, 0.5**tried))
             if found is not None:
                 break
             damping = max(damping, DAMPING / FACTOR) * FACTOR
@@ -244,7 +247,8 @@ def _settled(
         state = found
         damping = damping / FACTOR if tried == 0 else damping
         change = change_of_shape(problem.structure, before.points, state.points - before.points)
-        steps.append(FormStep(state.area, change, state.largest))
+        largest = _largest(problem, change, before, state)
+        steps.append(FormStep(state.area, largest, state.largest))
     return state, steps, ""
 
 
@@ -253,6 +257,8 @@ def _stepped(problem: NearestProblem, before: State, step: tuple[Array, Array]) 
     try:
         found = problem.state(before.points + step[1], before.multipliers + step[0], before=before.densities)
     except (RuntimeError, ValueError):
+        return None
+    if not problem.control.keeps_sides(before.points, found.points):
         return None
     if not problem.control.guide.motions.bodies:
         return found if found.norm <= before.norm * (1 + RISE) + (SLACK * SLACK) * before.area else None
@@ -264,8 +270,11 @@ def _stepped(problem: NearestProblem, before: State, step: tuple[Array, Array]) 
     return found if found.norm <= limit and shrunk > PRESSED else None
 
 
-def _largest(step: FormStep, before: State, state: State) -> float:
-    """Largest change in a step: of area, shape and stress, each relative."""
+def _largest(problem: NearestProblem, change: float, before: State, state: State) -> float:
+    """Largest change in a step: of area, shape and stress, and motion within the surface, each relative."""
     area = abs(state.area / before.area - 1)
     stress = max((float(np.abs(now - before.ratios[name]).max()) for name, now in state.ratios.items()), default=0.0)
-    return max(area, stress, step.change)
+    motion = float(np.linalg.norm(state.points - before.points, axis=1).max()) / problem.control.mean_edge(
+        before.points
+    )
+    return max(area, stress, change, motion)

@@ -197,7 +197,7 @@ def _patch(
     check_plan(patch.part, plan, nodes.points[used])
     new_places, cells = triangulated(plan)
     cell, shares = flat.locate(new_places[len(used) :])
-    rise = rise_of_surface(points, triangles, flat.points, cell, shares)
+    rise = rise_of_surface(points, triangles, cell, shares)
     within = nodes.add(old[triangles[cell]], shares, rise)
     where, shares = flat.locate(new_places[cells].mean(axis=1))
     stress = at_nodes(flat.points, triangles, np.asarray(part.prestress_tensors())[patch.rows])

@@ -46,12 +46,14 @@ def remeshed(
     Rims, seams between membranes, cables and masts along edges of membranes and held lines remain lines of edges, with
     their corners, ends and meeting points. Nodes held alone and those of bars off the membranes stay where they are. A
     ring keeps a segment for each 30 degrees; cells grow from there to the wanted size. New nodes are on the curved
-    surface, and on the curved lines, that the old cells stand for, up to second order.
+    surface, and on the curved lines, that the old nodes stand for: their distance from it falls as the third power of
+    the old mesh size.
 
     Stress and warp of membranes are interpolated, in the frame of warp and weft, so that a constant stress stays
-    constant and a linear one linear; forces of bars are interpolated along their lines. The new structure is near
-    equilibrium: a form finding of one step, or a stage without loads, moves it by an amount that falls as the square of
-    the old mesh size.
+    constant and a linear one linear; their error falls as the square of the old mesh size. Forces of bars are
+    interpolated along their lines. The new structure is near equilibrium: a form finding of one step, or a stage
+    without loads, moves it by an amount that falls as the square of the old mesh size in the mean, but for a logarithm
+    at the node that moves most.
 
     Args:
         shape: The structure or form.

@@ -24,21 +24,58 @@ def at_nodes(places: Array, triangles: Integers, values: Array) -> Array:
         O. C. Zienkiewicz, J. Z. Zhu, The superconvergent patch recovery and a posteriori error estimates, Part 1,
         International Journal for Numerical Methods in Engineering 33 (1992) 1331-1364.
     """
-    count, cells = len(places), np.arange(len(triangles))
-    ones = np.ones(triangles.size, dtype=np.int8)
-    touch = sparse.csr_array((ones, (triangles.ravel(), np.repeat(cells, 3))), shape=(count, len(cells)))
+    count, touch = len(places), _touch(len(places), triangles)
     rings = sparse.coo_array(touch @ touch.T @ touch)
     node, cell = rings.row, rings.col
-    offset = places[triangles[cell]].mean(axis=1) - places[node]
-    offset /= np.sqrt(np.bincount(node, np.sum(offset**2, axis=1), count) / np.bincount(node, minlength=count))[
-        node, None
-    ]
+    offset = _scaled(places[triangles[cell]].mean(axis=1) - places[node], node, count)
     base = np.column_stack([np.ones(len(node)), offset])
-    table = values.reshape(len(values), -1)
-    matrix = np.stack([np.bincount(node, a * b, count) for a in base.T for b in base.T], axis=1).reshape(-1, 3, 3)
-    right = np.stack([np.bincount(node, a * b, count) for a in base.T for b in table.T[:, cell]], axis=1)
-    fit = np.linalg.pinv(matrix, rcond=1e-8, hermitian=True) @ right.reshape(count, 3, -1)
+    fit = _fitted(node, base, values.reshape(len(values), -1)[cell], count)
     return np.asarray(fit[:, 0].reshape(count, *values.shape[1:]))
+
+
+def normals_at_nodes(points: Array, triangles: Integers) -> Array:
+    """Find unit normals at nodes, of second order, rims included, by paraboloids nearest to two rings of nodes.
+
+    Normals of flat cells are those of the surface off their centres, to first order, which does not cancel at a rim.
+
+    Source:
+        F. Cazals, M. Pouget, Estimating differential quantities using polynomial fitting of osculating jets, Computer
+        Aided Geometric Design 22 (2005) 121-146.
+    """
+    count, touch = len(points), _touch(len(points), triangles)
+    mean = touch @ normals(points, triangles)
+    first = np.linalg.svd(mean[:, None, :])[2]  # normal, and two tangents
+    first[:, 0] *= np.where(np.sum(first[:, 0] * mean, axis=1) < 0, -1.0, 1.0)[:, None]
+    beside = touch @ touch.T
+    rings = sparse.coo_array(beside @ beside)
+    node, other = (index[rings.row != rings.col] for index in (rings.row, rings.col))
+    offset = _scaled(points[other] - points[node], node, count)
+    height, s, t = np.einsum("kxi,ki->xk", first[node], offset)
+    slope = _fitted(node, np.column_stack([s, t, s * s, s * t, t * t]), height[:, None], count)[:, :2, 0]
+    found = first[:, 0] - np.einsum("ka,kai->ki", slope, first[:, 1:])
+    return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
+
+
+def _touch(count: int, triangles: Integers) -> sparse.csr_array:
+    """Matrix of ones where a node is a corner of a cell, sparse (count, cells)."""
+    ones = np.ones(triangles.size)
+    cells = np.repeat(np.arange(len(triangles)), 3)
+    return sparse.csr_array((ones, (triangles.ravel(), cells)), shape=(count, len(triangles)))
+
+
+def _scaled(offset: Array, node: Integers, count: int) -> Array:
+    """Offsets from nodes over their root mean square there, shape (k, ...)."""
+    square = np.bincount(node, np.sum(offset**2, axis=1), count) / np.maximum(np.bincount(node, minlength=count), 1)
+    return np.asarray(offset / np.sqrt(square)[node, None])
+
+
+def _fitted(node: Integers, base: Array, values: Array, count: int) -> Array:
+    """Coefficients of bases nearest to values around each node, shapes (k, b) and (k, v) to (count, b, v)."""
+    size = base.shape[1]
+    matrix = np.stack([np.bincount(node, a * b, count) for a in base.T for b in base.T], axis=1)
+    right = np.stack([np.bincount(node, a * b, count) for a in base.T for b in values.T], axis=1)
+    inverse = np.linalg.pinv(matrix.reshape(-1, size, size), rcond=1e-8, hermitian=True)
+    return np.asarray(inverse @ right.reshape(count, size, -1))
 
 
 def between(values: Array, corners: Integers, shares: Array) -> Array:
@@ -51,13 +88,12 @@ def main_direction(tensors: Array) -> Array:
     return np.asarray(np.linalg.eigh(tensors)[1][:, :, -1])
 
 
-def rise_of_surface(points: Array, triangles: Integers, places: Array, cells: Integers, shares: Array) -> Array:
+def rise_of_surface(points: Array, triangles: Integers, cells: Integers, shares: Array) -> Array:
     """Vectors from flat cells to the curved surface that they stand for, exact for one of second order, shape (k, 3).
 
     Args:
         points: Positions of the nodes, shape (n, 3) [m].
         triangles: Cells, shape (cells, 3).
-        places: Places of the nodes in a plane, shape (n, 2) [m].
         cells: Cells of the points asked for, shape (k,).
         shares: Shares of their corners, shape (k, 3).
 
@@ -66,8 +102,7 @@ def rise_of_surface(points: Array, triangles: Integers, places: Array, cells: In
         tangent planes, which is exact for paraboloids.
     """
     flat = normals(points, triangles)
-    curved = at_nodes(places, triangles, flat)
-    curved /= np.linalg.norm(curved, axis=1, keepdims=True)
+    curved = normals_at_nodes(points, triangles)
     cosine = np.einsum("cki,ci->ck", curved[triangles], flat).min(axis=1)
     corners = triangles[cells]
     place = between(points, corners, shares)

@@ -2,7 +2,9 @@
 
 The stress of a soap film is constant, and is carried over exactly; the new nodes are on the film up to the third order,
 and both meshes have their forms within the second order of the film itself. The motion is that of a stage without
-loads, and of one more step of form finding.
+loads, and of one more step of form finding. In the mean it is of second order; the largest one, where the new mesh is
+least regular, is so but for a logarithm, as that of linear elements is: R. Scott, Optimal L-infinity estimates for the
+finite element method on irregular meshes, Mathematics of Computation 30 (1976) 681-697.
 """
 
 import warnings
@@ -15,6 +17,7 @@ from fx_membrane import (
     Cable,
     Fabric,
     Membrane,
+    OrthotropicFabric,
     Stage,
     Structure,
     Support,
@@ -32,15 +35,25 @@ SOURCE = "equilibrium: no displacement"
 
 pytest.importorskip("gmsh")
 FABRIC = Fabric(4e5, 0.3)
+WOVEN = OrthotropicFabric(Et_warp=8e5, Et_weft=5e5, nu=0.2, Gt=2e4)
+
+
+def height(x):
+    return 0.3 * np.cos(0.8 * x[:, 0]) * np.cosh(0.5 * x[:, 1])
+
+
+def varied(x):
+    return 0.25 * np.cos(0.7 * x[:, 0]) * np.cos(0.5 * x[:, 1])
 
 
 def motion(structure):
-    """Largest displacement in a stage without loads, and in a step of form finding."""
+    """Displacement in a stage without loads, and in a step of form finding: the largest, and in the mean square."""
     state = Analysis(structure, progress=False).run([Stage("prestress")])["prestress"]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UnsettledFormWarning)
         step = updated_reference(structure, tolerance=1e-9, max_iterations=1)
-    return state.largest_displacement, np.linalg.norm(step.points - structure.points, axis=1).max()
+    found = [np.linalg.norm(u, axis=1) for u in (state.displacement, step.points - structure.points)]
+    return [u.max() for u in found], [np.sqrt(np.mean(u**2)) for u in found]
 
 
 def test_soap_film(verified):
@@ -52,10 +65,29 @@ def test_soap_film(verified):
         film = Membrane(triangles, FABRIC, 1e3)
         form = updated_reference(Structure(points, {"film": film}, [Support(np.unique(boundary_edges(triangles)))]))
         found.append(motion(remeshed(form, 0.7 * 4.0 / n).structure))
+    (first, first_mean), (last, last_mean) = np.array(found[0]), np.array(found[-1])
+    assert (np.log2(first / last * np.log(64) / np.log(16)) / 2 > 1.7).all(), found
+    assert (np.log2(first_mean / last_mean) / 2 > 1.9).all(), found
+    assert last.max() < 4.0 * 2e-4, found
+    verified("displacement of a remeshed film over its size", 0.0, last[0] / 4.0)
+
+
+def test_places_are_of_third_order_and_stress_of_second():
+    """On z = 0.3 cos(0.8 x) cosh(0.5 y), with a stress that varies along both directions, in the largest errors."""
+    found = []
+    for n in (8, 16, 32):
+        points, triangles = rectangle(4.0, 4.0, n, n)
+        points[:, 2] = height(points)
+        stress = np.array([[2e3, 0], [0, 1e3]]) * (1 + varied(points[triangles].mean(axis=1)))[:, None, None]
+        film = Membrane(triangles, WOVEN, stress, warp=(1, 0, 0))
+        new = remeshed(Structure(points, {"film": film}), 0.7 * 4.0 / n).structure
+        carried, centres = np.asarray(new.parts["film"].prestress), new.points[new.parts["film"].cells].mean(axis=1)
+        wrong = np.abs(carried[:, 0, 0] / 2e3 - 1 - varied(centres)).max()
+        found.append((np.abs(new.points[:, 2] - height(new.points)).max(), wrong))
     order = np.log2(np.array(found[0]) / np.array(found[-1])) / 2
-    assert (order > 1.6).all(), found  # meshes, and the constants of their errors, differ from one gmsh to another
-    assert np.max(found[-1]) < 4.0 * 2e-4, found
-    verified("displacement of a remeshed film over its size", 0.0, found[-1][0] / 4.0)
+    assert order[0] > 2.6, found
+    assert order[1] > 1.8, found
+    assert found[-1][0] < 4e-5 * 4.0, found
 
 
 def test_sail_with_edge_cables():

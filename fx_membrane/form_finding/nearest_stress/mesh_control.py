@@ -7,18 +7,23 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from ...geometry.measures import measures, normals
 from ...geometry.topology import boundary_edges
-from ...model.parts import Membrane
 from ...model.structure import Structure
 from ..constraints.motions import Motions
 from ..reasons.line_tangents import line_tangents
 from ..shape_change import nodal_normals
+from .assembly import assembled
 from .guide import MotionGuide
+from .triangle_evenness import Evenness, evenness_of
 
 Array = NDArray[np.float64]
 Segments = NDArray[np.int64]
 
 NORMAL = 0.05  # component of a direction that supports leave, below which it counts as held
+HALVINGS = 8  # of a slide that turns a triangle over
+SLIDES = 20  # maximum number of slides to an even mesh
+EVEN = 0.02  # motion in a slide over the usual edge, at which a mesh counts as even
 
 
 class Ways(NamedTuple):
@@ -29,14 +34,19 @@ class Ways(NamedTuple):
 
 
 class MeshControl:
-    """Springs between neighbours, along lines and within surfaces, at rest where the mesh is even.
+    """Even mesh: equal segments along lines, and triangles as near to equal sides as sliding brings them.
 
-    A spring has the stiffness one over the usual length of edges at its ends in the first mesh: graded meshes stay
-    graded, and one row of long cells is evened out.
+    It is a property of the surface and of the numbering of the cells, not of the first mesh: all starts lead to one
+    mesh, and a form is at rest. Inner nodes minimize the sum of the evenness of the triangles, which no size changes:
+    cells that grow from a ring stay graded. Triangles without area have none, so that no cell folds.
 
     Args:
         structure: The first mesh.
         motions: Motions that its supports and constraints leave.
+
+    Source:
+        A. M. Winslow, Numerical solution of the quasilinear Poisson equation in a nonuniform triangle mesh, Journal of
+        Computational Physics 1 (1966) 149-172; for its functional cell by cell see `evenness_of`.
     """
 
     def __init__(self, structure: Structure, motions: Motions) -> None:
@@ -46,13 +56,12 @@ class MeshControl:
         self.segments = np.unique(np.sort(np.concatenate(lines)), axis=0)
         self.on_line = np.zeros(n, dtype=bool)
         self.on_line[self.segments] = True
-        inside = sparse.diags((~self.on_line).astype(float))
+        surfaces = [part.cells for part in parts if part.dimension == 2]
+        self.triangles = np.concatenate([np.zeros((0, 3), dtype=np.int64), *surfaces])
         line = sparse.diags(self.on_line.astype(float))
-        springs = inside @ _springs(structure.points, _edges(structure)) + line @ _springs(
-            structure.points, self.segments
-        )
-        self.springs = sparse.kron(springs, sparse.eye(3)).tocsr()
-        self.rest = np.zeros(3 * n)  # forces of the springs where they count as at rest, shape (3 n,)
+        self._springs = sparse.kron(line @ _springs(n, self.segments), sparse.eye(3)).tocsr()
+        self._inside = np.repeat(~self.on_line, 3)
+        self.rest = np.zeros(3 * n)  # forces that count as none, shape (3 n,)
 
     def ways(self, points: Array) -> Ways:
         """Directions across and along the surfaces and lines of a shape, in the components that supports leave."""
@@ -73,20 +82,73 @@ class MeshControl:
         ways = _ways(self.guide.projected(triads), across, self.guide.free)
         return ways._replace(across=sparse.hstack([ways.across, self.guide.of_bodies(points)]).tocsc())
 
-    def imbalance(self, points: Array, ways: Ways) -> Array:
-        """Sum the forces of the springs along the surfaces and lines, shape (k,)."""
-        return np.asarray(ways.along.T @ (self.springs @ points.ravel() - self.rest))
+    def forces(self, points: Array) -> Array:
+        """Take the derivatives of the evenness of triangles at inner nodes, of segments on lines, shape (3 n,)."""
+        slopes = self._total(points, evenness_of(points[self.triangles]))
+        return np.where(self._inside, slopes.ravel(), self._springs @ points.ravel())
 
-    def evened(self, points: Array, times: int = 2) -> Array:
-        """Slide the nodes until the springs are at rest, shape (n, 3) [m]."""
-        for _ in range(times):
+    def _total(self, points: Array, evenness: Evenness) -> Array:
+        total = np.zeros_like(points)
+        np.add.at(total, self.triangles, evenness.slopes)
+        return total
+
+    def imbalance(self, points: Array, ways: Ways) -> Array:
+        """Project the forces on the directions along surfaces and lines, shape (k,)."""
+        return np.asarray(ways.along.T @ (self.forces(points) - self.rest))
+
+    def derivatives(self, points: Array, ways: Ways, near: bool) -> sparse.csr_matrix:
+        """Take those of the imbalance by the nodes, sparse (k, 3 n): convex, or if near all but the turns of lines."""
+        evenness = evenness_of(points[self.triangles])
+        if not near:
+            return ways.along.T @ self._matrix(points, evenness.convex)
+        nodal = nodal_normals(self.structure, points)
+        size = np.sum(nodal**2, axis=1)
+        pull = np.sum(self._total(points, evenness) * nodal, axis=1)
+        share = np.divide(pull, size, where=size > 0, out=np.zeros_like(size))[self.triangles]
+        sense = np.sign(np.einsum("cix,cx->ci", nodal[self.triangles], evenness.normal))
+        turning = np.einsum("ci,ckx,cy->cixky", share * sense, evenness.gradients, evenness.normal)
+        return ways.along.T @ self._matrix(points, evenness.convex + evenness.bent + turning)
+
+    def _matrix(self, points: Array, blocks: Array) -> sparse.csr_matrix:
+        inside = sparse.diags(self._inside.astype(float))
+        return inside @ assembled(len(points), [(self.triangles, blocks)]) + self._springs
+
+    def evened(self, points: Array) -> Array:
+        """Slide the nodes to an even mesh, by steps of Newton where they bring it nearer, else by convex ones."""
+        for _ in range(SLIDES):
             ways = self.ways(points)
             if not ways.along.shape[1]:
                 return points
-            matrix = (ways.along.T @ self.springs @ ways.along).tocsc()
-            slide = splu(matrix, permc_spec="MMD_AT_PLUS_A").solve(-self.imbalance(points, ways))
-            points = points + (ways.along @ slide).reshape(points.shape)
+            uneven = np.linalg.norm(self.imbalance(points, ways))
+            following = self._slid(points, ways, near=True)
+            after = np.inf if following is points else np.linalg.norm(self.imbalance(following, self.ways(following)))
+            if not after < uneven / 2:
+                following = self._slid(points, ways, near=False)
+            moved, points = np.abs(following - points).max(), following
+            if moved < EVEN * self.mean_edge(points):
+                break
         return points
+
+    def _slid(self, points: Array, ways: Ways, near: bool) -> Array:
+        """Points after a step along the ways, shortened until no triangle turns over."""
+        matrix = self.derivatives(points, ways, near) @ ways.along
+        slide = splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A").solve(-self.imbalance(points, ways))
+        step = (ways.along @ slide).reshape(points.shape)
+        for _ in range(HALVINGS):
+            if self.keeps_sides(points, points + step):
+                return points + step
+            step /= 2
+        return points
+
+    def mean_edge(self, points: Array) -> float:
+        """Mean length of the segments of lines and, by their areas, of the sides of triangles [m]."""
+        sizes = [measures(points, self.segments), np.sqrt(2 * measures(points, self.triangles))]
+        return float(np.concatenate(sizes).mean())
+
+    def keeps_sides(self, before: Array, after: Array) -> bool:
+        """Tell if no triangle turns over."""
+        sides = [normals(points, self.triangles) for points in (before, after)]
+        return bool((np.sum(sides[0] * sides[1], axis=1) > 0).all())
 
 
 def _ways(triads: Array, across: NDArray[np.bool_], free: NDArray[np.bool_]) -> Ways:
@@ -118,26 +180,9 @@ def _any_normal(vectors: Array) -> Array:
     return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
 
 
-def _edges(structure: Structure) -> Segments:
-    """List the edges of all cells, each once, shape (edges, 2)."""
-    found = []
-    for part in structure.parts.values():
-        cells = part.cells
-        found += [cells[:, [0, 1]], cells[:, [1, 2]], cells[:, [2, 0]]] if isinstance(part, Membrane) else [cells]
-    return np.unique(np.sort(np.concatenate(found), axis=1), axis=0)
-
-
-def _springs(points: Array, edges: Segments) -> sparse.csr_matrix:
-    """Matrix of springs, sparse (n, n); the usual length at a node is the median of its edges."""
-    n = len(points)
-    length = np.linalg.norm(points[edges[:, 1]] - points[edges[:, 0]], axis=1)
-    node, lengths = edges.T.ravel(), np.tile(length, 2)
-    order = np.lexsort((lengths, node))
-    count = np.bincount(node, minlength=n)
-    middle = np.searchsorted(node[order], np.arange(n)) + np.maximum(count - 1, 0) // 2
-    usual = lengths[order][np.minimum(middle, len(lengths) - 1)]
-    stiffness = 2 / (usual[edges[:, 0]] + usual[edges[:, 1]])
-    a, b = edges.T
+def _springs(n: int, segments: Segments) -> sparse.csr_matrix:
+    """Matrix of equal springs, at rest where segments are equally long, sparse (n, n)."""
+    a, b = segments.T
     rows, columns = np.concatenate([a, b, a, b]), np.concatenate([a, b, b, a])
-    values = np.concatenate([stiffness, stiffness, -stiffness, -stiffness])
+    values = np.repeat([1.0, 1.0, -1.0, -1.0], len(segments))
     return sparse.coo_matrix((values, (rows, columns)), shape=(n, n)).tocsr()

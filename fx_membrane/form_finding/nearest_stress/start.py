@@ -11,6 +11,7 @@ from .system import tangential_multipliers
 Array = NDArray[np.float64]
 
 GUESSES = 14  # maximum number of linear solves
+WORSE = 3  # number of guesses in a row farther than the nearest, after which the guesses end
 HALVINGS = 5  # of a correction that leaves a stress no tension
 SETTLED = 0.02  # relative change of the difference from the wish, at which the guesses end
 EVENED = 6  # number of solves of the even shape with cables, whose force densities follow their lengths
@@ -38,6 +39,9 @@ def near_state(problem: NearestProblem, pulse: Pulse) -> State:
         if len(found) > 3 and abs(following.norm / max(state.norm, 1e-300) - 1) <= SETTLED:
             break
         state = following
+        nearest = min(range(1, len(found)), key=lambda number: found[number].norm)
+        if len(found) - nearest > WORSE:
+            break
     return min(found[1:] or found, key=lambda state: state.norm)
 
 

@@ -273,7 +273,7 @@ class NearestProblem:
         """
         ratios = {name: power(ratio, 1 - share) for name, ratio in start.ratios.items()}
         problem = NearestProblem(self.structure, self.loads, self.wishes, ratios, self.balance)
-        problem.control.rest = (1 - share) * (problem.control.springs @ start.points.ravel())
+        problem.control.rest = (1 - share) * problem.control.forces(start.points)
         return problem
 
     def form(self, state: State, steps: tuple[FormStep, ...], converged: bool, remarks: tuple[str, ...]) -> Form:

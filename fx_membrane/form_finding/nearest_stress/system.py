@@ -10,6 +10,7 @@ from scipy import sparse
 
 from ...geometry.measures import measures
 from ...solvers import factorization
+from .assembly import assembled
 from .cells import Block
 from .mesh_control import MeshControl, Ways
 
@@ -17,7 +18,6 @@ Array = NDArray[np.float64]
 
 FIRST = 1e-5  # length of a difference for first derivatives, over the size of the cell
 SECOND = 1e-3  # the same, for second ones
-EASED = 0.65  # share of the springs' imbalance taken in a step: their derivative leaves out how directions turn
 
 
 class System(NamedTuple):
@@ -32,7 +32,8 @@ class System(NamedTuple):
         mass: Area at each component of the nodes, shape (3 n,) [m2].
         control: Control of the mesh.
         ways: Directions of the nodes.
-        evenness: Imbalance of its springs, shape (k,).
+        evenness: Imbalance of the mesh, shape (k,).
+        evening: Its derivatives by the shape, sparse (k, 3 n).
         bodies: Derivatives of the forces on bodies along their motions by these, the last of the ways across, (b, b).
         multipliers: The multipliers, shape (3 n,).
     """
@@ -46,14 +47,18 @@ class System(NamedTuple):
     control: MeshControl
     ways: Ways
     evenness: Array
+    evening: sparse.csr_matrix
     bodies: sparse.csr_matrix
     multipliers: Array
 
 
 def system_of(
-    blocks: Sequence[Block], control: MeshControl, point_loads: Array, points: Array, multipliers: Array
+    blocks: Sequence[Block], control: MeshControl, point_loads: Array, points: Array, multipliers: Array, near: bool
 ) -> System:
-    """Take the derivatives in a shape with multipliers, both of shape (n, 3), under forces on the nodes [N]."""
+    """Take the derivatives in a shape with multipliers, both of shape (n, 3), under forces on the nodes [N].
+
+    Near the optimum those of the mesh are exact, elsewhere convex.
+    """
     n = len(points)
     forces, slopes, mass = -point_loads.copy(), np.zeros((n, 3)), np.zeros(n)
     matrices: list[list[tuple[NDArray[np.int64], Array]]] = [[], [], []]
@@ -72,8 +77,8 @@ def system_of(
         for entries, blockwise in zip(matrices, (block.stiffnesses(corners), by_shape[0], curvature), strict=True):
             entries.append((block.cells, blockwise))
     ways = control.ways(points)
-    stiffness, mixed, curved = (_assembled(n, entries) for entries in matrices)
-    evenness = control.imbalance(points, ways)
+    stiffness, mixed, curved = (assembled(n, entries) for entries in matrices)
+    evenness, evening = control.imbalance(points, ways), control.derivatives(points, ways, near)
     bodies = control.guide.turning(points, forces)
     return System(
         forces.ravel(),
@@ -85,18 +90,20 @@ def system_of(
         control,
         ways,
         evenness,
+        evening,
         bodies,
         multipliers.ravel(),
     )
 
 
-def step_of(system: System, basis: sparse.csr_matrix, damping: float) -> tuple[Array, Array]:
+def step_of(system: System, basis: sparse.csr_matrix, damping: float, share: float = 1.0) -> tuple[Array, Array]:
     """Newton step of the multipliers and of the shape, both of shape (n, 3), damped like that of Levenberg.
 
     Args:
         system: The derivatives.
         basis: Motions of the nodes, sparse (3 n, m).
         damping: Factor of the squared motion across the surface, over the area, beside the function.
+        share: Share of the imbalance of the mesh that is removed.
     """
     across, along = system.ways
     curved, mixed = across.T @ system.curvature, basis.T @ system.mixed
@@ -106,11 +113,11 @@ def step_of(system: System, basis: sparse.csr_matrix, damping: float) -> tuple[A
         [
             [basis.T @ system.stiffness @ basis, mixed @ across + turning, mixed @ along],
             [across.T @ mixed.T + turning.T, curved @ across - across.T @ weight @ across, curved @ along],
-            [None, along.T @ system.control.springs @ across, along.T @ system.control.springs @ along],
+            [None, system.evening @ across, system.evening @ along],
         ]
     ).tocsr()
     slopes = across.T @ system.slopes + turning.T @ (basis.T @ system.multipliers)
-    right = -np.concatenate([basis.T @ system.forces, slopes, EASED * system.evenness])
+    right = -np.concatenate([basis.T @ system.forces, slopes, share * system.evenness])
     found = _solved(matrix, right)
     count = basis.shape[1]
     split = count + across.shape[1]
@@ -139,7 +146,7 @@ def tangential_multipliers(blocks: Sequence[Block], control: MeshControl, point_
     along = control.ways(points).along
     if not along.shape[1]:
         return np.zeros_like(points)
-    stiffness = (along.T @ _assembled(len(points), entries) @ along).tocsr()
+    stiffness = (along.T @ assembled(len(points), entries) @ along).tocsr()
     return np.asarray(along @ _solved(stiffness, -(along.T @ forces.ravel()))).reshape(points.shape)
 
 
@@ -200,14 +207,3 @@ def _curvatures(block: Block, corners: Array, multipliers: Array, length: Array)
             both = energies((i, 1), (j, 1)) - up[i] - up[j] + here
             found[:, i, j] = found[:, j, i] = both / length**2
     return found
-
-
-def _assembled(n: int, entries: Sequence[tuple[NDArray[np.int64], Array]]) -> sparse.csr_matrix:
-    rows, columns, values = [], [], []
-    for cells, blocks in entries:
-        numbers = (3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), -1)
-        rows.append(np.repeat(numbers, numbers.shape[1], axis=1).ravel())
-        columns.append(np.tile(numbers, (1, numbers.shape[1])).ravel())
-        values.append(blocks.reshape(-1))
-    entries_of = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
-    return sparse.coo_matrix(entries_of, shape=(3 * n, 3 * n)).tocsr()
