@@ -61,7 +61,7 @@ def test_units_of_imperial_structures():
         (None, "L", "number"),
         ([1], "L", "number"),
         ("", "L", "number"),
-        ("2 m/", "L", "no unit"),
+        ("2 m/", "L", "no known unit"),
         ("2 m23", "L", "unit"),
         ("2 (((((((m", "L", "unit"),
     ],
