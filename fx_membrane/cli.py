@@ -163,7 +163,7 @@ def run(case: Path, resume: bool, overwrite: bool, quiet: bool, log: Path | None
     @by_the_first
     def tell() -> None:
         text = overview(results)
-        if results and not quiet:
+        if text and not quiet:
             _say(f"{text}\n{_after(folder_of(found))}")
         if log:
             log.write_text("\n".join(filter(None, (text, str(failure or "")))) + "\n", encoding="utf-8")
@@ -201,19 +201,14 @@ def show(results: Path, html: Path | None) -> None:
     """Print the checks and extremes of saved results: the folder of a run, or its results.fxm."""
     from .files.run_results import results_of  # noqa: PLC0415
     from .files.scene.write import write_scene  # noqa: PLC0415
-    from .results.checks import checks, table  # noqa: PLC0415
-    from .results.limits import Limits  # noqa: PLC0415
-    from .results.report import report as told  # noqa: PLC0415
+    from .results.overview import states_and_checks  # noqa: PLC0415
 
     found = results_of(results)
     if html:
         write_scene(found, html)
         _say(f"Wrote {html}")
         return
-    limits = found.limits or Limits()
-    for state in found.values():
-        shown = told(state, force_unit=found.force_unit, length_unit=found.length_unit)
-        _say(f"{shown}\n{table(checks(state, limits))}")
+    _say(states_and_checks(found))
 
 
 @main.command()

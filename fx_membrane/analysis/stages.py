@@ -28,6 +28,7 @@ from ..results.remarks import held_by_slack_parts, remarked, warn_of_remarks
 from ..results.slackness import hanging_ends, slack_parts
 from ..results.states import StageResult, StageResults
 from ..results.strain_limits import warn_of_large_prestress
+from ..results.unfinished import Failure
 from ..runtime.freed_memory import return_freed_memory
 from ..runtime.processes import refuse_differences, together
 from ..solvers import own
@@ -282,11 +283,8 @@ class Analysis:
         last = remarked(self._result(course, control.state), course.shape)
         warn_of_remarks(last, self._comm, stacklevel=5)
         words = reason(loaded, x, solution, control, work) + slack
-        message = (
-            f"Stage {course.stage.name!r} found no equilibrium at load factor {float(control.factor):.6g} "
-            f"(the last found is at {float(control.state.factor):.6g}): {words}"
-        )
-        return ConvergenceError(message, results, last, control.failed(solution), solution.motion)
+        results.failure = Failure(course.stage.name, float(control.factor), float(control.state.factor), words)
+        return ConvergenceError(results.failure.message, results, last, control.failed(solution), solution.motion)
 
     def _slack(self, course: _Course, loaded: LoadedProblem, x: PETSc.Vec) -> str:
         """Sentence on slack parts and free cable ends in a state that is no equilibrium."""

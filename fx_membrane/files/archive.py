@@ -37,13 +37,14 @@ from ..results.states import (
     UnstableStateWarning,
 )
 from ..results.strain_limits import LargeStrainWarning
+from ..results.unfinished import Failure
 from ..runtime.processes import by_the_first, together
 from ..solvers.base import Iteration
 from ..solvers.outcome import Outcome
 from .plain_data import Decoder, Encoder
 from .whole_file import writing
 
-FORMAT = 2  # counts up when a field of a result is added; 1 had no title, units and limits
+FORMAT = 3  # counts up when a field of a result is added; 1 had no title, units and limits, 2 no failure
 KIND = "results of fx_membrane"
 DOCUMENT = "document.json"
 MODEL = (Structure, Membrane, Cable, Mast, Support, *materials.SHIPPED)
@@ -92,6 +93,7 @@ def save_results(results: StageResults | Form, path: str | Path) -> None:
         if isinstance(results, Form)
         else {"results": encode(dict(results)), "stages": encode(results.stages), "names": _names(results)}
         | ({"limits": encode(results.limits)} if results.limits else {})
+        | ({"failure": list(results.failure)} if results.failure else {})
     )
     document = {
         "kind": KIND,
@@ -158,6 +160,7 @@ def _opened(document: Any, decode: Decoder) -> StageResults | Form:
     if "names" in content:
         found.title, found.force_unit, found.length_unit = map(str, content["names"])
     found.limits = decode(content["limits"]) if "limits" in content else None
+    found.failure = Failure(*content["failure"]) if "failure" in content else None
     return found
 
 

@@ -11,6 +11,7 @@ from ..model.parts import Cable, Mast, Membrane
 from ..results.states import StageResult, StageResults
 from ..results.summary import summary
 from ..results.tables import Columns, cell_columns, node_columns
+from ..results.unfinished import unfinished
 from ..runtime.processes import by_the_first
 from .whole_file import writing
 
@@ -24,9 +25,9 @@ def write_tables(results: StageResults, folder: str | Path, *, force_unit: str =
 
     `nodes.csv` has a row for each stage and node, `membranes.csv`, `cables.csv` and `masts.csv` one for each stage,
     part and cell. Their first row names each column with its unit. `summary.json` has sums of forces, extremes with
-    cell and place, iterations and remarks of each stage. Numbers have all their digits. A name that a spreadsheet would
-    take for a formula begins with an apostrophe. Files of earlier calls are replaced, each by a complete one. Under MPI
-    call it on all processes; the first one writes.
+    cell and place, iterations and remarks of each stage, and the stages that a failed run lacks. Numbers have all their
+    digits. A name that a spreadsheet would take for a formula begins with an apostrophe. Files of earlier calls are
+    replaced, each by a complete one. Under MPI call it on all processes; the first one writes.
 
     No number is converted: the names of the units are only printed.
 
@@ -65,6 +66,10 @@ def write_tables(results: StageResults, folder: str | Path, *, force_unit: str =
         "fx_membrane": importlib.metadata.version("fx-membrane"),
         "units": {"force": force_unit, "length": length_unit},
         "stages": {name: summary(state) for name, state in results.items()},
+        "unfinished": [
+            {"verdict": check.verdict.value, "check": check.name, "remedy": check.remedy}
+            for check in unfinished(results)
+        ],
     }
     with writing(place / "summary.json", encoding="utf-8") as stream:
         json.dump(document, stream, ensure_ascii=False, indent=1)

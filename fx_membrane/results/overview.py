@@ -7,17 +7,36 @@ import numpy as np
 from ..checks.values import counted
 from ..geometry.extremes import first_largest
 from ..geometry.measures import measures
+from .check import Check
 from .checks import checks, table
 from .limits import Limits
 from .places import cell_place, node_place
+from .report import report
 from .states import StageResult, StageResults
+from .unfinished import unfinished
 
 
 def overview(results: StageResults) -> str:
-    """Lines on each stage: its work, its largest displacement, extremes of each part, and its checks."""
+    """Lines on each stage: its work, its largest displacement, extremes of each part, its checks; stages that lack."""
     units = results.force_unit, results.length_unit
     limits = results.limits or Limits()
-    return "\n".join(line for state in results.values() for line in _lines(state, limits, *units))
+    lines = [line for state in results.values() for line in _lines(state, limits, *units)]
+    lacking = [check._replace(remedy="") for check in unfinished(results)]  # the error tells the remedy
+    return "\n".join([*lines, *_lacking(lacking)])
+
+
+def states_and_checks(results: StageResults) -> str:
+    """Lines on each stage: its report and its checks; stages that lack, with the remedy."""
+    limits, force, length = results.limits or Limits(), results.force_unit, results.length_unit
+    lines = [
+        report(state, force_unit=force, length_unit=length) + "\n" + table(checks(state, limits))
+        for state in results.values()
+    ]
+    return "\n".join([*lines, *_lacking(unfinished(results))])
+
+
+def _lacking(found: list[Check]) -> list[str]:
+    return ["The run is incomplete:", table(found)] if found else []
 
 
 def _lines(state: StageResult, limits: Limits, force: str, length: str) -> Iterator[str]:

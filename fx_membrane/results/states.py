@@ -23,6 +23,7 @@ from ..solvers.base import Iteration
 from ..solvers.outcome import Outcome
 from .owner import problem_of, without_owner
 from .part_results import BarResult, MembraneResult
+from .unfinished import Failure
 
 Array = NDArray[np.float64]
 
@@ -260,6 +261,7 @@ class StageResults(dict[str, StageResult]):
         force_unit: Name of its unit of force.
         length_unit: Name of its unit of length.
         limits: Its limits, for checks; None without.
+        failure: Stage that found no equilibrium, and ended the run; None if it is complete.
     """
 
     def __init__(self, results: Mapping[str, StageResult] = MappingProxyType({}), stages: Sequence[Stage] = ()):
@@ -267,6 +269,7 @@ class StageResults(dict[str, StageResult]):
         self.stages = tuple(stages)
         self.title, self.force_unit, self.length_unit = "", "N", "m"
         self.limits: Any = None
+        self.failure: Failure | None = None
 
     def _repr_html_(self) -> str:
         """Show the list of stages, and a picture of the last, in notebooks."""

@@ -139,7 +139,7 @@ def _tell(case: Case, number: int, form: Form) -> None:
 
 def _write(case: Case, folder: Path, results: StageResults) -> str:
     """Write the files that a case asks for, each although another fails; return what failed, empty if none."""
-    if not results:
+    if not results and not results.failure:
         return ""
     results.title, results.force_unit, results.length_unit = case.title, case.force_unit, case.length_unit
     results.limits = case.limits
@@ -158,6 +158,8 @@ def _writers(case: Case, folder: Path, results: StageResults) -> Iterator[Callab
         yield partial(save_results, results, folder / RESULTS)
     if case.output.tables:
         yield partial(write_tables, results, folder, **units)
+    if not results:
+        return
     for ending in case.output.mesh:
         for number, state in enumerate(results.values()):
             yield partial(write_mesh, state, folder / f"{number:02d}.{ending}")

@@ -14,6 +14,7 @@ from ...results.checks import checks
 from ...results.limits import Limits
 from ...results.states import StageResult, StageResults
 from ...results.summary import summary
+from ...results.unfinished import unfinished
 
 SENTENCES = {
     Verdict.PASS: "All checks of all stages pass.",
@@ -27,7 +28,8 @@ def content(results: StageResults, title: str, force: str, length: str) -> dict[
     """Values of the template of a report."""
     limits = results.limits or Limits()
     stages = [_stage(state, _of_name(results.stages, name), limits, force, length) for name, state in results.items()]
-    verdicts = {check.verdict for stage in stages for check in stage["checks"]}
+    lacking = unfinished(results)
+    verdicts = {check.verdict for found in (lacking, *(stage["checks"] for stage in stages)) for check in found}
     worst = next(verdict for verdict in (Verdict.FAIL, Verdict.WARN, Verdict.PASS) if verdict in verdicts)
     structure = next(iter(results.values())).structure
     return {
@@ -35,7 +37,8 @@ def content(results: StageResults, title: str, force: str, length: str) -> dict[
         "force": force,
         "length": length,
         "verdict": worst.value,
-        "sentence": SENTENCES[worst],
+        "sentence": _sentence(worst, [check.name for check in lacking]),
+        "unfinished": lacking,
         "nodes": len(structure.points),
         "supported": int(structure.supported.any(axis=1).sum()),
         "parts": [_part(structure, name, force, length) for name in structure.parts],
@@ -43,6 +46,10 @@ def content(results: StageResults, title: str, force: str, length: str) -> dict[
         "warned": any(stage["remarks"] for stage in stages),
         "versions": dict(_versions()),
     }
+
+
+def _sentence(worst: Verdict, lacking: list[str]) -> str:
+    return f"The run is incomplete: {'; '.join(lacking)}." if lacking else SENTENCES[worst]
 
 
 def _of_name(stages: tuple[Stage, ...], name: str) -> Stage | None:

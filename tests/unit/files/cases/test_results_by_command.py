@@ -1,5 +1,6 @@
 """Commands on results and mesh files, in this process."""
 
+import json
 import logging
 
 import numpy as np
@@ -11,6 +12,7 @@ from roof_case import ROOF
 pytest.importorskip("pydantic", "2")
 pytest.importorskip("pint")
 
+from fx_membrane import load_results
 from fx_membrane.cli import main
 
 
@@ -87,3 +89,39 @@ def test_written_dxf_claims_no_unit(tmp_path):
     (tmp_path / "a.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\ng roof\nf 1 2 3\n")
     assert said("convert", tmp_path / "a.obj", tmp_path / "a.dxf")[0] == 0
     assert "is in" not in said("convert", tmp_path / "a.dxf", tmp_path / "b.obj")[1]
+
+
+def test_failed_run_is_told_by_its_table_and_all_its_files(tmp_path):
+    pytest.importorskip("jinja2")
+    later = '\n[[stages]]\nname = "wind"\nafter = "snow"\n'
+    text = ROOF.replace("[[stages]]", "[work]\niterations = 8\n\n[[stages]]", 1) + "paraview = false\n"
+    text = text.replace("increments = 2", "increments = 40").replace("\n[output]", later + "\n[output]")
+    (tmp_path / "roof.toml").write_text(text, encoding="utf-8")
+    code, told = said("run", tmp_path / "roof.toml")
+    assert code == 1
+    failure = load_results(tmp_path / "out" / "results.fxm").failure
+    words = f"snow: no equilibrium at load factor {failure.factor:.6g}, last found at {failure.last:.6g}"
+    assert 0 < failure.last < failure.factor < 1
+    assert f"FAIL  {words}" in told
+    assert "FAIL  wind: not computed" in told
+    shown = said("show", tmp_path / "out")[1]
+    assert f"FAIL  {words}" in shown
+    assert "FAIL  wind: not computed" in shown
+    rows = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["unfinished"]
+    assert [(row["verdict"], row["check"]) for row in rows] == [("FAIL", words), ("FAIL", "wind: not computed")]
+    assert said("report", tmp_path / "out", tmp_path / "roof.html")[0] == 0
+    page = (tmp_path / "roof.html").read_text(encoding="utf-8")
+    assert f'<p class="verdict FAIL">The run is incomplete: {words}; wind: not computed.' in page
+
+
+def test_run_without_any_complete_stage_is_told_by_its_files(tmp_path):
+    head, stages = ROOF.split("[[stages]]", 1)
+    text = head + "[work]\niterations = 1\n\n[[stages]]" + stages + "paraview = false\n"
+    (tmp_path / "roof.toml").write_text(text, encoding="utf-8")
+    code, told = said("run", tmp_path / "roof.toml")
+    assert code == 1
+    assert "FAIL  lift: no equilibrium at load factor 1, last found at 0" in told
+    assert "FAIL  snow: not computed" in told
+    assert "FAIL  snow: not computed" in said("show", tmp_path / "out")[1]
+    rows = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["unfinished"]
+    assert len(rows) == 2
