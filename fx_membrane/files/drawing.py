@@ -83,7 +83,7 @@ def joined(drawing: Drawing, weld: float | None) -> Drawing:
 def triangles_of(drawing: Drawing, name: str, split: bool) -> Cells:
     """Cells of a group: its lines, shape (n, 2), or its triangles, shape (n, 3), quadrilaterals split on request.
 
-    A quadrilateral is split along its shorter diagonal.
+    A quadrilateral is split along its shorter diagonal; a concave one along the diagonal within it.
 
     Raises:
         ValueError: There is no group of that name; it has no lines or faces, or both; it has quadrilaterals that are
@@ -104,11 +104,25 @@ def triangles_of(drawing: Drawing, name: str, split: bool) -> Cells:
             "split_quadrilaterals=True."
         )
     corners = groups[4]
-    one, other = drawing.points[corners[:, [0, 2]]], drawing.points[corners[:, [1, 3]]]
-    along = np.linalg.norm(one[:, 1] - one[:, 0], axis=1) <= np.linalg.norm(other[:, 1] - other[:, 0], axis=1)
-    turned = np.where(along[:, None], corners, np.roll(corners, -1, axis=1))
+    turned = np.where(_along_first(drawing.points[corners])[:, None], corners, np.roll(corners, -1, axis=1))
     halves = np.stack([turned[:, [0, 1, 2]], turned[:, [0, 2, 3]]], axis=1).reshape(-1, 3)
     return np.vstack([groups[3], halves]) if 3 in groups else halves
+
+
+def _along_first(places: Array) -> NDArray[np.bool_]:
+    """Tell quadrilaterals to split from their first corner, shape (n,), by the places of all, shape (n, 4, 3)."""
+    first, second = places[:, 2] - places[:, 0], places[:, 3] - places[:, 1]
+    normal = np.cross(first, second)  # twice the vector area, whatever the bend
+
+    def within(diagonal: Array, start: Array, one: Array, other: Array) -> NDArray[np.bool_]:
+        """Return True where the other two corners lie on different sides of a diagonal."""
+        sides = [np.einsum("ni,ni->n", np.cross(diagonal, end - start), normal) for end in (one, other)]
+        return np.asarray(sides[0] * sides[1] < 0)
+
+    inner = within(first, places[:, 0], places[:, 1], places[:, 3])
+    shorter = np.linalg.norm(first, axis=1) <= np.linalg.norm(second, axis=1)
+    both = inner == within(second, places[:, 1], places[:, 2], places[:, 0])
+    return np.where(both, shorter, inner)
 
 
 def nodes_of(drawing: Drawing, name: str) -> Cells:

@@ -52,8 +52,8 @@ def structure_from_file(
             its lines and faces.
         separate: Pairs of names of parts that lie on each other without being joined, see `Structure`.
         weld: Distance within which nodes are joined, in the unit of the structure; what it joins is said on stderr.
-        split_quadrilaterals: Split quadrilaterals into triangles along the shorter diagonal; they are refused
-            otherwise.
+        split_quadrilaterals: Split quadrilaterals into triangles along the shorter diagonal, concave ones along the
+            inner one; they are refused otherwise.
         unit: Unit of length of the structure: "m", "mm", "ft", ... A file that names its own is converted; without a
             unit here its numbers are taken as they are, and its unit is said on stderr.
 

@@ -230,3 +230,16 @@ def test_on_several_processes(tmp_path_factory):
     write_mesh(roof(), folder / "roof.obj")
     found = structure_from_file(folder / "roof.obj", PARTS)
     assert np.array_equal(found.points, roof().points)
+
+
+@pytest.mark.parametrize("turn", range(4))
+@pytest.mark.parametrize("backwards", [False, True])
+def test_concave_quadrilateral_is_split_within(turn, backwards, tmp_path):
+    corners = np.roll([1, 2, 3, 4], turn)[:: -1 if backwards else 1]
+    places = "v 0 0 0\nv 4 0 0\nv 0.5 0.5 0\nv 0 4 0\n"  # its outer diagonal is the longer one
+    for reach in (places, "v 0 0 0\nv 1 -9 0\nv 0 -8 0\nv -1 -9 0\n"):  # and here the shorter one
+        (tmp_path / "a.obj").write_text(f"{reach}g sail\nf {' '.join(map(str, corners))}\n")
+        found = structure_from_file(tmp_path / "a.obj", {"sail": PARTS["Dach süd"]}, split_quadrilaterals=True)
+        a, b, c = (found.points[found.parts["sail"].cells][:, row] for row in range(3))
+        normals = np.cross(b - a, c - a)[:, 2]
+        assert normals[0] * normals[1] > 0
