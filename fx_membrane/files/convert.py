@@ -6,13 +6,14 @@ from ..checks import validation
 from ..model.materials import Fabric
 from ..model.parts import Cable, Membrane, Part
 from ..model.structure import Structure
+from ..runtime.messages import say
 from .drawing import triangles_of
 from .mesh_files import METRES, drawing_of
 from .mesh_writer import write_mesh
 
 
 def convert(source: Path, target: Path, unit: str | None = None) -> None:
-    """Convert a mesh file: each group of lines or faces becomes one; quadrilaterals are split.
+    """Convert a mesh file: each group of lines or faces becomes one; quadrilaterals are split, curves left out.
 
     Args:
         source: The file to read.
@@ -31,6 +32,9 @@ def convert(source: Path, target: Path, unit: str | None = None) -> None:
             f"{source} names no unit of length, so nothing can be converted to {unit!r}; leave --unit out, or "
             "export it as DXF with its unit."
         )
+    for words in drawing.refused.values():
+        say(f"{words} It is left out here.")
+    drawing.refused.clear()
     parts: dict[str, Part] = {}
     for name, groups in drawing.cells.items():
         if groups.keys() - {1}:

@@ -25,6 +25,7 @@ class Drawing:
         points: Positions of all corners, shape (n, 3).
         cells: By name of the group and number of corners (1 for points), rows of corners, shape (cells, corners).
         unit: Name of the unit of length that the file tells; empty if it tells none.
+        refused: By name of the group, the sentence that refuses it: it has a curve or a face that is no cell.
         loose: True if each cell has corners of its own: those at the same place are one node.
     """
 
@@ -34,6 +35,7 @@ class Drawing:
     cells: dict[str, dict[int, Cells]] = field(default_factory=dict)
     unit: str = ""
     loose: bool = False
+    refused: dict[str, str] = field(default_factory=dict)
 
     def add(self, name: str, cells: Cells) -> None:
         """Add cells of one kind to a group."""
@@ -73,7 +75,7 @@ def joined(drawing: Drawing, weld: float | None) -> Drawing:
         name: {corners: number[label[rows_]] for corners, rows_ in groups.items()}
         for name, groups in drawing.cells.items()
     }
-    found = Drawing(drawing.source, drawing.group, points[rows[order]], cells, drawing.unit)
+    found = Drawing(drawing.source, drawing.group, points[rows[order]], cells, drawing.unit, refused=drawing.refused)
     for name, groups in cells.items():
         for corners, rows_ in groups.items():
             _refuse_collapsed(found, name, drawing.points[drawing.cells[name][corners]], rows_)
@@ -137,6 +139,8 @@ def nodes_of(drawing: Drawing, name: str) -> Cells:
 
 
 def _group(drawing: Drawing, name: str) -> dict[int, Cells]:
+    if name in drawing.refused:
+        raise ValueError(drawing.refused[name])
     if name not in drawing.cells:
         raise ValueError(f"{drawing.source} has no {drawing.group} {name!r}; it has {sorted(drawing.cells)}.")
     return drawing.cells[name]

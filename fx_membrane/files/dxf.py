@@ -15,10 +15,11 @@ UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m", 7: "km", 10: "yd", 14: "dm"
 def read(file: Path) -> Drawing:
     """Read 3DFACE, MESH and polyface entities as faces, LINE and POLYLINE as lines, POINT as points, blocks included.
 
-    Curved entities (ARC, SPLINE, a bulge of a polyline) are refused: draw them as lines of cells.
+    Curved entities (ARC, SPLINE, a bulge of a polyline) and faces with more than four corners are left out: their layer
+    is refused where it is asked for.
 
     Raises:
-        ValueError: It is no DXF file; an entity is curved, or a face has more than four corners.
+        ValueError: It is no DXF file.
         ImportError: ezdxf is not installed.
     """
     try:
@@ -32,15 +33,21 @@ def read(file: Path) -> Drawing:
         raise ValueError(f"{file} is no DXF file that can be read ({error or type(error).__name__}).") from None
     points: list[Any] = []
     cells: dict[tuple[str, int], list[list[int]]] = {}
+    refused: dict[str, str] = {}
     for entity in disassemble.recursive_decompose(document.modelspace()):
-        for corners in _cells(file, entity):
+        try:
+            found_corners = list(_cells(file, entity))
+        except ValueError as error:
+            refused.setdefault(entity.dxf.layer, str(error))
+            continue
+        for corners in found_corners:
             rows = list(range(len(points), len(points) + len(corners)))
             points += corners
             cells.setdefault((entity.dxf.layer, len(rows)), []).append(rows)
     drawing = Drawing(str(file), "layer", np.array([tuple(point) for point in points], dtype=np.float64).reshape(-1, 3))
     for (layer, count), found in cells.items():
         drawing.add(layer, np.array(found, dtype=np.int64).reshape(-1, count))
-    drawing.loose = True
+    drawing.loose, drawing.refused = True, refused
     drawing.unit = UNITS.get(int(document.header.get("$INSUNITS", 0)), "")
     return drawing
 

@@ -17,6 +17,7 @@ from fx_membrane import (
     structure_from_file,
     write_mesh,
 )
+from fx_membrane.files.convert import convert
 from square_roofs import PARTS, POINTS, RIM, TRIANGLES
 
 
@@ -126,6 +127,26 @@ def test_curves_and_mixed_layers_are_refused(tmp_path):
     document.saveas(tmp_path / "a.dxf")
     with pytest.raises(ValueError, match=r"'arc'.*ARC"):
         structure_from_file(tmp_path / "a.dxf", {"arc": PARTS["edge"]})
+
+
+def test_curve_on_another_layer_is_no_obstacle(tmp_path, capfd):
+    ezdxf = pytest.importorskip("ezdxf")
+    document = ezdxf.new()
+    space = document.modelspace()
+    space.add_line((0, 0, 0), (1, 0, 0), dxfattribs={"layer": "edge"})
+    space.add_circle((0, 0, 0), 1, dxfattribs={"layer": "notes"})
+    space.add_spline([(0, 0, 0), (1, 1, 0), (2, 0, 0)], dxfattribs={"layer": "sketch"})
+    space.add_lwpolyline([(0, 0, 0, 0, 1), (1, 1, 0, 0, 0)], dxfattribs={"layer": "bulge"})
+    document.saveas(tmp_path / "a.dxf")
+    assert len(structure_from_file(tmp_path / "a.dxf", {"edge": PARTS["edge"]}).parts["edge"].cells) == 1
+    for layer in ("notes", "sketch", "bulge"):
+        with pytest.raises(ValueError, match=rf"'{layer}' has a (curve|polyline with arcs)"):
+            structure_from_file(tmp_path / "a.dxf", {"edge": PARTS["edge"]}, {layer: "xyz"})
+    capfd.readouterr()
+    convert(tmp_path / "a.dxf", tmp_path / "a.obj")
+    told = capfd.readouterr().err
+    assert all(f"layer '{layer}' has a" in told for layer in ("notes", "sketch", "bulge"))
+    assert len(structure_from_file(tmp_path / "a.obj", {"edge": PARTS["edge"]}).parts["edge"].cells) == 1
 
 
 def test_obj_by_hand(tmp_path):
