@@ -106,6 +106,6 @@ def read_case(path: str | Path) -> Case:
     data, readable, unreadable = parsed(file, text)
     case, faults = assembled(file, readable, data, partial=bool(unreadable))
     if case is None:
-        told = case_error(file, readable, faults).lines if data else ()
+        told = case_error(file, readable, faults).lines if data or not unreadable else ()
         raise CaseError([*unreadable, *told]) from None
     return case

@@ -125,3 +125,12 @@ def test_run_without_any_complete_stage_is_told_by_its_files(tmp_path):
     assert "FAIL  snow: not computed" in said("show", tmp_path / "out")[1]
     rows = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["unfinished"]
     assert len(rows) == 2
+
+
+@pytest.mark.parametrize("text", ["", "\n\n", "# nothing yet\n\n# to come\n"])
+def test_empty_case_is_told_the_keys_that_it_needs(text, tmp_path):
+    (tmp_path / "roof.toml").write_text(text, encoding="utf-8")
+    code, words = said("check", tmp_path / "roof.toml")
+    assert code == 2
+    for key in ("format", "geometry", "parts"):
+        assert f"roof.toml:1: {key}: the key is missing; add it" in words
