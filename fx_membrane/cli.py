@@ -1,13 +1,10 @@
 """The command `fx-membrane`."""
 
-import importlib
-import importlib.metadata
 import json
 import os
-import platform
 import sys
 import warnings
-from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -51,6 +48,17 @@ loads = [{ kind = "plan", part = "roof", load = [0, 0, "-0.6 kN/m2"] }]
 class _Group(click.Group):
     """Commands whose errors of input end with exit code 2, those of a solution with 1, Ctrl-C with 130."""
 
+    def main(self, *arguments: Any, **settings: Any) -> Any:
+        """Run the command line; an output that cannot be written, as on a full disk, is one sentence."""
+        try:
+            return super().main(*arguments, **settings)
+        except OSError as error:
+            with suppress(OSError, ValueError):  # Python writes again what is left when it ends
+                os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            with suppress(OSError):
+                _say(f"The output cannot be written ({error.strerror}); make room, or send it elsewhere.", err=True)
+            sys.exit(2)
+
     def invoke(self, ctx: click.Context) -> Any:
         """Run a command, and turn its warnings and exceptions into lines, the latter with exit codes."""
         try:
@@ -63,7 +71,7 @@ class _Group(click.Group):
         except (ValueError, ImportError) as error:
             code, words = 2, str(error)
         except OSError as error:
-            if error.filename is None:  # a reader of the output is gone
+            if error.filename is None:  # the output itself
                 raise
             code, words = 2, f"{error.filename}: {error.strerror}; give another place."
         except RuntimeError as error:
@@ -166,11 +174,19 @@ def run(case: Path, resume: bool, overwrite: bool, quiet: bool, log: Path | None
         if text and not quiet:
             _say(f"{text}\n{_after(folder_of(found))}")
         if log:
-            log.write_text("\n".join(filter(None, (text, str(failure or "")))) + "\n", encoding="utf-8")
+            _write_log(log, "\n".join(filter(None, (text, str(failure or "")))) + "\n")
 
     tell()
     if failure:
         raise failure
+
+
+def _write_log(log: Path, text: str) -> None:
+    try:
+        log.write_text(text, encoding="utf-8")
+    except OSError as error:
+        words = f"--log is {str(log)!r}, which cannot be written ({error.strerror})"
+        raise ValueError(f"{words}; make room, or give another place.") from None
 
 
 def _after(folder: Path) -> str:
@@ -253,43 +269,7 @@ def _write_schema(folder: Path) -> None:
 @main.command()
 def info() -> None:
     """Print the versions of everything that computes, for a report of a problem."""
-    rows: dict[str, Callable[[], str]] = {
-        "fx_membrane": lambda: importlib.metadata.version("fx-membrane"),
-        "dolfinx": lambda: _version("dolfinx"),
-        "PETSc": _petsc,
-        "MPI": _mpi,
-        "Python": lambda: f"{platform.python_version()} ({sys.executable})",
-        "system": platform.platform,
-        "numpy": lambda: _version("numpy"),
-        "scipy": lambda: _version("scipy"),
-        "matplotlib": lambda: _version("matplotlib"),
-        "pyvista": lambda: _version("pyvista"),
-        "vtk": lambda: _version("vtkmodules"),  # Debian's package of VTK has no metadata
-    }
-    for name, version in rows.items():
-        _say(f"{name:12} {_told(version)}")
+    from .runtime.versions import versions  # noqa: PLC0415
 
-
-def _version(module: str) -> str:
-    return str(importlib.import_module(module).__version__)
-
-
-def _petsc() -> str:
-    return ".".join(map(str, importlib.import_module("petsc4py.PETSc").Sys.getVersion()))
-
-
-def _mpi() -> str:
-    version: str = importlib.import_module("mpi4py.MPI").Get_library_version()
-    return version.split(",", maxsplit=1)[0].strip()
-
-
-def _told(version: Callable[[], str]) -> str:
-    """Return a version, or the reason for its absence: reports of problems matter most if something is missing."""
-    try:
-        return version()
-    except importlib.metadata.PackageNotFoundError:
-        return "not installed"
-    except ModuleNotFoundError as error:
-        return f"not installed (no module {error.name})"
-    except Exception as error:
-        return f"does not load: {error}"
+    for name, version in versions().items():
+        _say(f"{name:12} {version}")

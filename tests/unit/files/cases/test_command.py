@@ -124,3 +124,39 @@ def test_schema(tmp_path):
     code, said, _ = run(tmp_path, "schema")
     assert code == 0
     assert "parts" in json.loads(said)["properties"]
+
+
+def complaint_with(output, folder, *arguments):
+    """Exit code and stderr of a command whose stdout is a given file."""
+    environment = dict(os.environ) | launch.ENVIRONMENT | {"PYTHONPATH": str(Path(__file__).parents[4])}
+    command = [sys.executable, *COMMAND, *arguments]
+    ended = subprocess.run(
+        command, cwd=folder, env=environment, stdout=output, stderr=subprocess.PIPE, text=True, check=False
+    )
+    return ended.returncode, ended.stderr
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no full device")
+@pytest.mark.parametrize("arguments", [["schema"], ["--help"], ["info"], ["check", "--help"]])
+def test_full_disk_at_the_output_is_one_sentence(arguments, tmp_path):
+    with Path("/dev/full").open("w") as full:
+        code, words = complaint_with(full, tmp_path, *arguments)
+    assert code == 2
+    assert words == "The output cannot be written (No space left on device); make room, or send it elsewhere.\n"
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no full device")
+def test_full_disk_at_the_log_is_one_sentence(tmp_path):
+    (tmp_path / "roof.toml").write_text(ROOF + "paraview = false\n", encoding="utf-8")
+    code, _, complaint = run(tmp_path, "run", "roof.toml", "--quiet", "--log", "/dev/full")
+    assert code == 2
+    assert complaint.splitlines()[-1].startswith("--log is '/dev/full', which cannot be written")
+    assert "Traceback" not in complaint
+
+
+def test_closed_pipe_is_silent(tmp_path):
+    reader, writer = os.pipe()
+    os.close(reader)
+    words = complaint_with(writer, tmp_path, "schema")[1]
+    os.close(writer)
+    assert words == ""

@@ -1,0 +1,50 @@
+"""Versions of everything that computes, each read apart: reports of problems matter most if something is missing."""
+
+import importlib
+import importlib.metadata
+import platform
+import sys
+from collections.abc import Callable
+
+
+def versions() -> dict[str, str]:
+    """Versions by name, or the reason for the absence of one."""
+    rows: dict[str, Callable[[], str]] = {
+        "fx_membrane": lambda: importlib.metadata.version("fx-membrane"),
+        "dolfinx": lambda: _version("dolfinx"),
+        "PETSc": _petsc,
+        "MPI": _mpi,
+        "Python": lambda: f"{platform.python_version()} ({sys.executable})",
+        "system": platform.platform,
+        "numpy": lambda: _version("numpy"),
+        "scipy": lambda: _version("scipy"),
+        "matplotlib": lambda: _version("matplotlib"),
+        "pyvista": lambda: _version("pyvista"),
+        "vtk": lambda: _version("vtkmodules"),  # Debian's package of VTK has no metadata
+    }
+    return {name: _told(version) for name, version in rows.items()}
+
+
+def _version(module: str) -> str:
+    return str(importlib.import_module(module).__version__)
+
+
+def _petsc() -> str:
+    return ".".join(map(str, importlib.import_module("petsc4py.PETSc").Sys.getVersion()))
+
+
+def _mpi() -> str:
+    version: str = importlib.import_module("mpi4py.MPI").Get_library_version()
+    return version.split(",", maxsplit=1)[0].strip()
+
+
+def _told(version: Callable[[], str]) -> str:
+    """Return a version, or the reason for its absence: reports of problems matter most if something is missing."""
+    try:
+        return version()
+    except importlib.metadata.PackageNotFoundError:
+        return "not installed"
+    except ModuleNotFoundError as error:
+        return f"not installed (no module {error.name})"
+    except Exception as error:
+        return f"does not load: {error}"
