@@ -273,3 +273,7 @@ def info() -> None:
 
     for name, version in versions().items():
         _say(f"{name:12} {version}")
+
+
+if __name__ == "__main__":
+    main()

@@ -160,3 +160,11 @@ def test_closed_pipe_is_silent(tmp_path):
     words = complaint_with(writer, tmp_path, "schema")[1]
     os.close(writer)
     assert words == ""
+
+
+def test_module_of_the_command_runs_it(tmp_path):
+    environment = dict(os.environ) | launch.ENVIRONMENT | {"PYTHONPATH": str(Path(__file__).parents[4])}
+    command = [sys.executable, "-m", "fx_membrane.cli", "check", "none.toml"]
+    ended = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert ended.returncode == 2
+    assert "none.toml" in ended.stderr
