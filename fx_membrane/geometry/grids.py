@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..checks import validation
 
 Diagonals = Literal["right", "left", "to centre"]
+MOST_CELLS = 20_000_000  # of a grid: one with more takes gigabytes before anything is computed
 
 
 def rectangle(
@@ -32,7 +33,7 @@ def rectangle(
         Points, shape ((columns + 1) (rows + 1), 3) [m], and triangles, shape (2 columns rows, 3).
 
     Raises:
-        ValueError: A size or a number is not positive, or diagonals is none of the three.
+        ValueError: A size or a number is not positive, the cells are too many, or diagonals is none of the three.
 
     Example:
         >>> points, triangles = rectangle(4.0, 2.0, 2, 1)
@@ -43,8 +44,8 @@ def rectangle(
     """
     width, height = validation.positive("width", width), validation.positive("height", height)
     columns, rows = validation.positive_integer("columns", columns), validation.positive_integer("rows", rows)
-    if 3 * (columns + 1) * (rows + 1) > validation.MOST:
-        raise ValueError(f"columns is {columns} and rows is {rows}, more nodes than PETSc numbers; give smaller ones.")
+    if columns * rows > MOST_CELLS:
+        raise ValueError(f"columns is {columns} and rows is {rows}: too many cells; give smaller ones.")
     choices = ("right", "left", "to centre")
     diagonals = validation.choice("diagonals", diagonals, choices, '"right", "left" or "to centre"')
     x = np.linspace(-width / 2, width / 2, columns + 1)

@@ -223,3 +223,9 @@ def test_boundary_cells_are_those_of_the_boundary_edges(seed):
     assert len(edges) == len(cells)
     sides = np.stack([np.roll(triangles[cells], turned, axis=1)[:, :2] for turned in range(3)])
     assert (sides == edges).all(axis=2).any(axis=0).all()  # with the sense of their triangle
+
+
+@pytest.mark.parametrize(("columns", "rows"), [(100_000_000, 1), (100_000_000, 16), (1, 100_000_000), (10_000, 10_000)])
+def test_grid_of_too_many_cells_is_refused_before_it_takes_memory(columns, rows):
+    with pytest.raises(ValueError, match=rf"columns is {columns} and rows is {rows}: too many cells"):
+        rectangle(1.0, 1.0, columns, rows)
