@@ -6,7 +6,7 @@ Validation needs `context={"units": Units(...)}`, or None for a file that names 
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-from pydantic import BeforeValidator, ValidationInfo, WithJsonSchema
+from pydantic import BeforeValidator, StrictBool, ValidationInfo, WithJsonSchema
 
 from .units import EXAMPLES, NUMBER, Units
 
@@ -77,6 +77,7 @@ def _vector(dimension: str) -> Any:
 
 if TYPE_CHECKING:
     Number: TypeAlias = float
+    Truth: TypeAlias = bool
     Length: TypeAlias = float
     Area: TypeAlias = float
     Time: TypeAlias = float
@@ -102,6 +103,7 @@ if TYPE_CHECKING:
     LinePoint: TypeAlias = Any
     Node: TypeAlias = int | str
 else:
+    Truth = StrictBool  # not "yes", "false" or 1
     Number, Length, Force, ForcePerLength = _quantity("1"), _quantity("L"), _quantity("F"), _quantity("F/L")
     Area, Time = _quantity("L^2"), _quantity("T")
     Pressure, AreaMass, LineMass = _quantity("F/L^2"), _quantity("F T^2/L^3"), _quantity("F T^2/L^2")

@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
-from .fields import Densities, Direction, Directions, Force, ForcePerLength, Length, Node, Number, Point, Stress
+from .fields import Densities, Direction, Directions, Force, ForcePerLength, Length, Node, Number, Point, Stress, Truth
 from .load_schema import CellChoice, Load
 from .structure_schema import CablePart, Kept, MastPart, Model, Names, NodeChoice, SupportModel, shape_of
 
@@ -14,7 +14,7 @@ class CableForceModel(CellChoice):
 
     kind: Literal["cable force"]
     force: Force
-    horizontal: bool | None = None
+    horizontal: Truth | None = None
 
 
 class CableDensityModel(CellChoice):

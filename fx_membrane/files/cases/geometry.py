@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ...checks import validation
 from ...geometry.grids import polyline, rectangle
 from ...surfaces.round_hole import RoundHole
 from ...surfaces.sail import sail_mesh
@@ -28,7 +29,8 @@ def drawing_from(table: Any, folder: Path, units: UnitNames | None) -> Drawing:
     """
     if isinstance(table, FileGeometry):
         unit = units.length if units else None
-        return drawing_of(folder / table.file, table.weld, unit, 'units = { length = "m" } converts it')
+        weld = None if table.weld is None else validation.positive("weld", table.weld)
+        return drawing_of(folder / table.file, weld, unit, 'units = { length = "m" } converts it')
     drawing = Drawing("the geometry", "group", np.zeros((0, 3)))
     if isinstance(table, GridGeometry):
         drawing.points, triangles = rectangle(**given(table, "kind"))

@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from .fields import Force, ForcePerLength, Length, Number, Time
+from .fields import Force, ForcePerLength, Length, Number, Time, Truth
 from .form_schema import Steps
 from .load_schema import Displacement, Load
 from .structure_schema import Geometry, Kept, Material, Model, Part, SupportModel, UnitNames
@@ -18,7 +18,7 @@ class NewtonModel(Model):
     method: Literal["newton"]
     rtol: Number | None = None
     max_iterations: int | None = None
-    line_search: bool | None = None
+    line_search: Truth | None = None
 
 
 class SteepestDescentModel(Model):
@@ -74,9 +74,9 @@ class OutputModel(Model):
     """Files that a run writes, in a folder beside the case file."""
 
     folder: str | None = None
-    tables: bool = True
-    archive: bool = True
-    paraview: bool | None = None
+    tables: Truth = True
+    archive: Truth = True
+    paraview: Truth | None = None
     mesh: list[Literal["msh", "obj", "dxf"]] = []
     report: list[Literal["html", "pdf"]] = []
     pictures: list[PictureName] = []

@@ -1,6 +1,6 @@
 """Schema of the structure in case files: units, geometry, materials, parts and supports."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     BaseModel,
@@ -12,6 +12,7 @@ from pydantic import (
     ValidationInfo,
     ValidatorFunctionWrapHandler,
     WrapValidator,
+    model_validator,
 )
 
 from .fields import (
@@ -33,6 +34,7 @@ from .fields import (
     Range,
     Shares,
     Stress,
+    Truth,
 )
 
 
@@ -79,6 +81,12 @@ class Box(Model):
     y: Range = None
     z: Range = None
 
+    @model_validator(mode="after")
+    def _of_some_range(self) -> Self:
+        if self.x is None and self.y is None and self.z is None:
+            raise ValueError("give a range of x, y or z, as { x = [0, 3] }")
+        return self
+
 
 class GridGeometry(Model):
     """A flat rectangle of triangles about the origin, with the group "grid", see `rectangle`."""
@@ -97,7 +105,7 @@ class FileGeometry(Model):
     kind: Literal["file"]
     file: str
     weld: Length | None = None
-    split_quadrilaterals: bool | None = None
+    split_quadrilaterals: Truth | None = None
 
 
 def shape_of(value: Any) -> str:

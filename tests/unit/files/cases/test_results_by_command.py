@@ -134,3 +134,31 @@ def test_empty_case_is_told_the_keys_that_it_needs(text, tmp_path):
     assert code == 2
     for key in ("format", "geometry", "parts"):
         assert f"roof.toml:1: {key}: the key is missing; add it" in words
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("where = { x = -2 }", "where = {}", "give a range of x, y or z"),
+        ('where = { x = [-2, "200 cm"], y = "-2 m" }', "where = {}", "give a range of x, y or z"),
+        ('folder = "out"', 'paraview = "yes"', "'yes': give true or false"),
+        ('folder = "out"', "tables = 1", "1: give true or false"),
+        ('method = "newton"', 'method = "newton"\nline_search = "on"', "'on': give true or false"),
+    ],
+)
+def test_value_of_another_kind_is_refused_in_words(old, new, words, tmp_path):
+    (tmp_path / "roof.toml").write_text(ROOF.replace(old, new), encoding="utf-8")
+    code, told = said("check", tmp_path / "roof.toml")
+    assert code == 2
+    assert words in told
+
+
+@pytest.mark.parametrize("weld", ["-1", "0", '"-1 mm"'])
+def test_weld_that_is_no_distance_is_refused(weld, tmp_path):
+    (tmp_path / "a.obj").write_text("v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\ng grid\nf 1 2 3\nf 1 3 4\n")
+    head, rest = ROOF.split("[geometry]")[0], ROOF[ROOF.index("[materials") :]
+    text = f'{head}[geometry]\nkind = "file"\nfile = "a.obj"\nweld = {weld}\n\n{rest}'
+    (tmp_path / "roof.toml").write_text(text, encoding="utf-8")
+    code, told = said("check", tmp_path / "roof.toml")
+    assert code == 2
+    assert "weld is" in told
