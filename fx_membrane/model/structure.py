@@ -14,19 +14,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
 from ..checks.values import counted
-from ..geometry.measures import SLENDER, SLIVER, aspects, normals, projected
+from ..geometry.measures import normals, projected
 from ..geometry.topology import with_one_sense
 from ..runtime.notebook_pictures import picture_html, picture_png, table
-from . import energy_terms
+from . import energy_terms, slivers
 from .by_value import ByValue
 from .coincidence import CoincidentNodesWarning, coincident_nodes
 from .energy_terms import Term
 from .parts import Bar, Kind, Membrane, Part
 from .supports import Support
-
-
-class SliverWarning(UserWarning):
-    """Triangle so slender that the rounding of its forces shows in results."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -108,7 +104,7 @@ class Structure(ByValue):
             validation.plain(f"Part {name!r}", part, Part)
             for cell in np.flatnonzero(((part.cells < 0) | (part.cells >= count)).any(axis=1))[:1]:
                 validation.in_range(f"Part {name!r}, cell {cell},", part.cells[cell], count, "node")
-            self._check_measures(name, part)
+            slivers.check(self.points, name, part)
         for name, membrane in self.parts_of(Membrane).items():
             if membrane.warp is not None:
                 self.warp(name)
@@ -282,22 +278,3 @@ class Structure(ByValue):
             self._no_sides[name] = reason
             self.check_shear(name, part.prestress, "prestress")
         return part if np.array_equal(cells, part.cells) else replace(part, cells=cells)
-
-    def _check_measures(self, name: str, part: Part) -> None:
-        aspect = aspects(self.points, part.cells)
-        cell = int(aspect.argmax())
-        if aspect[cell] <= SLENDER:
-            return
-        where = validation.format_point(self.points[part.cells[cell]].mean(axis=0))
-        what = f"Part {name!r}, cell {cell} (nodes {part.cells[cell].tolist()})"
-        if not np.isfinite(aspect[cell]):
-            measure = "length" if part.dimension == 1 else "area"
-            raise ValueError(f"{what} has no {measure}, at {where}; remove the cell or move its nodes apart.")
-        sliver = f"{what} is a sliver, {aspect[cell]:.2g} times as long as it is high, at {where}"
-        remedy = "remove the cell, join its nodes or move them apart"
-        if aspect[cell] > SLIVER:
-            raise ValueError(f"{sliver}; above {SLIVER:.2g} its stiffness is lost in rounding: {remedy}.")
-        share = 400 * np.finfo(float).eps * aspect[cell] ** 2
-        warnings.warn(
-            f"{sliver}: up to {share:.1g} % of its forces are rounding; {remedy}.", SliverWarning, stacklevel=4
-        )
