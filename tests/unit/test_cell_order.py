@@ -8,6 +8,7 @@ import pytest
 from fx_membrane import (
     Analysis,
     Cable,
+    DistributedLoad,
     Fabric,
     Mast,
     Membrane,
@@ -25,8 +26,10 @@ from fx_membrane import (
     rectangle,
     report,
     stability,
+    stress_trajectories,
     structure_from_gmsh,
     updated_reference,
+    wrinkle_lines,
 )
 from fx_membrane.geometry.measures import normals
 from fx_membrane.model.fingerprints import fingerprints
@@ -133,6 +136,30 @@ def test_report(seed, expected):
         return [line for line in report(result, nodes=[0, 49]).splitlines() if "balance" not in line]
 
     assert table(Analysis(roof(seed)).run(STAGES)["snow"]) == table(expected["snow"])
+
+
+def uneven(seed=None):
+    """State of a woven sheet on an uneven mesh, wrinkled in some regions."""
+    points, cells = rectangle(4.0, 3.0, 10, 8)
+    rim = np.unique(boundary_edges(cells))
+    inside = np.setdiff1d(np.arange(len(points)), rim)
+    points[inside, :2] += np.random.default_rng(9).uniform(-0.05, 0.05, (len(inside), 2))
+    x, y = points[:, 0], points[:, 1]
+    points[:, 2] = 0.15 * x * y - 0.05 * x**2 + 0.03 * np.sin(1.7 * x + y)
+    woven = OrthotropicFabric(6e5, 4e5, 0.3, 2e4)
+    mixed = cells if seed is None else shuffled(cells, seed)
+    sheet = Structure(points, {"sheet": Membrane(mixed, woven, (2e3, 500.0), warp=(1, 0.3, 0))}, [Support(rim[5:])])
+    return Analysis(sheet).run([Stage("snow", [DistributedLoad((200.0, 0, -1600.0), "sheet")])])["snow"]
+
+
+@pytest.mark.filterwarnings("ignore::fx_membrane.LargeStrainWarning")
+@pytest.mark.parametrize("lines", [wrinkle_lines, stress_trajectories])
+@pytest.mark.parametrize("seed", SEEDS)
+def test_lines_on_surfaces(seed, lines):
+    wanted, found = lines(uneven(), spacing=0.1), lines(uneven(seed), spacing=0.1)
+    assert [len(line.points) for line in found] == [len(line.points) for line in wanted]
+    for ours, theirs in zip(found, wanted, strict=True):
+        assert ours.points == pytest.approx(theirs.points, abs=1e-9)
 
 
 @pytest.mark.mpi
