@@ -82,7 +82,7 @@ def updated_reference(
     Returns:
         The form, in equilibrium even if the steps were too few. It has converged if the change of shape fell below the
         tolerance, with an error of the stress below 10 %; below 50 % under loads per area or length or at points, which
-        may leave no constant stress.
+        may leave no constant stress. A form with a fallen mast, or with one in tension, has not.
 
     Raises:
         ValueError: The structure has no prestress at all, or a compressive one in a membrane or a cable; it is not
@@ -92,11 +92,11 @@ def updated_reference(
 
     Warns:
         UnsettledFormWarning: The steps were too few; the form is that of the last one. Or a mast has fallen by more
-            than 60 degrees to a place where its force balances. Or a later step collapses, as that of a catenoid
-            between rings too far apart; a cable or a mast shrinks to a point or grows without bound;
-            no place of a free mast head was found, and the force that is missing there is named; or distributed loads
-            grow with the form faster than the prestress can carry. The form is that of the step before whose stress is
-            nearest to the prestress.
+            than 45 degrees to a place where its force balances, or one of given length ends in tension. Or a later
+            step collapses, as that of a catenoid between rings too far apart; a cable or a mast shrinks to a point or
+            grows without bound; no place of a free mast head was found, and the force that is missing there is named;
+            or distributed loads grow with the form faster than the prestress can carry. The form is then that of the
+            step before whose stress is nearest to the prestress.
 
     Example:
         >>> points, triangles = rectangle(2.0, 2.0, 4, 4)
@@ -131,6 +131,7 @@ def updated_reference(
         form, collapse = steps_of_reference(structure, stage, is_settled, max_iterations, pulse, comm)
         if form.converged and (fallen := fallen_mast(structure, form.points)):
             collapse = f"The form is in equilibrium with the forces prescribed, but {fallen}"
+            form = replace(form, converged=False)
     with together(comm):
         if collapse and comm.rank == 0:
             warnings.warn(collapse, UnsettledFormWarning, stacklevel=2)
