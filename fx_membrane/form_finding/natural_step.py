@@ -105,10 +105,10 @@ def natural_step(
     return replace(form, wish=wish_of(asked), remarks=(*form.remarks, *([off] if off else []))), found.densities
 
 
-def collapse_of_step(structure: Structure, points: Array, number: int) -> str:
-    """Tell of the collapse of a shape in words; empty without one."""
+def collapse_of_step(structure: Structure, points: Array, number: int, asked: Structure | None = None) -> str:
+    """Tell of the collapse of a shape in words; empty without one. See `check_collapse`."""
     try:
-        check_collapse(structure, points, number)
+        check_collapse(structure, points, number, asked)
     except RuntimeError as collapse:
         return str(collapse)
     return collapse_of(structure, points)

@@ -39,11 +39,11 @@ from .constraints.hand_over import pulled_mast
 from .constraints.kinds import Constraint
 from .form import Form, FormStep, refuse_terms
 from .form_loads import checked_form_loads
-from .nearest_stress.guide import as_held
 from .nearest_stress.start import even_state, near_state
 from .nearest_stress.state import NearestProblem, State
 from .nearest_stress.system import step_of, system_of
 from .plan import Field
+from .reasons.as_asked import as_asked
 from .reasons.axis_balance import remarks_of
 from .reasons.nearest_reasons import reason_of
 from .reasons.unheld import check_edges
@@ -148,7 +148,7 @@ def prescribed_stress(
             balance = ConstrainedBalance(
                 structure, loads, constraints, np.eye(3), "force", lambda shape, _: collapse_of(structure, shape)
             )
-        check_edges(structure if balance is None else as_held(structure, balance))
+        check_edges(structure if balance is None else as_asked(structure, balance))
     settings = {"loads": loads, "tolerance": tolerance, "max_iterations": max_iterations, "constraints": constraints}
     refuse_different_input(structure, settings, {"stress": stress, "warp": warp})
     problem = NearestProblem(structure, loads, wishes, balance=balance)

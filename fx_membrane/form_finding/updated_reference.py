@@ -39,6 +39,7 @@ from .form import Form, FormStep, refuse_terms
 from .form_loads import checked_form_loads
 from .masts.bar_balance import fallen_mast
 from .natural_step import collapse_of_step, natural_steps
+from .reasons.as_asked import as_asked
 from .reference_steps import steps_of_reference
 
 STRAY = 0.1  # accepted error of the stress where it can settle, relative to the prescribed stress
@@ -130,8 +131,8 @@ def updated_reference(
     else:
         form, collapse = steps_of_reference(structure, stage, is_settled, max_iterations, pulse, comm)
         if form.converged and (fallen := fallen_mast(structure, form.points)):
-            collapse = f"The form is in equilibrium with the forces prescribed, but {fallen}"
             form = replace(form, converged=False)
+            collapse = f"The form is in equilibrium with the forces prescribed, but {fallen}"
     with together(comm):
         if collapse and comm.rank == 0:
             warnings.warn(collapse, UnsettledFormWarning, stacklevel=2)
@@ -158,8 +159,14 @@ def _constrained(
         if isinstance(part, Membrane):
             check_tension(name, part, structure.points, part.prestress_tensors())
     balance = ConstrainedBalance(
-        structure, stage.loads, constraints, np.eye(3), "force", lambda *now: collapse_of_step(structure, *now)
+        structure,
+        stage.loads,
+        constraints,
+        np.eye(3),
+        "force",
+        lambda points, number: collapse_of_step(structure, points, number, asked),
     )
+    asked = as_asked(structure, balance)
     form, collapse = natural_steps(balance, most, is_settled, pulse)
     return replace(form, converged=not collapse and is_settled(form.steps[-1])), collapse
 
