@@ -61,11 +61,12 @@ SHORTEST = 0.02  # share, below which no further one is tried
 LOOSE = 1e-2  # tolerance of the states on the way
 ON_WAY = 12  # maximum number of steps of each
 ON_TRIAL = 25  # the same of a trial without one cause of a failure
+TRIED = 1e-4  # tolerance of a trial
 EXACT = 0.05  # largest change in a step, below which Newton's equations of the mesh are exact, not convex
 DAMPING = 1e-2  # first factor of Levenberg's damping
 FACTOR = 6.0  # its change from try to try
 TRIES = 7  # maximum number of tries of a step
-RISE = 1e-3  # relative increase of the norm accepted in a step: the even mesh has its own
+RISE = 1e-2  # relative increase of the norm accepted in a step: the mesh that becomes even has its own
 SLACK = 0.01  # rise of the mean difference accepted where the difference is small
 EVEN = 1e-6  # mean difference that is none
 PRESSED = 0.1  # area of a cell over its first one, below which a body is not to slide further
@@ -156,7 +157,7 @@ def prescribed_stress(
     state, steps, failure = _nearest(problem, pulse, tolerance, max_iterations)
 
     def is_found(other: NearestProblem, at_once: bool) -> bool:
-        return _is_found(other, pulse, tolerance, max_iterations, at_once)
+        return _is_found(other, pulse, max(tolerance, TRIED), max_iterations, at_once)
 
     trial = is_found if balance is None else None
     trouble = reason_of(problem.at(state), state, steps, failure, tolerance, FAR, trial)
