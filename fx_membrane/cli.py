@@ -259,7 +259,7 @@ def _write_schema(folder: Path) -> None:
 def info() -> None:
     """Print the versions of everything that computes, for a report of a problem."""
     rows: dict[str, Callable[[], str]] = {
-        "fx_membrane": lambda: importlib.metadata.version("fx-membrane"),
+        "fx_membrane": lambda: _version("fx_membrane"),
         "dolfinx": lambda: _version("dolfinx"),
         "PETSc": _petsc,
         "MPI": _mpi,
