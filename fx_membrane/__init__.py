@@ -13,10 +13,13 @@ from .runtime import standard_streams as _standard_streams  # noqa: F401  (befor
 # isort: split
 import lazy_loader as _lazy
 
+from .checks.former_names import telling as _telling
+
 # One thread for each process: with more, MUMPS can be ten times slower on busy cores. Set before PETSc is loaded.
 _os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 __getattr__, __dir__, __all__ = _lazy.attach_stub(__name__, __file__)
+__getattr__ = _telling(__getattr__)
 
 
 def _version() -> str:

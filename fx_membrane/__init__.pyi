@@ -52,8 +52,9 @@ from .model.laws import Law
 from .model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
 from .model.materials import Axial, Fabric, MooneyRivlin, NeoHooke, OrthotropicFabric
 from .model.parts import Cable, Mast, Membrane
+from .model.slivers import SliverWarning
 from .model.stages import PrescribedDisplacement, Stage
-from .model.structure import SliverWarning, Structure
+from .model.structure import Structure
 from .model.supports import Support
 from .results.balance import UnbalancedStateWarning
 from .results.part_results import BarResult, MembraneResult

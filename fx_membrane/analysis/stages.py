@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from .. import _dolfinx
-from ..assembly.actions import Actions, between, unloaded, with_constraints_of
+from ..assembly.actions import Actions, unloaded, with_constraints_of
 from ..assembly.load_cases import prescribed
 from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
@@ -41,31 +41,12 @@ from ..solvers.undefined_terms import undefined_start
 from . import checkpoint
 from .checkpoint_file import Progress
 from .convergence_error import ConvergenceError
+from .course import Course
 from .increments import IncrementControl, Verdict
 from .reasons import MORE, reason
 from .work import Work, WorkDone, WorkLimit
 
 PROBE = 1 / 256  # fraction of an increment that snapped: its load shows at the start of a stage which parts carry
-
-
-class _Course(NamedTuple):
-    """A stage between its actions.
-
-    Attributes:
-        stage: The stage.
-        start: Actions at the load factor 0.
-        end: Actions at the load factor 1.
-        shape: Displacement at its start, shape (n, 3) [m].
-    """
-
-    stage: Stage
-    start: Actions
-    end: Actions
-    shape: NDArray[np.float64]
-
-    def actions(self, factor: Fraction | float) -> Actions:
-        """Actions at a load factor."""
-        return between(self.start, self.end, float(factor))
 
 
 class Analysis:
@@ -181,7 +162,7 @@ class Analysis:
                 ends[stage.name] = end = self.problem.actions_of(stage, ends[stage.after])
                 shape = results[stage.after].displacement if stage.after else np.zeros(self.structure.points.shape)
                 start = with_constraints_of(ends[stage.after], end, shape)
-                course = _Course(stage, start, end, shape)
+                course = Course(stage, start, end, shape)
                 state = saved.progress.get(stage.name) or Progress(
                     shape, Fraction(0), Fraction(1, stage.increments), ()
                 )
@@ -207,7 +188,7 @@ class Analysis:
             check_supports(self.structure, held[stage.name], terms[stage.name])
 
     def _run(
-        self, course: _Course, state: Progress, results: StageResults, accept: Callable[[Progress], None]
+        self, course: Course, state: Progress, results: StageResults, accept: Callable[[Progress], None]
     ) -> Progress:
         """Run the load increments of a stage from a converged state; return its end."""
         stage = course.stage
@@ -233,7 +214,7 @@ class Analysis:
 
     def _accept(
         self,
-        course: _Course,
+        course: Course,
         saved: checkpoint.Checkpoint,
         observe: Callable[[StageResult], None] | None,
         state: Progress,
@@ -251,7 +232,7 @@ class Analysis:
         except WorkDone as done:
             return Solution(Outcome.WORK_LIMIT, f"{done}; {MORE}", tuple(work.iterates))
 
-    def _located(self, course: _Course, control: IncrementControl, work: Work) -> bool:
+    def _located(self, course: Course, control: IncrementControl, work: Work) -> bool:
         """Note the parts that only slack parts held before a loss of stability; False if the limit of work ended that.
 
         At the start of a stage forces may not show that yet: a small fraction of the increment makes them visible.
@@ -269,7 +250,7 @@ class Analysis:
 
     def _failure(
         self,
-        course: _Course,
+        course: Course,
         control: IncrementControl,
         loaded: LoadedProblem,
         x: PETSc.Vec,
@@ -286,14 +267,14 @@ class Analysis:
         results.failure = Failure(course.stage.name, float(control.factor), float(control.state.factor), words)
         return ConvergenceError(results.failure.message, results, last, control.failed(solution), solution.motion)
 
-    def _slack(self, course: _Course, loaded: LoadedProblem, x: PETSc.Vec) -> str:
+    def _slack(self, course: Course, loaded: LoadedProblem, x: PETSc.Vec) -> str:
         """Sentence on slack parts and free cable ends in a state that is no equilibrium."""
         if not np.isfinite(x.norm()):
             return ""
         state = self._record(course.stage.name, loaded, x, ())
         return slack_parts(state) + hanging_ends(state)
 
-    def _result(self, course: _Course, state: Progress) -> StageResult:
+    def _result(self, course: Course, state: Progress) -> StageResult:
         loaded = self.problem.under(course.actions(state.factor))
         x = self.problem.discretization.to_petsc(state.displacement)
         return self._record(course.stage.name, loaded, x, state.increments)

@@ -11,6 +11,8 @@ from ..model.materials import OrthotropicFabric
 SAMPLES = 48
 MAXIMA = 3  # number of maxima compared: a fabric of strongly negative nu has several
 STEPS = 20
+UNSYMMETRIC = 1e-9  # difference of the shears of a strain over its largest component, beyond rounding
+ROUNDING = 1e-12  # the same, of a strain that was computed from stretches near one
 MARGIN = 1e-6  # margin for taut and slack, beyond the rounding in which the forms may decide otherwise
 
 
@@ -50,8 +52,8 @@ def tension_direction(
         Angles from the warp towards the weft, shape (n,) [rad]; 0 in taut and slack cells, whose energy has no angle.
 
     Raises:
-        ValueError: Strains or moduli have another shape, or are not finite; a stiffness is not positive, or nu^2
-            Et_weft / Et_warp >= 1.
+        ValueError: Strains or moduli have another shape, or are not finite; a strain is not symmetric; a stiffness is
+            not positive, or nu^2 Et_weft / Et_warp >= 1.
 
     Example:
         >>> import numpy as np
@@ -63,6 +65,7 @@ def tension_direction(
     e = validation.finite("tension_direction strain", strain)
     if e.ndim != 3 or e.shape[1:] != (2, 2):
         raise ValueError(f"tension_direction strain has shape {e.shape}; give (n, 2, 2), a tensor for each cell.")
+    _refuse_unsymmetric(e)
     n = len(e)
     fabric = Moduli(
         _per_cell("Et_warp", Et_warp, n),
@@ -81,6 +84,15 @@ def tension_direction(
     angle = np.zeros(n)
     angle[cells] = direction(components[cells], fabric.of(cells))
     return angle
+
+
+def _refuse_unsymmetric(e: NDArray[np.float64]) -> None:
+    error = np.abs(e[:, 0, 1] - e[:, 1, 0])
+    for cell in np.flatnonzero(error > UNSYMMETRIC * np.abs(e).max(axis=(1, 2)) + ROUNDING)[:1]:
+        raise ValueError(
+            f"tension_direction strain of cell {cell} is {e[cell].tolist()}, which is not symmetric; give tensors with "
+            "the same component 12 and 21, half of the engineering shear strain."
+        )
 
 
 def _per_cell(name: str, given: ArrayLike, n: int) -> NDArray[np.float64]:

@@ -36,10 +36,26 @@ def _refuse_derived(what: str, value: Any, kind: Any) -> None:
         )
 
 
+def listed(name: str, values: Any, words: str, example: str, alone: bool) -> None:
+    """Refuse what is no list, with brackets as the remedy for one object of it.
+
+    Args:
+        name: Name of the list.
+        values: The list.
+        words: Objects of the list.
+        example: Name of a class of these, or "".
+        alone: True for one such object.
+    """
+    if isinstance(values, Sequence) and not isinstance(values, str | bytes | bytearray):
+        return
+    remedy = "put it in brackets" if alone else (f"give [{example}(...)]" if example else "give one")
+    raise ValueError(f"{name} must be a list of {words}, not {short_repr(values)}; {remedy}.")
+
+
 def instances(name: str, values: Any, kind: Any) -> tuple[Any, ...]:
     """Make a tuple of objects of a kind (a class, or several joined by |), from any sequence of them."""
-    if not isinstance(values, Sequence) or isinstance(values, str | bytes | bytearray):
-        raise ValueError(f"{name} must be a list of {expected(kind)}, not {short_repr(values)}; put it in brackets.")
+    first = getattr(kind, "__args__", (kind,))[0].__name__
+    listed(name, values, expected(kind), first, isinstance(values, kind))
     for value in values:
         if not isinstance(value, kind):
             raise ValueError(f"{name} has {short_repr(value)}; give a list of {expected(kind)}.")

@@ -13,6 +13,7 @@ from .entries import all_are, described, entries, equal_rows, frozen_integers, m
 from .objects import communicator as communicator  # noqa: PLC0414  (others take all checks from here)
 from .objects import instance as instance  # noqa: PLC0414
 from .objects import instances as instances  # noqa: PLC0414
+from .objects import listed as listed  # noqa: PLC0414
 from .objects import plain as plain  # noqa: PLC0414
 from .values import counted as counted  # noqa: PLC0414
 from .values import format_point as format_point  # noqa: PLC0414

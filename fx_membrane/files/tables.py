@@ -1,11 +1,11 @@
 """Results as tables on disk: CSV with units in the head, and a summary in JSON."""
 
 import csv
-import importlib.metadata
 import json
 from collections.abc import Iterator
 from pathlib import Path
 
+from .. import __version__
 from ..checks import paths, validation
 from ..model.parts import Cable, Mast, Membrane
 from ..results.states import StageResult, StageResults
@@ -63,7 +63,7 @@ def write_tables(results: StageResults, folder: str | Path, *, force_unit: str =
         if tables:
             _write_csv(place / file, iter(tables))
     document = {
-        "fx_membrane": importlib.metadata.version("fx-membrane"),
+        "fx_membrane": __version__,
         "units": {"force": force_unit, "length": length_unit},
         "stages": {name: summary(state) for name, state in results.items()},
         "unfinished": [

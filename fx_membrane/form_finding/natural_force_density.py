@@ -30,7 +30,8 @@ from .form import Form, refuse_terms
 from .form_loads import checked_form_loads
 from .natural_step import collapse_of_step, natural_steps
 from .plan import place
-from .reasons.no_form import causes
+from .reasons.as_asked import as_asked
+from .reasons.no_form import causes, established
 from .reasons.unheld import lone_point
 from .same_input import refuse_different_input
 from .updated_reference import UnsettledFormWarning, largest_stray
@@ -77,8 +78,8 @@ def natural_force_density(
 
     Warns:
         UnsettledFormWarning: The stress is off by more than 10 %, or 50 % under loads other than pressure; it says
-            where, and `Form.differences` has all. Or an iteration after the first would collapse; the form is that of
-            the one before it whose stress is nearest to the prestress.
+            where, and names edge cables too weak or a ring too far. `Form.differences` has all. Or an iteration after
+            the first would collapse; the form is that of the one before it whose stress is nearest to the prestress.
 
     Source:
         R. M. O. Pauletti, P. M. Pimenta, The natural force density method for the shape finding of taut structures,
@@ -112,8 +113,9 @@ def natural_force_density(
         constraints,
         np.eye(3),
         "force",
-        lambda points, number: collapse_of_step(structure, points, number),
+        lambda points, number: collapse_of_step(structure, points, number, asked),
     )
+    asked = as_asked(structure, balance)
     pulse = Pulse("form finding", MPI.COMM_WORLD.rank == 0)
     form, collapse = natural_steps(balance, iterations, lambda step: step.stress_error <= tolerance, pulse)
     lone = lone_point(structure, structure.points)
@@ -124,7 +126,8 @@ def natural_force_density(
             f"{causes(lone)}"
         )
     if collapse or form.steps[-1].stress_error > largest_stray(loads):
-        warnings.warn(collapse or _off(form), UnsettledFormWarning, stacklevel=2)
+        reason = "" if collapse else established(structure, structure.points, asked)
+        warnings.warn(collapse or f"{_off(form)} {reason}".strip(), UnsettledFormWarning, stacklevel=2)
     return form
 
 

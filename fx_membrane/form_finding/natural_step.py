@@ -13,7 +13,7 @@ from ..solvers.progress import Pulse
 from .balance.constrained_balance import ConstrainedBalance, continued
 from .balance.membrane_balance import collapse_of, stressed
 from .cell_reference import reference_of, warp_at
-from .constraints.hand_over import handed_over
+from .constraints.hand_over import handed_over, pulled_mast
 from .form import Form, FormStep
 from .shape_change import STOPPED, change_of_shape, check_collapse
 
@@ -53,8 +53,8 @@ def natural_steps(
         if nearest is None or steps[-1].stress_error < nearest.steps[-1].stress_error:
             nearest = form
     assert form is not None
-    turned = balance.motions.turned(form.points)
-    return form, f"The form is in equilibrium, but {continued(turned)}" if turned else ""
+    trouble = balance.motions.turned(form.points) or pulled_mast(balance.structure, balance.motions, form)
+    return form, f"The form is in equilibrium, but {continued(trouble)}" if trouble else ""
 
 
 def abandoned(kept: int, collapse: str) -> str:
@@ -105,10 +105,10 @@ def natural_step(
     return replace(form, wish=wish_of(asked), remarks=(*form.remarks, *([off] if off else []))), found.densities
 
 
-def collapse_of_step(structure: Structure, points: Array, number: int) -> str:
-    """Tell of the collapse of a shape in words; empty without one."""
+def collapse_of_step(structure: Structure, points: Array, number: int, asked: Structure | None = None) -> str:
+    """Tell of the collapse of a shape in words; empty without one. See `check_collapse`."""
     try:
-        check_collapse(structure, points, number)
+        check_collapse(structure, points, number, asked)
     except RuntimeError as collapse:
         return str(collapse)
     return collapse_of(structure, points)

@@ -20,6 +20,7 @@ optimum itself is that of least-squares control with the equilibrium as its stat
 
 import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from mpi4py import MPI
@@ -34,14 +35,15 @@ from ..solvers.progress import Pulse
 from .balance.cable_forces import check_bars
 from .balance.constrained_balance import ConstrainedBalance, continued
 from .balance.membrane_balance import collapse_of
+from .constraints.hand_over import pulled_mast
 from .constraints.kinds import Constraint
 from .form import Form, FormStep, refuse_terms
 from .form_loads import checked_form_loads
-from .nearest_stress.guide import as_held
 from .nearest_stress.start import even_state, near_state
 from .nearest_stress.state import NearestProblem, State
 from .nearest_stress.system import step_of, system_of
 from .plan import Field
+from .reasons.as_asked import as_asked
 from .reasons.axis_balance import remarks_of
 from .reasons.nearest_reasons import reason_of
 from .reasons.unheld import check_edges
@@ -59,11 +61,12 @@ SHORTEST = 0.02  # share, below which no further one is tried
 LOOSE = 1e-2  # tolerance of the states on the way
 ON_WAY = 12  # maximum number of steps of each
 ON_TRIAL = 25  # the same of a trial without one cause of a failure
+TRIED = 1e-4  # tolerance of a trial
 EXACT = 0.05  # largest change in a step, below which Newton's equations of the mesh are exact, not convex
 DAMPING = 1e-2  # first factor of Levenberg's damping
 FACTOR = 6.0  # its change from try to try
 TRIES = 7  # maximum number of tries of a step
-RISE = 1e-3  # relative increase of the norm accepted in a step: the even mesh has its own
+RISE = 1e-2  # relative increase of the norm accepted in a step: the mesh that becomes even has its own
 SLACK = 0.01  # rise of the mean difference accepted where the difference is small
 EVEN = 1e-6  # mean difference that is none
 PRESSED = 0.1  # area of a cell over its first one, below which a body is not to slide further
@@ -146,7 +149,7 @@ def prescribed_stress(
             balance = ConstrainedBalance(
                 structure, loads, constraints, np.eye(3), "force", lambda shape, _: collapse_of(structure, shape)
             )
-        check_edges(structure if balance is None else as_held(structure, balance))
+        check_edges(structure if balance is None else as_asked(structure, balance))
     settings = {"loads": loads, "tolerance": tolerance, "max_iterations": max_iterations, "constraints": constraints}
     refuse_different_input(structure, settings, {"stress": stress, "warp": warp})
     problem = NearestProblem(structure, loads, wishes, balance=balance)
@@ -154,20 +157,22 @@ def prescribed_stress(
     state, steps, failure = _nearest(problem, pulse, tolerance, max_iterations)
 
     def is_found(other: NearestProblem, at_once: bool) -> bool:
-        return _is_found(other, pulse, tolerance, max_iterations, at_once)
+        return _is_found(other, pulse, max(tolerance, TRIED), max_iterations, at_once)
 
     trial = is_found if balance is None else None
     trouble = reason_of(problem.at(state), state, steps, failure, tolerance, FAR, trial)
-    trouble = trouble or ("" if balance is None else balance.motions.turned(state.points))
+    told = tuple(steps) or (FormStep(state.area, np.inf, state.largest),)  # a shape on the way to the wish
+    off = "" if balance is None else balance.targets.off(state.points, state.densities)
+    form = problem.form(state, told, True, (*remarks_of(problem, state), *([off] if off else [])))
+    if balance is not None:
+        trouble = trouble or balance.motions.turned(state.points) or pulled_mast(structure, balance.motions, form)
     if trouble:
         warnings.warn(
             f"The form is in equilibrium with the stress it is handed over with, but {continued(trouble)}",
             UnsettledFormWarning,
             stacklevel=2,
         )
-    told = tuple(steps) or (FormStep(state.area, np.inf, state.largest),)  # a shape on the way to the wish
-    off = "" if balance is None else balance.targets.off(state.points, state.densities)
-    return problem.form(state, told, not trouble, (*remarks_of(problem, state), *([off] if off else [])))
+    return replace(form, converged=not trouble)
 
 
 def _nearest(problem: NearestProblem, pulse: Pulse, tolerance: float, most: int) -> tuple[State, list[FormStep], str]:

@@ -11,6 +11,7 @@ prescribed. Elsewhere the nodes move in plan, and the stress in plan changes wit
 
 import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -29,7 +30,7 @@ from .balance.cable_forces import MEASURES, check_bars, difference
 from .balance.constrained_balance import ConstrainedBalance, continued, shortfall
 from .balance.membrane_balance import collapse_of, stressed
 from .constraints.cable_targets import MET
-from .constraints.hand_over import handed_over
+from .constraints.hand_over import handed_over, pulled_mast
 from .constraints.kinds import Constraint
 from .form import Form, FormStep, refuse_terms
 from .form_loads import checked_form_loads
@@ -175,15 +176,16 @@ def projected_stress(
         fold, steps = f"it is that of step {count}, and in later ones {fold}", steps[:count]
     problem = collapse or fold or shortfall(error, tolerance, len(steps), miss, words) or _motion(plans, points, axes)
     problem = reasons_in_plan(structure, plans, axes, first, problem, bool(constraints))
-    problem = problem or balance.motions.turned(points)
+    made = stressed(structure, points, plans, densities)
+    form = handed_over(structure, balance.motions, points, made, reactions, tuple(steps), True)
+    problem = problem or balance.motions.turned(points) or pulled_mast(structure, balance.motions, form)
     if problem:
         warnings.warn(
             f"The form is in equilibrium with the stress it is handed over with, but {continued(problem)}",
             UnsettledFormWarning,
             stacklevel=2,
         )
-    made = stressed(structure, points, plans, densities)
-    return handed_over(structure, balance.motions, points, made, reactions, tuple(steps), not problem)
+    return replace(form, converged=not problem)
 
 
 def _axes(normal: Array) -> Array:

@@ -9,7 +9,7 @@ from ..geometry.topology import boundary_edges
 from ..model.parts import Bar, Membrane
 from ..model.structure import Structure
 from .reasons.line_tangents import line_tangents, unit
-from .reasons.no_form import cause
+from .reasons.no_form import cause, established
 
 # Fraction of its first length, or of the root of its first area, below which a cell counts as collapsed.
 GONE = 1e-3
@@ -53,19 +53,22 @@ def change_of_shape(structure: Structure, points: NDArray[np.float64], displacem
     return largest
 
 
-def check_collapse(structure: Structure, points: NDArray[np.float64], step: int) -> None:
+def check_collapse(
+    structure: Structure, points: NDArray[np.float64], step: int, asked: Structure | None = None
+) -> None:
     """Refuse a shape with a collapsed cell, or with a cable or a mast that grows without bound.
 
     Args:
         structure: The first shape.
         points: Positions of the nodes now, shape (n, 3) [m].
         step: Number of the step, for the message.
+        asked: The structure with what its constraints ask for, for the message; without constraints if not given.
 
     Raises:
         RuntimeError: A cell has collapsed or grown without bound; the message names the part, the cell and the remedy.
     """
     if not np.isfinite(points).all():
-        raise RuntimeError(collapse(structure, step))
+        raise RuntimeError(collapse(structure, step, asked=asked))
     torn = False
     for name, part in structure.parts.items():
         first, now = measures(structure.points, part.cells), measures(points, part.cells)
@@ -73,13 +76,17 @@ def check_collapse(structure: Structure, points: NDArray[np.float64], step: int)
         if part.dimension == 1:
             for cell in np.flatnonzero(gone | (now * GONE > first))[:1]:
                 force = part.prestress_tensors()[cell, 0, 0]
-                raise RuntimeError(_unbalanced(step, name, part, int(cell), force, first[cell], now[cell]))
+                words = _unbalanced(step, name, part, int(cell), force, first[cell], now[cell])
+                reason = "" if part.is_strut else established(structure, structure.points, asked)
+                raise RuntimeError(f"{words} {reason}".strip())
         torn |= bool(gone.any())
     if torn:  # after the bars, a possible cause of it
-        raise RuntimeError(collapse(structure, step, points))
+        raise RuntimeError(collapse(structure, step, points, asked))
 
 
-def collapse(structure: Structure, step: int, points: NDArray[np.float64] | None = None) -> str:
+def collapse(
+    structure: Structure, step: int, points: NDArray[np.float64] | None = None, asked: Structure | None = None
+) -> str:
     """Sentences on a shape without equilibrium; free masts, a possible cause, come first."""
     for name, part in structure.parts.items():
         if part.is_strut:
@@ -92,7 +99,7 @@ def collapse(structure: Structure, step: int, points: NDArray[np.float64] | None
                     f"{name!r}, of the length {length:.4g} and the force {force[cell]:g}, has a free end, and no form "
                     f"was found that balances the forces there; {HOLD}"
                 )
-    reason = cause(structure, structure.points) or (
+    reason = cause(structure, structure.points, asked) or (
         "There is none where edge cables are too weak (force over stress of the fabric below half their span), where "
         "rings are too far apart, where a fabric is held at one point within it, or where an edge has neither cable "
         "nor support."

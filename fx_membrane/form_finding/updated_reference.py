@@ -39,6 +39,7 @@ from .form import Form, FormStep, refuse_terms
 from .form_loads import checked_form_loads
 from .masts.bar_balance import fallen_mast
 from .natural_step import collapse_of_step, natural_steps
+from .reasons.as_asked import as_asked
 from .reference_steps import steps_of_reference
 
 STRAY = 0.1  # accepted error of the stress where it can settle, relative to the prescribed stress
@@ -82,7 +83,7 @@ def updated_reference(
     Returns:
         The form, in equilibrium even if the steps were too few. It has converged if the change of shape fell below the
         tolerance, with an error of the stress below 10 %; below 50 % under loads per area or length or at points, which
-        may leave no constant stress.
+        may leave no constant stress. A form with a fallen mast, or with one in tension, has not.
 
     Raises:
         ValueError: The structure has no prestress at all, or a compressive one in a membrane or a cable; it is not
@@ -92,11 +93,11 @@ def updated_reference(
 
     Warns:
         UnsettledFormWarning: The steps were too few; the form is that of the last one. Or a mast has fallen by more
-            than 60 degrees to a place where its force balances. Or a later step collapses, as that of a catenoid
-            between rings too far apart; a cable or a mast shrinks to a point or grows without bound;
-            no place of a free mast head was found, and the force that is missing there is named; or distributed loads
-            grow with the form faster than the prestress can carry. The form is that of the step before whose stress is
-            nearest to the prestress.
+            than 45 degrees to a place where its force balances, or one of given length ends in tension. Or a later
+            step collapses, as that of a catenoid between rings too far apart; a cable or a mast shrinks to a point or
+            grows without bound; no place of a free mast head was found, and the force that is missing there is named;
+            or distributed loads grow with the form faster than the prestress can carry. The form is then that of the
+            step before whose stress is nearest to the prestress.
 
     Example:
         >>> points, triangles = rectangle(2.0, 2.0, 4, 4)
@@ -130,6 +131,7 @@ def updated_reference(
     else:
         form, collapse = steps_of_reference(structure, stage, is_settled, max_iterations, pulse, comm)
         if form.converged and (fallen := fallen_mast(structure, form.points)):
+            form = replace(form, converged=False)
             collapse = f"The form is in equilibrium with the forces prescribed, but {fallen}"
     with together(comm):
         if collapse and comm.rank == 0:
@@ -157,8 +159,14 @@ def _constrained(
         if isinstance(part, Membrane):
             check_tension(name, part, structure.points, part.prestress_tensors())
     balance = ConstrainedBalance(
-        structure, stage.loads, constraints, np.eye(3), "force", lambda *now: collapse_of_step(structure, *now)
+        structure,
+        stage.loads,
+        constraints,
+        np.eye(3),
+        "force",
+        lambda points, number: collapse_of_step(structure, points, number, asked),
     )
+    asked = as_asked(structure, balance)
     form, collapse = natural_steps(balance, most, is_settled, pulse)
     return replace(form, converged=not collapse and is_settled(form.steps[-1])), collapse
 

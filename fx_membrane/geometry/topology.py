@@ -119,6 +119,17 @@ def with_one_sense(triangles: NDArray[np.int64]) -> tuple[NDArray[np.int64], str
     )
 
 
+def edge_pieces(triangles: NDArray[np.int64]) -> NDArray[np.intp]:
+    """Pieces that edges of two triangles connect, in the order of their first triangles, shape (cells,)."""
+    _, number, count, order = _edges(triangles)
+    n = len(triangles)
+    first, second = (order[count[number[order]] == 2] % n).reshape(-1, 2).T
+    graph = sparse.coo_matrix((np.ones(len(first), dtype=np.int8), (first, second)), shape=(n, n))
+    label = connected_components(graph, directed=False)[1]
+    _, start, member = np.unique(label, return_index=True, return_inverse=True)
+    return np.argsort(np.argsort(start))[member.ravel()]
+
+
 def branching_edge(triangles: NDArray[np.int64]) -> NDArray[np.int64] | None:
     """Find an edge with three triangles or more, shape (2,); None if there is none."""
     return _branch(_edges(triangles))

@@ -134,9 +134,11 @@ def checked(what: str, values: Any, others: Any = None) -> tuple[Any, ...]:
         ValueError: It is no sequence; an object is neither a term nor of these classes; a term does not keep to its
             contract.
     """
-    if not isinstance(values, Sequence) or isinstance(values, str | bytes | bytearray):
-        terms = "energy terms" if others is None else expected(others)
-        raise ValueError(f"{what} must be a list of {terms}, not {validation.short_repr(values)}; put it in brackets.")
+    words, example = "energy terms", ""
+    if others is not None:
+        words, example = f"{expected(others)}, or of energy terms", others.__args__[0].__name__
+    alone = is_term(values) or (others is not None and isinstance(values, others))
+    validation.listed(what, values, words, example, alone)
     for value in values:
         if is_term(value):
             check(what, value)

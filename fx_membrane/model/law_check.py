@@ -12,14 +12,12 @@ from ufl.algorithms.apply_derivatives import apply_derivatives
 
 from ..checks import validation
 from ..checks.values import with_article
-from ..forms.wrinkling import Relaxed
-from . import laws, own_classes, own_formulas
+from . import laws, own_classes, own_formulas, relaxed_check
 from .own_formulas import UnfitError
 
 Array = NDArray[np.float64]
 
 STEP = 1e-4  # strain of difference quotients
-RELAXED = "relaxed_energy(E, sigma0, parameters)"
 STIFFNESS = "give a typical stiffness [N/m], of bars [N], as a property or an attribute"
 KINDS = {1: "bars", 2: "membranes"}
 
@@ -48,6 +46,11 @@ def check(what: str, law: Any, dimension: int, own: bool) -> None:
             raise ValueError(
                 f"{what} {type(law).__name__} has a field {name!r}, which is the name of a parameter of its part; name "
                 "it otherwise."
+            )
+    for name in getattr(law, "__dataclass_fields__", ()) if own else ():
+        if name.startswith("_"):
+            raise ValueError(
+                f"{what} {type(law).__name__} has a field {name!r}; give it a name without an underscore before it."
             )
     wanted = getattr(law, "dimension", dimension)
     if not isinstance(wanted, int) or wanted not in KINDS:
@@ -95,7 +98,8 @@ def _fault(law: laws.Law, dimension: int) -> str:
     """Sentence on a fault in the energy of a law or in what belongs to it; empty if there is none."""
     sigma0 = float(law.stiffness) * np.array([[0.02, 0.006], [0.006, 0.01]])[:dimension, :dimension]
     try:
-        return _energy_fault(law, sigma0) or _relaxed_fault(law, sigma0) or _strain_fault(law, dimension)
+        fault = _energy_fault(law, sigma0) or relaxed_check.fault(law, sigma0, _symbols(law, dimension))
+        return fault or _strain_fault(law, dimension)
     except UnfitError as error:
         return str(error)
     except Exception as error:
@@ -126,8 +130,8 @@ def _energy_fault(law: laws.Law, sigma0: Array) -> str:
         for stress in ((above - below) / (2 * STEP), slope):
             if not abs(stress - wanted) <= 0.01 * np.abs(sigma0).max():
                 return (
-                    f"stress at E = 0 is {stress:.3g} under the prestress {wanted:.3g}; they must be equal: add "
-                    "inner(sigma0, E) to an energy that has no stress of its own at E = 0"
+                    f"stress at E = 0 is {stress:.3g} under the prestress {wanted:.3g} of a trial; they must be equal: "
+                    "add inner(sigma0, E) to an energy that has no stress of its own at E = 0"
                 )
         if not (above + below - 2 * rest > 0 and curvature > 0):
             return (
@@ -170,25 +174,6 @@ def _derivatives(law: laws.Law, direction: Array, sigma0: Array) -> tuple[float,
 
 def _number(derivative: Any) -> float:
     return float(apply_derivatives(apply_algebra_lowering(derivative))(()))
-
-
-def _relaxed_fault(law: laws.Law, sigma0: Array) -> str:
-    """Sentence on a fault in the relaxed energy; empty if there is none."""
-    formula = laws.member(law, "relaxed_energy")
-    if formula is None:
-        return ""
-    prestress = ufl.as_matrix(sigma0.tolist())
-    for E, given, numbers in (
-        _symbols(law, len(sigma0)),
-        (ufl.variable(0 * prestress), prestress, laws.parameters(law, ufl.as_ufl)),
-    ):
-        found = own_formulas.called(formula, RELAXED, (E, given, numbers), laws.symbols(law, E))
-        if not (found is None or isinstance(found, Relaxed)):
-            return (
-                f"{RELAXED} returns {own_formulas.described(found)}; return a fx_membrane.forms.wrinkling.Relaxed("
-                "energy, state), or None for a law that carries compression"
-            )
-    return ""
 
 
 def _strain_fault(law: laws.Law, dimension: int) -> str:

@@ -9,6 +9,7 @@ and may have
 
     relaxed_energy(E, sigma0, parameters)    `forms.wrinkling.Relaxed`, or None: the law carries compression. Without
                                              this method the tension field is found cell by cell from the energy.
+                                             Where nothing is compressed, its stress is that of the energy.
     strain(stress)                           Green-Lagrange strains of cells under stresses, both (n, d, d), or None
     strain_limit                             strain above which `LargeStrainWarning` warns, none by default [-]
     dimension                                2 for membranes alone, 1 for bars alone

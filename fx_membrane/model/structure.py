@@ -14,19 +14,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
 from ..checks.values import counted
-from ..geometry.measures import SLENDER, SLIVER, aspects, normals, projected
-from ..geometry.topology import with_one_sense
+from ..geometry.measures import normals, projected
+from ..geometry.one_side import with_one_side
 from ..runtime.notebook_pictures import picture_html, picture_png, table
-from . import energy_terms
+from . import energy_terms, slivers
 from .by_value import ByValue
 from .coincidence import CoincidentNodesWarning, coincident_nodes
 from .energy_terms import Term
 from .parts import Bar, Kind, Membrane, Part
 from .supports import Support
-
-
-class SliverWarning(UserWarning):
-    """Triangle so slender that the rounding of its forces shows in results."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -37,6 +33,11 @@ class Structure(ByValue):
     closed, to the sense of the first. In `parts` a turned cell has its last two nodes exchanged; the rows of cells keep
     their order. Data per cell stay valid, as none depend on the order of its nodes: prestress is in the warp/weft frame
     of the one sense, warp is a vector in space, pressure is along `normals`.
+
+    A membrane may be in pieces that share no edge: apart, or joined at nodes only. Its first piece that is not closed
+    decides for the others. A piece is turned where its mean normal, weighted by area, points against that of the first.
+    A closed piece, or one at a right angle to the first, keeps the sense of its own first cell; make it a part of its
+    own.
 
     A membrane without two sides (a Moebius strip, or sheets that branch) is allowed. It is refused where `normals` are
     asked for or a pressure acts. One prestress tensor with shear for all its cells is refused, too. Its cells keep
@@ -108,7 +109,7 @@ class Structure(ByValue):
             validation.plain(f"Part {name!r}", part, Part)
             for cell in np.flatnonzero(((part.cells < 0) | (part.cells >= count)).any(axis=1))[:1]:
                 validation.in_range(f"Part {name!r}, cell {cell},", part.cells[cell], count, "node")
-            self._check_measures(name, part)
+            slivers.check(self.points, name, part)
         for name, membrane in self.parts_of(Membrane).items():
             if membrane.warp is not None:
                 self.warp(name)
@@ -182,8 +183,8 @@ class Structure(ByValue):
     def normals(self, name: str) -> NDArray[np.float64]:
         """Return unit normals of a membrane, on one side of it, shape (cells, 3) [-]; pressure acts along them.
 
-        The nodes of its cells in `parts` run counter-clockwise about them. To reverse the normals of a connected piece,
-        give the nodes of its first cell in the other order.
+        The nodes of its cells in `parts` run counter-clockwise about them. To reverse the normals, give the nodes of
+        the first cell in the other order. Of several pieces, see `Structure`.
 
         Raises:
             ValueError: There is no membrane of that name; it has only one side, like a Moebius strip, or branches.
@@ -277,27 +278,8 @@ class Structure(ByValue):
         """Turn the cells of a part to one sense; store the reason if it has no two sides, until that matters."""
         if part.dimension != 2:
             return part
-        cells, reason = with_one_sense(part.cells)
+        cells, reason = with_one_side(self.points, part.cells)
         if reason:
             self._no_sides[name] = reason
             self.check_shear(name, part.prestress, "prestress")
         return part if np.array_equal(cells, part.cells) else replace(part, cells=cells)
-
-    def _check_measures(self, name: str, part: Part) -> None:
-        aspect = aspects(self.points, part.cells)
-        cell = int(aspect.argmax())
-        if aspect[cell] <= SLENDER:
-            return
-        where = validation.format_point(self.points[part.cells[cell]].mean(axis=0))
-        what = f"Part {name!r}, cell {cell} (nodes {part.cells[cell].tolist()})"
-        if not np.isfinite(aspect[cell]):
-            measure = "length" if part.dimension == 1 else "area"
-            raise ValueError(f"{what} has no {measure}, at {where}; remove the cell or move its nodes apart.")
-        sliver = f"{what} is a sliver, {aspect[cell]:.2g} times as long as it is high, at {where}"
-        remedy = "remove the cell, join its nodes or move them apart"
-        if aspect[cell] > SLIVER:
-            raise ValueError(f"{sliver}; above {SLIVER:.2g} its stiffness is lost in rounding: {remedy}.")
-        share = 400 * np.finfo(float).eps * aspect[cell] ** 2
-        warnings.warn(
-            f"{sliver}: up to {share:.1g} % of its forces are rounding; {remedy}.", SliverWarning, stacklevel=4
-        )

@@ -35,8 +35,8 @@ def balance_remarks(result: StageResult) -> Iterator[Remark]:
     yield Remark(
         f"an unbalanced force of {off.max():.3g} is left beside {kind} of {forces:.3g}, "
         "which the tolerance of the solver or rounding allows; displacements, forces and stresses are off accordingly. "
-        "Give the solver a smaller rtol; check units, and parts that are far stiffer or far more prestressed than the "
-        "others: a stiffness of a thousand times theirs is rigid enough.",
+        "Give the solver a smaller tolerance, as Newton(rtol=...); check units, and parts that are far stiffer or far "
+        "more prestressed than the others: a stiffness of a thousand times theirs is rigid enough.",
         UnbalancedStateWarning,
     )
 

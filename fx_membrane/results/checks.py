@@ -59,7 +59,7 @@ def _balance(result: StageResult) -> Iterator[Check]:
     balance, tiny = result.equilibrium, np.finfo(float).tiny
     forces = max(np.abs(result.reactions).sum(), np.abs(result.loads).sum(), tiny)
     reach = max(np.ptp(result.position, axis=0).max(), np.abs(result.position).max(), tiny)
-    remedy = "Give the solver a smaller rtol; check units, and parts far stiffer than the others."
+    remedy = "Give the solver a smaller tolerance, as Newton(rtol=...); check units and parts far stiffer than others."
     difference = float(np.abs(balance.loads + balance.reactions).max() / forces)
     yield _judged("loads and reactions balance", difference, BALANCED, remedy)
     moment = float(np.abs(balance.load_moment + balance.reaction_moment).max() / (forces * reach))

@@ -10,7 +10,7 @@ from collections.abc import Callable
 def versions() -> dict[str, str]:
     """Versions by name, or the reason for the absence of one."""
     rows: dict[str, Callable[[], str]] = {
-        "fx_membrane": lambda: importlib.metadata.version("fx-membrane"),
+        "fx_membrane": lambda: _version("fx_membrane"),
         "dolfinx": lambda: _version("dolfinx"),
         "PETSc": _petsc,
         "MPI": _mpi,

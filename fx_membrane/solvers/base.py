@@ -100,13 +100,13 @@ Monitor = Callable[[int, Iteration], None]
 class Solve(Protocol):
     """Function that brings a vector to equilibrium and reports each iterate to the monitor."""
 
-    def __call__(self, problem: LoadedProblem, x: PETSc.Vec, monitor: Monitor, thorough: bool, /) -> Solution:
+    def __call__(self, loaded: LoadedProblem, x: PETSc.Vec, monitor: Monitor, thorough: bool, /) -> Solution:
         """Return the outcome; the state is in x.
 
         Args:
-            problem: The structure under the actions of the increment: a view of the problem that `prepare` got, with
+            loaded: The structure under the actions of the increment: a view of the problem that `prepare` got, with
                 the same numbering and sparsity pattern.
-            x: The last state found, to be replaced by the equilibrium [m]. `problem.constraints` imposes the prescribed
+            x: The last state found, to be replaced by the equilibrium [m]. `loaded.constraints` imposes the prescribed
                 displacements on it.
             monitor: Called with the number and the data of each iterate, the start first; on all processes. Let its
                 exception through: it ends the solve at the limit of work.

@@ -109,7 +109,7 @@ class _Globalized:
         solution = self.solve(x, start, thorough)
         if not self.told:
             self.told = True
-            petsc_options.tell_unused(problem.comm, petsc_options.unread(), "Newton")
+            petsc_options.tell_unread(problem.comm, "Newton")
         lost = loop.lost_stability
         if solution.converged and loop.from_stable and not lost:
             lost = negative_between(self.problem, start, x)  # a step may pass over a snap-through

@@ -24,7 +24,7 @@ SOLUTION = (
     "Solution(outcome, reason, iterations) with an outcome of fx_membrane.Outcome, as Outcome.CONVERGED or "
     "Outcome.MAX_ITERATIONS"
 )
-SOLVE = "(problem, x, monitor, thorough)"
+SOLVE = "(loaded, x, monitor, thorough)"
 
 
 def check(solver: Any) -> None:
@@ -125,7 +125,7 @@ class _Checked:
             return ""
         return (
             f"{calls}in which a constrained component is {error:.3g} from its place; let it call "
-            "problem.constraints.impose(x) first."
+            "loaded.constraints.impose(x) first."
         )
 
 

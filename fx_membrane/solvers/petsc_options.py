@@ -20,6 +20,8 @@ ICNTL, CNTL = "mat_mumps_icntl_", "mat_mumps_cntl_"
 NEEDED = {13: "counts negative pivots on several processes", 24: "counts zero pivots"}  # ICNTL that must be 1
 SOLVED = 1e-6  # residual of a step, as a fraction of its right-hand side
 TOLERANCE = 1e-10  # default of an iterative solver
+ITERATIVE = ("ksp_rtol", "ksp_atol", "ksp_divtol", "ksp_max_it")  # limits that a direct solver does not read
+MEND = "Mend their names, or leave them out."
 DIRECT = ("lu", "cholesky", "redundant", "telescope", "svd", "qr")  # preconditioners that solve in one application
 
 
@@ -64,9 +66,12 @@ def mumps() -> tuple[dict[int, int], dict[int, float]]:
         icntl = {int(name.removeprefix(ICNTL)): options.getInt(name) for name in names if name.startswith(ICNTL)}
         with decimal_point():
             cntl = {int(name.removeprefix(CNTL)): options.getReal(name) for name in names if name.startswith(CNTL)}
-    except (PETSc.Error, ValueError) as error:
+    except (PETSc.Error, ValueError):
         shown = {name: value for name, value in names.items() if name.startswith((ICNTL, CNTL))}
-        raise ValueError(f"The PETSc options {shown} with the prefix {PREFIX} are not all numbers: {error}.") from None
+        raise ValueError(
+            f"The PETSc options {shown} with the prefix {PREFIX} are not all numbers; give whole ones for {ICNTL}*, "
+            f"any for {CNTL}*."
+        ) from None
     for number, what in NEEDED.items():
         if icntl.get(number, 1) != 1:
             raise ValueError(
@@ -187,7 +192,19 @@ def unread() -> list[str]:
     return [option for option in given() if not is_used(option)]
 
 
-def tell_unused(comm: MPI.Intracomm, options: Iterable[str], where: str) -> None:
+def tell_unread(comm: MPI.Intracomm, where: str) -> None:
+    """Tell of options that PETSc has not read; collective.
+
+    Warns:
+        UnusedOptionWarning: There are some.
+    """
+    options, remedy = unread(), MEND
+    if "ksp_type" not in given() and any(option in ITERATIVE for option in options):
+        remedy = f"Limits of iterations need an iterative method: give -{PREFIX}ksp_type, as cg, or leave them out."
+    tell_unused(comm, options, where, remedy)
+
+
+def tell_unused(comm: MPI.Intracomm, options: Iterable[str], where: str, remedy: str = MEND) -> None:
     """Tell of options without effect; collective.
 
     Warns:
@@ -197,9 +214,7 @@ def tell_unused(comm: MPI.Intracomm, options: Iterable[str], where: str) -> None
     with together(comm):
         if names and comm.rank == 0:
             warnings.warn(
-                f"PETSc options have no effect on {where}: {names}. Mend their names, or leave them out.",
-                UnusedOptionWarning,
-                stacklevel=4,
+                f"PETSc options have no effect on {where}: {names}. {remedy}", UnusedOptionWarning, stacklevel=4
             )
 
 

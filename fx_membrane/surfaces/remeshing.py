@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
 from ..form_finding.form import Form
+from ..geometry.measures import measures
 from ..model.fingerprints import fingerprints, of_settings
 from ..model.parts import Membrane, Part
 from ..model.structure import Structure
@@ -114,11 +115,23 @@ def _checked_size(structure: Structure, size: Any) -> Callable[[Array], Array]:
                 f"size, as a function of places, gives {validation.short_repr(values)}; it must give positive numbers, "
                 f"one for each place, less than the size of the membranes, {extent:g}."
             )
+        _check_count(structure, values, extent)
         return lambda places: np.asarray(size(places.T), dtype=np.float64)
     number = validation.positive("size", size)
     if number > extent:
         raise ValueError(f"size is {number:g}, more than that of the membranes, {extent:g}; give that of their cells.")
+    _check_count(structure, np.full(len(structure.points), number), extent)
     return lambda places: np.full(len(places), number)
+
+
+def _check_count(structure: Structure, sizes: Array, extent: float) -> None:
+    """Refuse sizes at the nodes, shape (n,) [m], that make more cells than gmsh meshes."""
+    for part in structure.parts_of(Membrane).values():
+        least = sizes[part.cells].max(axis=1)  # of a cell, so that a single fine place is no fault
+        if float(np.sum(measures(structure.points, part.cells) / least**2)) > validation.MOST / 10:
+            raise ValueError(
+                f"size is {least.min():g}, for membranes of the size {extent:g}: too many cells; give a larger one."
+            )
 
 
 def _structure(structure: Structure, mesh: NewMesh) -> Structure:

@@ -230,9 +230,12 @@ def _refuse_crossings(
         raise ValueError(
             f"The plan folds over itself: {names} at ({x:.6g}, {y:.6g}); give less sag, or corners in order round it."
         )
-    raise ValueError(
-        f"{names[0].upper()}{names[1:]} at ({x:.6g}, {y:.6g}); move one of them, or give lines a common point there."
+    remedy = (
+        "give its points in order, each once"
+        if label(i) == label(j)
+        else "move one of them, or give lines a common point there"
     )
+    raise ValueError(f"{names[0].upper()}{names[1:]} at ({x:.6g}, {y:.6g}); {remedy}.")
 
 
 def _check_inside(

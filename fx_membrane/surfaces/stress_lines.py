@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ..checks import validation
 from ..form_finding.form import Form
+from ..geometry.topology import from_smallest
 from ..model.parts import Membrane
 from ..model.structure import Structure
 from ..results.states import StageResult
@@ -132,7 +133,9 @@ def states_of(shape: Structure | Form | StageResult, name: str) -> NDArray[np.st
 def _sheet(what: str, shape: Structure | Form | StageResult, part: str | None) -> _Sheet:
     if not isinstance(shape, Structure | Form | StageResult):
         raise ValueError(f"{what} shape is {validation.short_repr(shape)}; give a StageResult, a Form or a Structure.")
-    terrain = Terrain(surface_of(what, shape, part), cut=True)
+    surface = surface_of(what, shape, part)
+    # lines begin along sides of cells: the same ones, whatever the order of nodes in a cell
+    terrain = Terrain(surface._replace(triangles=from_smallest(surface.triangles)), cut=True)
     structure = shape if isinstance(shape, Structure) else shape.structure
     names = list(structure.parts_of(Membrane)) if part is None else [part]
     stress, state = [stress_of(shape, name) for name in names], [states_of(shape, name) for name in names]

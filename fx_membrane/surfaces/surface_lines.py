@@ -44,9 +44,9 @@ class SurfaceLine:
 
     @property
     def directions(self) -> Array:
-        """Unit vectors along the line in its cells, shape (k - 1, 3) [-]."""
+        """Unit vectors along the line in its cells, shape (k - 1, 3) [-]; zero for a piece without length."""
         side = np.diff(self.points, axis=0)
-        return np.asarray(side / lengths(side)[:, None])
+        return np.asarray(side / np.maximum(lengths(side), np.finfo(float).tiny)[:, None])
 
     def __repr__(self) -> str:
         ends = " to ".join(validation.format_point(self.points[end]) for end in (0, -1))
@@ -136,8 +136,8 @@ def warp_lines(
 
     Raises:
         ValueError: The shape is none of these, or has several membranes and no part is named; a point is not on the
-            surface; a line reaches no rim; spacing is given with starts, is not positive, or is so small that the lines
-            would have more than 2e5 segments.
+            surface; a line reaches no rim; spacing is given with starts, is not positive, is larger than any line is
+            long, or is so small that the lines would have more than 2e5 segments.
 
     Example:
         >>> points, triangles = rectangle(4.0, 4.0, 8, 8)
@@ -160,6 +160,8 @@ def _evenly(terrain: Terrain, warp: Array, spacing: float | None) -> list[Surfac
     distance = checked_spacing("spacing", terrain, spacing)
     along = field_of(terrain, warp[:, :, None] * warp[:, None, :], terrain.sound)
     tracks = even_lines(terrain, along, terrain.sound, distance, distance, np.zeros(len(warp), dtype=np.int64))
+    if not tracks:
+        raise ValueError(f"spacing is {distance:g}, and no line along the warp is as long; give a smaller one.")
     return [SurfaceLine(track.points, track.cells) for track in tracks]
 
 

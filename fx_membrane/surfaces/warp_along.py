@@ -84,7 +84,11 @@ def _of_lines(surface: Surface, lines: Sequence[SurfaceLine]) -> tuple[Array, ND
             raise ValueError(f"lines, entry {number}, {line!r}, is of another surface; make the lines on this one.")
         side = np.diff(line.points, axis=0)
         length = lengths(side)
-        np.add.at(total, line.cells, (side[:, :, None] * side[:, None, :] / length[:, None, None]).reshape(-1, 9))
+        if not length.any():
+            where = validation.format_point(line.points[0])
+            raise ValueError(f"lines, entry {number}, at {where}, has no length, and so no direction; leave it out.")
+        divisor = np.maximum(length, np.finfo(float).tiny)[:, None, None]  # a piece without length adds nothing
+        np.add.at(total, line.cells, (side[:, :, None] * side[:, None, :] / divisor).reshape(-1, 9))
         np.add.at(weight, line.cells, length)
     known = weight > 0
     total[known] /= weight[known, None]

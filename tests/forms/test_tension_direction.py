@@ -100,6 +100,10 @@ def test_public_helper_on_a_process_without_cells():
     [
         ({"strain": [1.0, 2.0, 3.0]}, r"strain has shape \(3,\); give \(n, 2, 2\)"),
         ({"strain": [[[np.nan, 0], [0, 1]]]}, "strain.*value.*not finite"),
+        (
+            {"strain": [[[0.01, 0], [0, 0.02]], [[0, 0.01], [-0.01, 0]]]},
+            r"strain of cell 1 is \[\[0\.0, 0\.01\], \[-0\.01, 0\.0\]\], which is not symmetric; give.*12 and 21",
+        ),
         ({"Gt": 0.0}, "Gt is 0.*positive"),
         ({"Et_weft": [1.0, 2.0]}, r"Et_weft.*shape \(2,\).*number.*one.*1 cells"),
         ({"nu": 1.5}, "nu.2 Et_weft / Et_warp must be below 1"),

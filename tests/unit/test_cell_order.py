@@ -8,6 +8,7 @@ import pytest
 from fx_membrane import (
     Analysis,
     Cable,
+    DistributedLoad,
     Fabric,
     Mast,
     Membrane,
@@ -25,8 +26,10 @@ from fx_membrane import (
     rectangle,
     report,
     stability,
+    stress_trajectories,
     structure_from_gmsh,
     updated_reference,
+    wrinkle_lines,
 )
 from fx_membrane.geometry.measures import normals
 from fx_membrane.model.fingerprints import fingerprints
@@ -135,6 +138,30 @@ def test_report(seed, expected):
     assert table(Analysis(roof(seed)).run(STAGES)["snow"]) == table(expected["snow"])
 
 
+def uneven(seed=None):
+    """State of a woven sheet on an uneven mesh, wrinkled in some regions."""
+    points, cells = rectangle(4.0, 3.0, 10, 8)
+    rim = np.unique(boundary_edges(cells))
+    inside = np.setdiff1d(np.arange(len(points)), rim)
+    points[inside, :2] += np.random.default_rng(9).uniform(-0.05, 0.05, (len(inside), 2))
+    x, y = points[:, 0], points[:, 1]
+    points[:, 2] = 0.15 * x * y - 0.05 * x**2 + 0.03 * np.sin(1.7 * x + y)
+    woven = OrthotropicFabric(6e5, 4e5, 0.3, 2e4)
+    mixed = cells if seed is None else shuffled(cells, seed)
+    sheet = Structure(points, {"sheet": Membrane(mixed, woven, (2e3, 500.0), warp=(1, 0.3, 0))}, [Support(rim[5:])])
+    return Analysis(sheet).run([Stage("snow", [DistributedLoad((200.0, 0, -1600.0), "sheet")])])["snow"]
+
+
+@pytest.mark.filterwarnings("ignore::fx_membrane.LargeStrainWarning")
+@pytest.mark.parametrize("lines", [wrinkle_lines, stress_trajectories])
+@pytest.mark.parametrize("seed", SEEDS)
+def test_lines_on_surfaces(seed, lines):
+    wanted, found = lines(uneven(), spacing=0.1), lines(uneven(seed), spacing=0.1)
+    assert [len(line.points) for line in found] == [len(line.points) for line in wanted]
+    for ours, theirs in zip(found, wanted, strict=True):
+        assert ours.points == pytest.approx(theirs.points, abs=1e-9)
+
+
 @pytest.mark.mpi
 def test_modes_and_stability(expected):
     found = Analysis(roof(1)).run(STAGES[:1])["air"]
@@ -189,6 +216,54 @@ def test_pictures(tmp_path, expected):
     a, b = drawn(Analysis(roof(1)).run(STAGES)["snow"], "mixed.png"), drawn(expected["snow"], "ordered.png")
     assert a.shape == b.shape
     assert np.abs(a - b).max() < 0.02  # lighting is rounded
+
+
+SHEETS = {
+    "apart": (3.0, 0, 0),
+    "sharing a node": (2.0, 2, 0),
+    "one above the other": (0.0, 0, 1),
+}
+
+
+def sheets(offset, seed=None, side=1.0):
+    """Two sheets of one membrane, welded where they meet."""
+    count = len(FLAT)
+    both = np.vstack([FLAT, FLAT + offset])
+    points, number = np.unique(both.round(9), axis=0, return_inverse=True)
+    cells = number.ravel()[np.vstack([TRIANGLES, TRIANGLES + count])]
+    cells = cells if side > 0 else cells[:, ::-1]
+    cells = cells if seed is None else shuffled(cells, seed)
+    rim = np.unique(boundary_edges(cells))
+    part = Membrane(cells, FABRIC, [[900, 200], [200, 700]], warp=(1, 0, 0))
+    return Structure(points, {"fabric": part}, [Support(rim)])
+
+
+@pytest.mark.parametrize("offset", SHEETS.values(), ids=SHEETS)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_pieces_of_one_membrane(offset, seed):
+    air = [Stage("air", [Pressure(300.0, "fabric")])]
+    ordered = sheets(offset)
+    assert ordered.normals("fabric") == pytest.approx(np.tile([0.0, 0, 1], (len(ordered.parts["fabric"].cells), 1)))
+    wanted, found = (Analysis(made).run(air)["air"] for made in (ordered, sheets(offset, seed)))
+    assert (wanted.membrane("fabric").cauchy[:, 0, 1] > 0).all()  # one sign in both sheets
+    assert_same(found, wanted)
+    assert sheets(offset, seed, -1.0).normals("fabric") == pytest.approx(-ordered.normals("fabric"))
+
+
+def test_closed_and_upright_pieces_keep_the_sense_of_their_first_cell():
+    tetrahedron, faces = np.vstack([np.zeros(3), np.eye(3)]), np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    sheet, wall = np.array([[5.0, 0, 0], [6, 0, 0], [5, 1, 0]]), np.array([[5.0, 0, 3], [6, 0, 3], [5, 0, 4]])
+    points = np.vstack([tetrahedron, sheet, wall])
+
+    def made(sense):
+        closed, upright = (cells if sense > 0 else cells[:, ::-1] for cells in (faces, np.array([[7, 8, 9]])))
+        cells = np.vstack([closed, [[4, 5, 6]], upright])
+        return Structure(points, {"fabric": Membrane(cells, FABRIC)}).normals("fabric")
+
+    ahead, back = made(1), made(-1)
+    assert ahead[4] == pytest.approx(back[4])
+    for kept in ([0, 1, 2, 3], [5]):
+        assert ahead[kept] == pytest.approx(-back[kept])
 
 
 def test_gmsh_model():

@@ -1,5 +1,6 @@
 """The command `fx-membrane info` reports the versions in use, and missing modules."""
 
+import subprocess
 import sys
 import types
 
@@ -20,6 +21,11 @@ def test_all_that_computes_is_listed():
     rows = info()
     assert {"fx_membrane", "dolfinx", "PETSc", "MPI", "Python", "numpy", "scipy", "pyvista", "vtk"} <= set(rows)
     assert rows["numpy"] == sys.modules["numpy"].__version__
+
+
+def test_module_works_like_the_command():
+    done = subprocess.run([sys.executable, "-m", "fx_membrane", "info"], capture_output=True, text=True, check=True)
+    assert "fx_membrane" in done.stdout
 
 
 def test_vtk_without_metadata_is_found(monkeypatch):

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import fx_membrane
+from fx_membrane.checks.former_names import NAMES
 
 
 def output(script):
@@ -77,6 +78,13 @@ def test_each_public_name_is_there():
         assert getattr(fx_membrane, name).__name__.rpartition(".")[2] == name
     with pytest.raises(AttributeError, match="Membrain"):
         getattr(fx_membrane, "Membrain")  # noqa: B009  (the subject, unknown to mypy)
+
+
+def test_former_name_tells_the_new_one():
+    with pytest.raises(AttributeError, match=r"fx_membrane\.DeadLoad is now DistributedLoad; see 'Changes since"):
+        getattr(fx_membrane, "DeadLoad")  # noqa: B009  (the subject, unknown to mypy)
+    assert set(NAMES.values()) <= set(fx_membrane.__all__)
+    assert not set(NAMES) & set(fx_membrane.__all__)
 
 
 def test_version():

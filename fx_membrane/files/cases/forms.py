@@ -95,14 +95,16 @@ def method_step(
 
 
 def check_constraints(table: Any) -> None:
-    """Refuse constraints of a method that takes none.
+    """Refuse constraints of force densities: the net of these is of several parts, and constraints name one.
 
     Raises:
         ValueError: There are some.
     """
-    if table.constraints and "constraints" not in inspect.signature(METHODS[table.method]).parameters:
-        able = [name for name, method in METHODS.items() if "constraints" in inspect.signature(method).parameters]
-        raise ValueError(f"method {table.method!r} takes no constraints; leave them out, or take {' or '.join(able)}")
+    if table.constraints and table.method == "force density":
+        raise ValueError(
+            f"method {table.method!r} takes no constraints in a case file; leave them out, take a method of stress, as "
+            "'projected stress', or write a script"
+        )
 
 
 def density_step(

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...model.parts import Bar, Cable, Part
+from ...checks.values import format_point
+from ...model.parts import Bar, Cable, Mast, Part
 from ...model.structure import Structure
 from ...model.supports import Support
 from ..form import Form, FormStep
@@ -65,6 +66,23 @@ def handed_over(
     told = [words(points) for body in motions.bodies for words in (body.turned, body.grown)]
     remarks = tuple(filter(None, told))
     return Form(points, forces, reactions, steps, converged, made_of, remarks=remarks)
+
+
+def pulled_mast(structure: Structure, motions: Motions, form: Form) -> str:
+    """Tell of a mast that a rigid body keeps in length and that ends in tension, in words; empty without one."""
+    least = BALANCED * max((float(np.abs(force).max(initial=0.0)) for force in form.forces.values()), default=0.0)
+    for body in (each for each in motions.bodies if each.is_line):
+        for name, part in structure.parts.items():
+            if isinstance(part, Mast):
+                inside = np.isin(part.cells, body.nodes).all(axis=1) & (part.prestress_tensors().ravel() == 0)
+                for cell in np.flatnonzero(inside & (form.forces[name] > least))[:1]:
+                    where = format_point(form.points[part.cells[cell]].mean(axis=0))
+                    return (
+                        f"the mast in cell {cell} of part {name!r}, at {where}, is in tension, with the force "
+                        f"{form.forces[name][cell]:.4g}: what meets at its ends pulls them apart. Make it a cable; or "
+                        "change the forces that meet there or its place at the start, so that it is pressed."
+                    )
+    return ""
 
 
 def _bars(

@@ -54,6 +54,11 @@ class Body:
         """True for a ring of given radius."""
         return self.is_ring and self.scale is not None
 
+    @property
+    def is_line(self) -> bool:
+        """True for a rigid body of nodes on a line, as a mast."""
+        return not self.is_ring and len(self.first) == 2
+
     def unknowns(self, points: Array) -> Array:
         """Reduced unknowns nearest to a shape, shape (p,) [m]."""
         found = np.linalg.lstsq(self.coordinates, points[self.nodes], rcond=None)[0]

@@ -22,7 +22,7 @@ STEPS = (1, 5, 20)  # numbers of steps, tried in turn, in which the unbalanced f
 TRIES = 20  # of each
 EPS = 1e-15
 FOLLOWED = 1e-6  # unbalanced force, above which a step has lost its way
-FALLEN = 60.0  # angle by which a free mast has turned, above which it is told [degrees]
+FALLEN = 45.0  # angle by which a free mast has turned, above which it is told [degrees]
 TURNED = 0.5  # cosine of the angle by which a mast turns at most
 
 

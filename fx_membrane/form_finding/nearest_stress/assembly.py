@@ -14,7 +14,7 @@ def assembled(n: int, entries: Sequence[tuple[Cells, Array]]) -> sparse.csr_matr
     """Sum blocks of cells, shape (cells, 3 k, 3 k) or (cells, k, 3, k, 3), into a matrix of 3 n components."""
     rows, columns, values = [], [], []
     for cells, blocks in entries:
-        numbers = (3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), -1)
+        numbers = (3 * cells[:, :, None] + np.arange(3)).reshape(len(cells), 3 * cells.shape[1])
         rows.append(np.repeat(numbers, numbers.shape[1], axis=1).ravel())
         columns.append(np.tile(numbers, (1, numbers.shape[1])).ravel())
         values.append(blocks.reshape(-1))

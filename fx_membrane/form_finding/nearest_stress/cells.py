@@ -186,7 +186,8 @@ class LoadBlock:
 
 
 def square_root(tensors: Array) -> Array:
-    """Square roots of symmetric positive tensors, shape (cells, 2, 2)."""
-    root = np.sqrt(np.linalg.det(tensors))
-    scale = np.sqrt(np.trace(tensors, axis1=1, axis2=2) + 2 * root)
+    """Square roots of symmetric positive tensors, shape (cells, 2, 2); NaN of others, which later checks refuse."""
+    with np.errstate(invalid="ignore"):
+        root = np.sqrt(np.linalg.det(tensors))
+        scale = np.sqrt(np.trace(tensors, axis1=1, axis2=2) + 2 * root)
     return np.asarray((tensors + root[:, None, None] * np.eye(2)) / scale[:, None, None])

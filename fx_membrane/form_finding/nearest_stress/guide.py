@@ -1,14 +1,12 @@
 """Constraints on the way to the nearest stress: motions of nodes, and cables whose force is no wish but given."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
 from ...model.structure import Structure
-from ...model.supports import Support
 from ..balance.constrained_balance import Balance, ConstrainedBalance
 from ..constraints.bodies import tangents
 from ..constraints.motions import Motions
@@ -125,16 +123,3 @@ class CableGuide:
         if isinstance(found, str):
             raise RuntimeError(found)
         return found
-
-
-def as_held(structure: Structure, balance: ConstrainedBalance) -> Structure:
-    """Structure with nodes of constraints as supports, and cables of constraints with a force, to tell of its edges."""
-    parts = dict(structure.parts)
-    for name, bar in balance.targets.bars.items():
-        force = bar.prestress_tensors().ravel().copy()
-        for of, line, *_ in balance.targets.targets:
-            if of == name:
-                force[line.cells] = np.maximum(force[line.cells], 1.0)
-        parts[name] = replace(bar, prestress=force)
-    nodes = np.flatnonzero(balance.motions.guided)
-    return replace(structure, parts=parts, supports=[*structure.supports, *([Support(nodes)] if len(nodes) else [])])

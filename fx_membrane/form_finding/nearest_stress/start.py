@@ -65,6 +65,7 @@ def even_state(problem: NearestProblem) -> State:
 
     Raises:
         RuntimeError: The loads grow with the form faster than the stress can carry.
+        ValueError: A wish as a function of place is no tension there, or its warp vanishes or is normal to a cell.
     """
     points = problem.structure.points
     none = np.zeros_like(points)
@@ -82,4 +83,9 @@ def even_state(problem: NearestProblem) -> State:
         densities = problem.densities(points, none)
         found = problem.balanced(points, plans, densities)
         points = found.points
-    return problem.measured(points, none, plans, found.densities, found.reactions, 0.0)
+    try:
+        return problem.measured(points, none, plans, found.densities, found.reactions, 0.0)
+    except RuntimeError:
+        for block in problem.membranes.values():
+            block.wish.check(points)
+        raise

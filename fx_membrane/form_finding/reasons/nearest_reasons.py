@@ -14,6 +14,8 @@ from ..nearest_stress.ratios import differences
 from ..nearest_stress.state import NearestProblem, State
 from ..plan import place
 from ..wishes import Wish
+from .as_asked import as_asked
+from .folds import fold
 from .no_form import causes, forces_in
 from .ring_reach import far_ring, has_ring
 from .unheld import lone_point
@@ -60,7 +62,8 @@ def reason_of(
             under constraints, for which there is none.
     """
     structure, where = problem.structure, _worst(problem, state)
-    weak = weak_edges(structure, structure.points, _wished(problem), forces_in(structure))
+    asked = structure if problem.balance is None else as_asked(structure, problem.balance)
+    weak = weak_edges(asked, structure.points, _wished(problem), forces_in(asked))
     lone = lone_point(structure, structure.points)
     settled = bool(steps) and steps[-1].change <= tolerance
     if failure or state.mean > far:
@@ -95,7 +98,8 @@ def _established(problem: NearestProblem, state: State, weak: WeakEdges, lone: s
         return causes(stronger.words, lone) if stronger else causes(weak.words, ring, lone)
     if ring or lone:
         return causes(ring, lone)
-    return _by_trial(problem, weak, is_found) or _neck(problem, state) or (UNTRIED if is_found is None else UNKNOWN)
+    found = _by_trial(problem, weak, is_found) or _neck(problem, state) or causes(fold(structure, structure.points))
+    return found or (UNTRIED if is_found is None else UNKNOWN)
 
 
 def _by_trial(problem: NearestProblem, weak: WeakEdges, is_found: Trial | None) -> str:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from ...geometry.measures import normals, projected
 from ...model.parts import Membrane
 from ...model.structure import Structure
+from .folds import fold
 from .ring_reach import far_ring
 from .unheld import free_edge, lone_point
 from .weak_edges import weak_edges
@@ -17,16 +18,28 @@ Array = NDArray[np.float64]
 UNEQUAL = 1.05  # ratio of principal stresses, above which they count as unequal
 
 
-def cause(structure: Structure, points: Array) -> str:
-    """Tell of weak edge cables, rings too far away, edges and points without hold, or else of unequal stress.
+def cause(structure: Structure, points: Array, asked: Structure | None = None) -> str:
+    """Tell of the causes that rules establish, or else of unequal stress; see `established`.
 
     Returns:
         Sentences; empty without any, which does not mean that there is a form.
     """
+    return established(structure, points, asked) or _unequal(structure)
+
+
+def established(structure: Structure, points: Array, asked: Structure | None = None) -> str:
+    """Tell of weak edge cables, rings too far away, edges and points without hold, or else of a fold, in sentences.
+
+    Args:
+        structure: The structure.
+        points: Its shape, shape (n, 3) [m].
+        asked: The same with what its constraints ask for, see `as_asked`; the structure itself if not given.
+    """
+    asked = asked or structure
     stresses = stresses_in(structure, points)
-    found = [weak_edges(structure, points, stresses, forces_in(structure)).words, far_ring(structure, points, stresses)]
-    found += [free_edge(structure, points), lone_point(structure, points)]
-    return causes(*found) or _unequal(structure)
+    found = [weak_edges(asked, points, stresses, forces_in(asked)).words, far_ring(structure, points, stresses)]
+    found += [free_edge(asked, points), lone_point(structure, points)]
+    return causes(*found) or causes(fold(structure, points))
 
 
 def causes(*found: str) -> str:
@@ -40,9 +53,14 @@ def _unequal(structure: Structure) -> str:
         if isinstance(part, Membrane):
             least, largest = np.linalg.eigvalsh(part.prestress_tensors()).mean(axis=0)
             if largest > UNEQUAL * least:
+                unequal = (
+                    f"{largest / least:.3g} times as large in one direction as in the other"
+                    if least > 0
+                    else "zero in one direction"
+                )
                 return (
-                    f"The stress of part {name!r} is {largest / least:.3g} times as large in one direction as in the "
-                    "other, which few surfaces carry everywhere: stress in plan (projected_stress) has more forms."
+                    f"The stress of part {name!r} is {unequal}, which few surfaces carry everywhere: stress in plan "
+                    "(projected_stress) has more forms."
                 )
     return ""
 

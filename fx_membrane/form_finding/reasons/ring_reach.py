@@ -83,10 +83,12 @@ def far_ring(structure: Structure, points: Array, stresses: Mapping[str, Array])
             width = float(lengths(away - np.outer(away @ ring.axis, ring.axis)).max())
             high = reach(ring.radius, max(width, ring.radius), ring.ratio)
             if rise > high:
+                equal = f"{ring.ratio:.3g}" == "1"
+                times = "as much" if equal else f"{ring.ratio:.3g} times as much"
                 return (
                     f"A ring is too far from its base: that of part {name!r} around "
                     f"{validation.format_point(ring.centre)}, of radius {ring.radius:.4g}, is {rise:.4g} away from it, "
-                    f"and a membrane with {ring.ratio:.3g} times as much stress across the ring as along it reaches "
+                    f"and a membrane with {times} stress across the ring as along it reaches "
                     f"about {high:.3g}"
                 )
     return ""
@@ -122,6 +124,8 @@ def _rings(points: Array, triangles: NDArray[np.int64], stress: Array, held: NDA
         along /= lengths(along)[:, None]
         across = np.cross(normals(points, triangles[cells[loop == k]]), along)
         n_s, n_t = (np.einsum("ki,kij,kj->k", v, stress[cells[loop == k]], v).mean() for v in (across, along))
+        if n_t <= ZERO * n_s:  # threads from ring to base, of any length
+            continue
         centre = np.where(np.abs(centre) > ZERO * distance.mean(), centre, 0.0)
         found.append(Ring(nodes, centre, axis, float(distance.mean()), float(n_s / n_t)))
     return found

@@ -27,6 +27,8 @@ class Bed:
 class Other(Bed):
     '''Another class with the same formula.'''
 
+    energy = Bed.energy
+
 @dataclass(frozen=True)
 class Push:
     part: str

@@ -3,10 +3,12 @@
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import pytest
 
-from fx_membrane import Cable, Fabric, Law, Mast, Membrane, Newton, Structure, Support
+from fx_membrane import Cable, Fabric, Law, Mast, Membrane, Newton, PointLoad, Stage, Structure, Support
 from fx_membrane.checks.values import counted
+from fx_membrane.model.stages import check_stages
 
 
 @pytest.mark.parametrize(("count", "words"), [(0, "0 nodes"), (1, "1 node"), (2, "2 nodes"), (-1, "-1 nodes")])
@@ -22,6 +24,39 @@ def test_table_of_a_structure_has_a_plural():
 def test_truth_value():
     with pytest.raises(ValueError, match=r"^Newton line_search is 1; give True or False\.$"):
         Newton(line_search=1)
+
+
+@dataclass(frozen=True)
+class Bed:
+    part: str
+    k: float
+
+    def energy(self, state, parameters):
+        return parameters.k * state.u[2] ** 2 / 2
+
+
+POINTS, PARTS = [[0.0, 0, 0], [1, 0, 0]], {"rope": Cable([[0, 1]], 1e6)}
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (
+            lambda: Structure(POINTS, PARTS, np.arange(2)),
+            r"list of Support, not .*; give \[Support\(",
+        ),
+        (lambda: Structure(POINTS, PARTS, Support(0)), r"supports.*list of Support, .*; put it in brackets"),
+        (lambda: Structure(POINTS, PARTS, terms=Bed("rope", 1.0)), r"terms.*energy terms, .*; put it in brackets"),
+        (lambda: Structure(POINTS, PARTS, terms=3), r"terms.*energy terms, not 3; give one"),
+        (lambda: Stage("a", "rope"), r"loads.*PointLoad.*, or of energy terms, not 'rope'; give \[PointLoad\("),
+        (lambda: Stage("a", Bed("rope", 1.0)), r"loads.*, or of energy terms, not Bed.*; put it in brackets"),
+        (lambda: Stage("a", PointLoad(1, (0, 0, 1.0))), r"loads.*energy terms, not a PointLoad; put it in brackets"),
+        (lambda: check_stages(Structure(POINTS, PARTS), "a"), r"stages.*list of Stage, not 'a'; give \[Stage\("),
+    ],
+)
+def test_brackets_are_the_remedy_for_one_object_alone(make, words):
+    with pytest.raises(ValueError, match=words):
+        make()
 
 
 @pytest.mark.parametrize("kind", [Cable, Mast])

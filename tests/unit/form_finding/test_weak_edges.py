@@ -89,9 +89,9 @@ def test_force_named_for_a_cable_around_all_edges_gives_a_form(corners):
 
 @pytest.mark.parametrize("corners", [3, 5, 8])
 def test_force_named_by_updated_reference_gives_a_soap_film(corners):
-    with pytest.raises(RuntimeError, match="edge cables are too weak") as told:
+    with pytest.warns(UnsettledFormWarning, match="edge cables are too weak") as told:
         updated_reference(plan(corners, 2e3, [2e3] * corners), max_iterations=300)
-    forces = needed(str(told.value))
+    forces = needed(str(told[0].message))
     enough = [1.01 * forces.get(f"edge {c}", 2e3) for c in range(corners)]
     assert updated_reference(plan(corners, 2e3, enough), max_iterations=300).converged
 

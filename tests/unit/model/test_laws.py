@@ -8,6 +8,7 @@ import ufl
 
 from fx_membrane import Axial, Cable, Fabric, Mast, MooneyRivlin, NeoHooke
 from fx_membrane._dolfinx import abstract_mesh
+from fx_membrane.forms import wrinkling
 from fx_membrane.results.strain_limits import elastic_strain
 from own_laws import Foil, law, membrane
 
@@ -34,6 +35,50 @@ AREA = abstract_mesh(2)
 
 
 # Taken
+
+
+def test_own_relaxed_energy_that_agrees_is_taken():
+    relaxed = law(relaxed_energy=lambda self, E, s, p: wrinkling.isotropic(E, s, 1.5 * p.D, 0.5))
+    assert membrane(relaxed).material is relaxed
+    two_states = law(
+        relaxed_energy=lambda self, E, s, p: own_state(E, s, p, ufl.conditional(ufl.lt(E[0, 0], -0.1), 1, 0))
+    )
+    assert membrane(two_states).material is two_states
+
+
+@dataclass(frozen=True)
+class Rope:
+    """Cable whose relaxed energy has a modulus of its own."""
+
+    EA: float
+    relaxed: float
+
+    def energy(self, E, sigma0, parameters):
+        return sigma0[0, 0] * E[0, 0] + parameters.EA * E[0, 0] ** 2 / 2
+
+    def relaxed_energy(self, E, sigma0, parameters):
+        return wrinkling.cable(E, sigma0, parameters.relaxed)
+
+    @property
+    def stiffness(self):
+        return self.EA
+
+
+def test_relaxed_energy_of_a_cable():
+    assert Cable(LINE, material=Rope(1e5, 1e5)).axial_stiffness == 1e5
+    with pytest.raises(ValueError, match=r"stress 1\.2e\+04 in component 11.*\[\[0\.01\]\].*its energy has 3e\+03"):
+        Cable(LINE, material=Rope(1e5, 1e6))
+
+
+@dataclass(frozen=True)
+class Private(Foil):
+    _k: float = 1.0
+    energy = Foil.energy
+
+
+def test_field_with_an_underscore():
+    with pytest.raises(ValueError, match=r"Private has a field '_k'; give it a name without an underscore"):
+        membrane(Private(1.0))
 
 
 @pytest.mark.parametrize("material", [Foil(3.0), law(), NeoHooke(2.0), MooneyRivlin(2.0, 1.0), Fabric(1e5, 0.3)])
@@ -147,6 +192,10 @@ class Loose:
     energy = Foil.energy
 
 
+def own_state(E, sigma0, parameters, state):
+    return wrinkling.Relaxed(wrinkling.isotropic(E, sigma0, 1.5 * parameters.D, 0.5).energy, state)
+
+
 REFUSED = [
     (Loose(1.0), "Loose stiffness is missing; give a typical stiffness"),
     (law(energy=ogden()), r"derivatives at E = 0, at equal stretches, that are not numbers.*tr\(C\).*under the root"),
@@ -163,6 +212,24 @@ REFUSED = [
         r"relaxed_energy\(.*\) returns .*; return .*Relaxed.*or None",
     ),
     (law(relaxed_energy=lambda self, E: None), r"relaxed_energy takes \(E\); let it take \(E, sigma0, parameters\)"),
+    (
+        law(relaxed_energy=lambda self, E, s, p: wrinkling.isotropic(E, 0 * s, 200 * p.D, 0.0)),
+        r"relaxed_energy\(.*\) has the stress .* in component 11 at the taut strain .* under the prestress .* of a "
+        "trial, but its energy has .*; .*take the same moduli and sigma0",
+    ),
+    (
+        law(relaxed_energy=lambda self, E, s, p: wrinkling.isotropic(E, s, 20 * p.D, 0.0)),
+        r"has the stress .* in component 11 at the taut strain \[\[0\.01, .*its energy has",
+    ),
+    (
+        law(relaxed_energy=lambda self, E, s, p: own_state(E, s, p, 7.0)),
+        r"has the state 7 at the strain .*; give fx_membrane\.forms\.wrinkling\.TAUT, WRINKLED or SLACK",
+    ),
+    (
+        law(relaxed_energy=lambda self, E, s, p: own_state(E, s, p, ufl.conditional(ufl.lt(E[0, 0], -0.1), 3, 0))),
+        r"has the state 3 at the strain \[\[-0\.2, .*; give fx_membrane\.forms\.wrinkling\.TAUT",
+    ),
+    (law(relaxed_energy=lambda self, E, s, p: own_state(E, s, p, E)), r"whose state is a tensor of shape \(2, 2\)"),
     (law(strain=lambda self, s: s[:, 0]), r"strain\(stress\) has the shape \(3, 2\).*\(3, 2, 2\).*same shape"),
     (law(strain=lambda self, s: s / self.EA), r"strain\(stress\) raises AttributeError"),
     (Foil, "brackets"),

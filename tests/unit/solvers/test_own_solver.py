@@ -135,7 +135,7 @@ def _nan(x):
     [
         (
             answering(Solution(Outcome.CONVERGED, "", ()), impose=False),
-            "constrained component is 0.05.*place",
+            r"constrained component is 0.05.*place; let it call loaded\.constraints\.impose\(x\)",
         ),
         (answering(_nan), "displacement.*not a number"),
     ],
@@ -218,8 +218,8 @@ class ShortFunction:
         (3, r"solver is 3.*no method prepare\(problem\).*Newton\(\)"),
         (None, r"solver is None.*no method prepare\(problem\)"),
         (NoArgument(), r"prepare takes \(\).*\(problem\)"),
-        (NoFunction(), r"NoFunction\.prepare returns None.*solve\(problem, x, monitor, thorough\)"),
-        (ShortFunction(), r"ShortFunction\.prepare .* of \(x\).*\(problem, x, monitor, thorough\)"),
+        (NoFunction(), r"NoFunction\.prepare returns None.*solve\(loaded, x, monitor, thorough\)"),
+        (ShortFunction(), r"ShortFunction\.prepare .* of \(x\).*\(loaded, x, monitor, thorough\)"),
     ],
 )
 def test_refused_at_the_door(solver, words):

@@ -127,7 +127,7 @@ def test_controls_of_mumps_reach_the_factorization(options, solvers, monkeypatch
         ({"mat_mumps_icntl_999": 1}, "-fx_membrane_mat_mumps_icntl_999 is 1, which PETSc refuses"),
         ({"mat_mumps_cntl_99": 1.5}, r"-fx_membrane_mat_mumps_cntl_99 is 1\.5, which PETSc refuses"),
         ({"ksp_type": "cg", "pc_type": "jacobi", "ksp_rtol": -1}, "-fx_membrane_ksp_rtol is -1, below zero"),
-        ({"mat_mumps_icntl_14": "much"}, "with the prefix fx_membrane_ are not all numbers"),
+        ({"mat_mumps_icntl_14": "much"}, "with the prefix fx_membrane_ are not all numbers; give whole .*icntl_.*[.]$"),
         ({"pc_type": "jacobi"}, "-fx_membrane_pc_type is jacobi, which does not solve for a step"),
         ({"pc_type": "magic"}, "PETSc refuses the options .*'pc_type': 'magic'"),
         ({"ksp_type": "magic"}, "PETSc refuses the options .*'ksp_type': 'magic'"),
@@ -181,6 +181,15 @@ def test_option_that_nothing_reads_is_told_once(options, recwarn):
     expected = "PETSc options have no effect on Newton: -fx_membrane_ksp_typo, -fx_membrane_snes_monitor. Mend"
     (message,) = told(recwarn)
     assert message.startswith(expected)
+
+
+@pytest.mark.mpi
+def test_limit_of_iterations_of_the_direct_solver_is_told(options, recwarn):
+    options(ksp_rtol=1e-9)
+    run(SNOW)
+    (message,) = told(recwarn)
+    assert "no effect on Newton: -fx_membrane_ksp_rtol. " in message
+    assert "iterative method: give -fx_membrane_ksp_type" in message
 
 
 def test_without_options_nothing_is_told(recwarn):

@@ -29,6 +29,8 @@ def sphere(n=8):
         (0, "^size is 0; it must be positive"),
         (-1.0, "^size is -1.0; it must be positive"),
         (9.0, "^size is 9, more than that of the membranes, 4"),
+        (1e-4, "^size is 0.0001, for membranes of the size 4: too many cells; give a larger one"),
+        (lambda x: np.full(x.shape[1], 1e-5), "^size is 1e-05, for membranes of the size 4: too many cells"),
         (lambda x: -(x[0] ** 2), "^size, as a function of places, gives .*positive numbers"),
         (lambda x: np.ones(3), "^size, as a function of places, gives .*one for each place"),
     ],

@@ -208,6 +208,11 @@ def test_open_model_is_left_alone():
             "^The hole 'a' and the hole 'b' meet",
         ),
         ({"holes": {"a": [(1, 1), (2, 2)]}}, "^The hole 'a' has 2 corners"),
+        (
+            {"holes": {"a": [(1, 1), (2, 2), (2, 1), (1, 2)]}},
+            r"^The hole 'a' crosses itself at \(1\.5, 1\.5\); give its points in order, each once",
+        ),
+        ({"lines": {"l": [(1, 1), (2, 1), (1, 1)]}}, r"^The line 'l' crosses itself at \(.*; give its points in order"),
         ({"lines": {"l": ["0", "2"], "m": ["1", "3"]}}, r"^The line 'l' and the line 'm' meet at \(2, 2\)"),
         ({"lines": {"l": ["0", "1"]}}, "^The edge '0-1' and the line 'l' meet"),
         ({"lines": {"l": ["0", (5, 5)]}}, "^The line 'l' is outside the edges"),

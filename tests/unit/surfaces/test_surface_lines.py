@@ -14,6 +14,7 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
+    SurfaceLine,
     boundary_edges,
     geodesic,
     rectangle,
@@ -257,6 +258,27 @@ def test_surfaces_refused():
         warp_lines((points, triangles), [40])
     with pytest.raises(ValueError, match=r"^starts is 40; give a list"):
         warp_lines(ring, 40)
+
+
+@pytest.mark.parametrize("spacing", [3.9, 4.1, 1e3])
+def test_spacing_larger_than_all_lines_is_refused(spacing):
+    points, triangles = sheet()
+    sail = Structure(points, {"sail": Membrane(triangles, FABRIC, 1e3, warp=(1, 0, 0))})
+    if spacing < 4:
+        assert len(warp_lines(sail, spacing=spacing)) == 1
+        return
+    with pytest.raises(ValueError, match=rf"^spacing is {spacing:g}, and no line along the warp is as long; give a"):
+        warp_lines(sail, spacing=spacing)
+
+
+def test_piece_without_length_has_no_direction():
+    surface = sheet()
+    line = geodesic(surface, 40, direction=(1, 0, 0))
+    longer = SurfaceLine(np.concatenate([line.points, line.points[-1:]]), np.append(line.cells, line.cells[-1]))
+    assert not longer.directions[-1].any()
+    assert warp_along(surface, [longer]) == pytest.approx(warp_along(surface, [line]))
+    with pytest.raises(ValueError, match=r"^lines, entry 1, at \(0, 0, 0\), has no length, and so no direction"):
+        warp_along(surface, [line, SurfaceLine(surface[0][[40, 40]], line.cells[:1])])
 
 
 def test_warp_along_refused():

@@ -1,0 +1,32 @@
+"""Structure with the forces and the held nodes that constraints ask for, to tell of its edges."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...geometry.measures import measures
+from ...model.parts import Membrane
+from ...model.structure import Structure
+from ...model.supports import Support
+from ..balance.constrained_balance import ConstrainedBalance
+
+AMPLE = 10.0  # force of a cable of given geometry, over the largest stress times the size: no rule calls it too weak
+
+
+def as_asked(structure: Structure, balance: ConstrainedBalance) -> Structure:
+    """Structure with nodes of constraints as supports, and cables with the forces of constraints in the first shape.
+
+    A cable of given geometry, whose force is found, has an ample one.
+    """
+    parts, targets = dict(structure.parts), balance.targets
+    membranes = [part for part in parts.values() if isinstance(part, Membrane)]
+    stress = max((float(np.abs(part.prestress_tensors()).max()) for part in membranes), default=0.0)
+    densities = targets.by_force(structure.points)
+    for name, bar in targets.bars.items():
+        force = densities[name] * measures(structure.points, bar.cells)
+        for of, line, *_ in targets.targets:
+            if of == name:
+                force[line.cells] = np.maximum(force[line.cells], AMPLE * stress * structure.size or 1.0)
+        parts[name] = replace(bar, prestress=force)
+    nodes = np.flatnonzero(balance.motions.guided)
+    return replace(structure, parts=parts, supports=[*structure.supports, *([Support(nodes)] if len(nodes) else [])])
