@@ -72,9 +72,8 @@ def test_demo_that_is_no_case_is_refused(name, words, tmp_path, monkeypatch):
 
 
 def test_quiet_run_says_nothing_and_logs(roof):
-    (roof / "roof.toml").write_text(
-        PLAIN.replace("[solver]", '[form_finding]\nmethod = "natural force density"\n[solver]')
-    )
+    held = PLAIN.replace('components = "z"', 'components = "xyz"')
+    (roof / "roof.toml").write_text(held.replace("[solver]", '[form_finding]\nmethod = "projected stress"\n[solver]'))
     text = said("run", "roof.toml", "--quiet", "--log", "run.txt")
     assert text == (0, "")
     assert "Stage 'snow': 2 increments" in (roof / "run.txt").read_text()
