@@ -157,8 +157,9 @@ CASES = {
     ),
     force_density: (
         {"points": POINTS.tolist(), "branches": [[0, 1], [1, 2]], "q": [1.0, 2.0], "fixed": [Support([0, 2])],
-         "loads": None},
-        {"points": "array", "branches": "rows", "q": "array", "fixed": "object", "loads": "array?"},
+         "loads": None, "constraints": (), "tolerance": 0.1, "max_iterations": 2},
+        {"points": "array", "branches": "rows", "q": "array", "fixed": "object", "loads": "array?",
+         "constraints": "list", "tolerance": "number", "max_iterations": "whole"},
     ),
     masts_and_stays: (
         {"form": FORM, "bars": {"stay": Cable([[0, 4]], 1e6)}, "points": [[-2.0, 0.0, 0.0]], "heads": [0],
@@ -189,9 +190,10 @@ CASES = {
     ),
     RadialDirection: ({"origin": [0.0, 0.0, 0.0], "axis": [0.0, 0.0, 1.0]}, {"origin": "array", "axis": "array"}),
     prescribed_stress: (
-        {"structure": SHEET, "loads": (), "stress": {}, "warp": {}, "tolerance": 0.1, "max_iterations": 2},
+        {"structure": SHEET, "loads": (), "stress": {}, "warp": {}, "tolerance": 0.1, "max_iterations": 2,
+         "constraints": ()},
         {"structure": "object", "loads": "list", "stress": "table?", "warp": "table?", "tolerance": "number",
-         "max_iterations": "whole"},
+         "max_iterations": "whole", "constraints": "list"},
     ),
     projected_stress: (
         {"structure": SHEET, "loads": (), "stress": {}, "cables": "force", "direction": [0.0, 0.0, 1.0],
@@ -200,9 +202,9 @@ CASES = {
          "tolerance": "number", "max_iterations": "whole", "constraints": "list"},
     ),
     updated_reference: (
-        {"structure": SHEET, "loads": (), "tolerance": 0.1, "max_iterations": 2, **COMM},
+        {"structure": SHEET, "loads": (), "tolerance": 0.1, "max_iterations": 2, **COMM, "constraints": ()},
         {"structure": "object", "loads": "list", "tolerance": "number", "max_iterations": "whole",
-         "comm": "object"},
+         "comm": "object", "constraints": "list"},
     ),
     natural_frequencies: MODES,
     stability: MODES,
@@ -278,8 +280,10 @@ CASES = {
     ),
     plot.contours: (
         {"result": STATE, "fields": {"height": POINTS[:, 2]}, "path": "a", "scale": 1.0, "view": [0.0, -1.0, 0.5],
-         "mirror": None, "antisymmetric": (), "ranges": None},
+         "mirror": None, "antisymmetric": (), "ranges": None, "smoothed": (), "lines": (), "spacing": None,
+         "forces": False, "axes": False, **UNIT_NAMES},
         {"result": "object", "fields": "object", "path": "path", "scale": "number", "view": "array",
-         "mirror": "object?", "antisymmetric": "list", "ranges": "table?"},
+         "mirror": "object?", "antisymmetric": "list", "ranges": "table?", "smoothed": "list", "lines": "list",
+         "spacing": "number?", "forces": "truth", "axes": "truth", **UNIT_KINDS},
     ),
 }  # fmt: skip

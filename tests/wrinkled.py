@@ -93,10 +93,13 @@ def strains(fabric, seed, count=COUNT, margin=0.05):
 
 
 def cells_in_space(count, seed):
-    """Triangles that share no node, anywhere."""
+    """Triangles that share no node, anywhere, all of one side: their normals lie within 80 degrees of each other."""
     rng = np.random.default_rng(seed)
     flat = np.array([[0.0, 0, 0], [1, 0, 0], [0.3, 0.8, 0]]) + 0.1 * rng.normal(size=(count, 3, 3)) * [1, 1, 0]
-    turned = np.einsum("nij,nkj->nki", Rotation.random(count, random_state=seed).as_matrix(), flat)
+    tilt = rng.normal(size=(count, 3)) * [1, 1, 0]
+    tilt *= np.radians(rng.uniform(0, 40, (count, 1))) / np.linalg.norm(tilt, axis=1, keepdims=True)
+    spin = Rotation.from_rotvec(rng.uniform(-np.pi, np.pi, (count, 1)) * [0, 0, 1])
+    turned = np.einsum("nij,nkj->nki", (Rotation.from_rotvec(tilt) * spin).as_matrix(), flat)
     return (turned + rng.normal(size=(count, 1, 3))).reshape(-1, 3), np.arange(3 * count).reshape(-1, 3)
 
 

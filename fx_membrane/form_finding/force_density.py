@@ -94,13 +94,13 @@ def force_density(
         raise ValueError(f"loads has shape {force.shape}; give three components for each of the {n} nodes.")
 
     held = _held(fixed, n)
+    constraints = validation.instances("constraints", constraints, Constraint)
+    tolerance = validation.positive("tolerance", tolerance)
+    max_iterations = validation.positive_integer("max_iterations", max_iterations)
     if not constraints:
         shape, reactions = _balanced(points, branches, densities, held, force)
         lengths = np.linalg.norm(np.diff(shape[branches], axis=1)[:, 0], axis=1)
         return Form(shape, {"net": densities * lengths}, reactions, supports=tuple(fixed))
-    tolerance = validation.positive("tolerance", tolerance)
-    max_iterations = validation.positive_integer("max_iterations", max_iterations)
-    constraints = validation.instances("constraints", constraints, Constraint)
     guided = held.copy()
     for constraint in constraints:
         if isinstance(constraint, NodeConstraint):

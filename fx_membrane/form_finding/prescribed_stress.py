@@ -142,6 +142,7 @@ def prescribed_stress(
         loads = checked_form_loads(structure, loads)
         tolerance = validation.positive("tolerance", tolerance)
         max_iterations = validation.positive_integer("max_iterations", max_iterations)
+        constraints = validation.instances("constraints", constraints, Constraint)
         check_bars(structure)
         wishes = wishes_of(structure, stress, warp)
         balance = None

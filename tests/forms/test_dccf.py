@@ -32,6 +32,9 @@ def random_elements(rng, nodes):
     corners[:, 1, 0] = 1.0
     corners[:, 2, 0], corners[:, 2, 1] = np.cos(angle), np.sin(angle)
     turned = corners @ np.linalg.qr(rng.normal(size=(COUNT, 3, 3)))[0]
+    normal = np.cross(turned[:, 1], turned[:, 2])
+    other = normal @ normal[0] < 0  # a structure would turn these cells to the side of the first
+    turned[other] = turned[other][:, [0, 2, 1]]
     return size * (rng.normal(size=(COUNT, 1, 3)) + turned[:, :nodes]), size
 
 

@@ -32,7 +32,16 @@ NO_INPUT = {  # made by the package
     "PartFunctions", "Problem", "PathPoint", "Solution", "Solve", "Solver", "Stability", "StageResult", "StageResults",
     "TermResult", "plot",
 }  # fmt: skip
-ELSEWHERE = {"drainage", "geodesic", "remeshed", "sail_mesh", "warp_along", "warp_lines"}  # in tests/unit/surfaces
+ELSEWHERE = {
+    "drainage",
+    "geodesic",
+    "remeshed",
+    "sail_mesh",
+    "stress_trajectories",
+    "warp_along",
+    "warp_lines",
+    "wrinkle_lines",
+}  # in tests/unit/surfaces
 NOT_RIGHT = (
     structure_from_gmsh,
     structure_from_file,
