@@ -72,12 +72,12 @@ def conflicts_of(points: Array, edges: Sequence[Edge], held: Numbers, surfaces: 
 def _of_pair(points: Array, edges: Sequence[Edge], i: int, j: int) -> list[Conflict]:
     """Conflicts of two edges: at the corners where they meet, and elsewhere."""
     a, b = edges[i], edges[j]
-    common = np.intersect1d(a.ends, b.ends)
+    common = np.intersect1d(a.ends, b.ends).tolist()
     found = []
     for node in common:
         one, other = _away(a, node), _away(b, node)
         if a.pull @ other > 0 and b.pull @ one > 0:
-            found.append(Conflict((i, j), int(node), None, _corner((i, j), _angle(one, other))))
+            found.append(Conflict((i, j), node, None, _corner((i, j), _angle(one, other))))
     if len(common) < 2:
         plane = _plane(points[np.concatenate([edge.ends for edge in edges if edge.surface == a.surface])])
         excess = _crossing(points, edges, (i, j), plane, len(common) > 0)
