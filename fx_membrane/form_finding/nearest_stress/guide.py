@@ -58,7 +58,7 @@ class MotionGuide:
             points: The shape, shape (n, 3) [m].
             forces: Forces on the nodes, shape (n, 3) [N].
         """
-        blocks = [tangents(body, points, forces)[1] for body in self.motions.bodies]
+        blocks = [sparse.csr_matrix(tangents(body, points, forces)[1]) for body in self.motions.bodies]
         return sparse.block_diag(blocks).tocsr() if blocks else sparse.csr_matrix((0, 0))
 
     def basis(self, points: Array) -> sparse.csr_matrix:
