@@ -21,7 +21,11 @@ def has_cases():
 
 
 def check_case(name, expected):
-    """Check that the case file of a demo gives the numbers of its script, to 1e-12 of the largest of their kind."""
+    """Check that the case file of a demo gives the numbers of its script, to 1e-12 of the largest of their kind.
+
+    Forces to 1e-10: places are rounded by 1e-16 of 12 m; over chords of 0.08 m of a ring, with EA 2e5 kN beside 40 kN,
+    that is 1e-10.
+    """
     from fx_membrane.files.cases.case import read_case  # noqa: PLC0415  (optional packages)
 
     case = read_case(CASES / f"{name}.toml")
@@ -36,11 +40,12 @@ def check_case(name, expected):
         for dimension in (1, 2):
             parts = [part for part, entry in state.parts.items() if entry.dimension == dimension]
             if parts:
-                near(
-                    *(np.concatenate([side.parts[part].principal for part in parts]) for side in (found[stage], state))
+                forces, wanted = (
+                    np.concatenate([side.parts[part].principal for part in parts]) for side in (found[stage], state)
                 )
+                near(forces, wanted, 1e-10)
 
 
-def near(found, expected):
-    """Check to 1e-12 of the largest; what is all but zero, as displacements at rest, by its own size."""
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max(initial=0.0))
+def near(found, expected, share=1e-12):
+    """Check to a share of the largest; what is all but zero, as displacements at rest, by its own size."""
+    np.testing.assert_allclose(found, expected, rtol=0, atol=share * np.abs(expected).max(initial=0.0))
