@@ -144,7 +144,7 @@ def _numbers(entries: list[dict[str, Any]], names: Any) -> NDArray[np.float64]:
 
 
 def _number(name: str, value: Any) -> float:
-    """Number of an attribute; 0 without one."""
+    """Read the number of an attribute; 0 without one."""
     try:
         found = float(value or 0.0)
     except (TypeError, ValueError):

@@ -28,8 +28,8 @@ def write_mesh(shape: Structure | StageResult | Form, path: str | Path, *, lengt
     - `.obj`: a group for each part, faces and lines.
     - `.dxf`: a layer for each part, 3DFACE and LINE; a layer "supports" of points; the unit of length.
 
-    Numbers are not converted: the name of the unit goes into a DXF file, and the other formats have none. An existing file is replaced by a complete one. Under MPI call it on all processes; the
-    first one writes.
+    Numbers are not converted: the name of the unit goes into a DXF file, and the other formats have none. An existing
+    file is replaced by a complete one. Under MPI call it on all processes; the first one writes.
 
     Args:
         shape: A structure, in its reference shape; a state, in its deformed shape; or a form.
@@ -38,8 +38,8 @@ def write_mesh(shape: Structure | StageResult | Form, path: str | Path, *, lengt
             and for a name that the format does not know.
 
     Raises:
-        ValueError: The shape is of another kind; the ending is not known; the unit is not a text; the name of a part has letters that the
-            format does not allow; the file cannot be written.
+        ValueError: The shape is of another kind; the ending is not known; the unit is not a text; the name of a part
+            has letters that the format does not allow; the file cannot be written.
         ImportError: ezdxf is not installed.
 
     Example:
@@ -69,7 +69,7 @@ def write_mesh(shape: Structure | StageResult | Form, path: str | Path, *, lengt
         WRITERS[ending](stream, structure, points, unit)
 
 
-def _write_msh(stream: IO[str], structure: Structure, points: NDArray[np.float64], _: str) -> None:
+def _write_msh(stream: IO[str], structure: Structure, points: NDArray[np.float64], unit: str) -> None:
     groups: list[tuple[str, int, int, Any]] = [
         (name, part.dimension, TRIANGLE if part.dimension == 2 else LINE, part.cells)
         for name, part in structure.parts.items()
@@ -92,7 +92,7 @@ def _write_msh(stream: IO[str], structure: Structure, points: NDArray[np.float64
     stream.write("$EndElements\n")
 
 
-def _write_obj(stream: IO[str], structure: Structure, points: NDArray[np.float64], _: str) -> None:
+def _write_obj(stream: IO[str], structure: Structure, points: NDArray[np.float64], unit: str) -> None:
     stream.writelines(f"v {x!r} {y!r} {z!r}\n" for x, y, z in points.tolist())
     for name, part in structure.parts.items():
         stream.write(f"g {name}\n")

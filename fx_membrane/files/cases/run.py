@@ -25,7 +25,7 @@ from ..run_results import RESULTS
 from ..tables import write_tables
 from ..whole_file import writing
 from .case import Case
-from .pictures import check_drawing, drawings
+from .pictures import check_drawing, drawings, safe_name
 
 CHECKPOINT, FORM, FORM_KEY = "checkpoint.sqlite", "form.fxm", "form.sha256"
 
@@ -162,5 +162,6 @@ def _writers(case: Case, folder: Path, results: StageResults) -> Iterator[Callab
         return
     for ending in case.output.mesh:
         for number, state in enumerate(results.values()):
-            yield partial(write_mesh, state, folder / f"{number:02d}.{ending}")
+            file = folder / f"{safe_name(number, state.name)}.{ending}"
+            yield partial(write_mesh, state, file, length_unit=case.length_unit)
     yield from drawings(case.output, results, folder)
