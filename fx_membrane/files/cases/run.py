@@ -18,6 +18,7 @@ from ...model.structure import Structure
 from ...results.states import StageResults
 from ...runtime.messages import say, silence
 from ...runtime.processes import by_the_first, together
+from ...solvers.progress import Pulse
 from ..archive import load_results, save_results
 from ..mesh_writer import write_mesh
 from ..paraview import ParaViewSeries
@@ -144,12 +145,20 @@ def _write(case: Case, folder: Path, results: StageResults) -> str:
     results.title, results.force_unit, results.length_unit = case.title, case.force_unit, case.length_unit
     results.limits = case.limits
     failed = []
+    pulse = Pulse("writing", shown=MPI.COMM_WORLD.rank == 0)
     for write in _writers(case, folder, results):
         try:
+            pulse(_words(write))
             write()
         except (ValueError, ImportError, OSError) as error:
             failed.append(str(error))
     return "\n".join(failed)
+
+
+def _words(write: Callable[[], None]) -> str:
+    """Name the file that a writer is about to write."""
+    given = write.args if isinstance(write, partial) else ()
+    return next((entry.name for entry in given if isinstance(entry, Path)), "results")
 
 
 def _writers(case: Case, folder: Path, results: StageResults) -> Iterator[Callable[[], None]]:

@@ -17,6 +17,7 @@ from ...plot.contour_maps import contours
 from ...plot.screen import obstacle
 from ...results.states import StageResult, StageResults
 from ...runtime.processes import by_the_first
+from ...solvers.progress import Pulse
 from ..whole_file import writing
 from .content import content
 
@@ -113,7 +114,9 @@ def _pictures(results: StageResults, force: str, length: str) -> Iterator[dict[s
         warnings.warn(f"The report has no pictures: {reason}", stacklevel=4)
         return
     with tempfile.TemporaryDirectory(prefix="fx_membrane-") as folder:
+        pulse = Pulse("report", shown=True)
         for number, (name, state) in enumerate(results.items()):
+            pulse(f"picture {number + 1} of {len(results)}")
             file = Path(folder, f"{number}.png")
             contours(state, _fields(state, force, length), file)
             data = base64.b64encode(file.read_bytes()).decode()
