@@ -1,6 +1,7 @@
 """Results for ParaView: a step of the series for each state, with a block for each part."""
 
 import re
+import shutil
 import warnings
 from pathlib import Path
 from typing import Any
@@ -98,8 +99,8 @@ class ParaViewSeries:
         except (OSError, ValueError, RuntimeError) as error:
             if not self._failed:
                 warnings.warn(
-                    f"Stage {state.name!r}: the step {self._folder / file} could not be written ({error}). The run "
-                    "goes on, and the series keeps the steps that it has; make room.",
+                    f"Stage {state.name!r} is not in the series: {str(error).rstrip('.')}. The run goes on, and the series "
+                    "keeps the steps that it has.",
                     SeriesWarning,
                     stacklevel=4,
                 )
@@ -133,15 +134,36 @@ def write_paraview(
 
 
 def _write(state: StageResult, file: Path, units: tuple[str, str]) -> None:
-    import pyvista  # noqa: PLC0415
+    """Write a step aside, then put it in the place of an earlier one."""
+    aside, folder = file.parent / ".part", file.with_suffix("")
+    names = {name: f"{file.stem}/{file.stem}_{number}.vtu" for number, name in enumerate(state.parts)}
+    try:
+        shutil.rmtree(aside, ignore_errors=True)  # that of a run which was killed
+        for name, place in names.items():
+            with writing(aside / place, encoding="utf-8") as stream:
+                stream.write(_text(_block(state, name, units)))
+        with writing(aside / file.name, encoding="utf-8", errors="replace") as stream:
+            stream.write('<?xml version="1.0"?>\n<VTKFile type="vtkMultiBlockDataSet" version="1.0">\n')
+            stream.write("<vtkMultiBlockDataSet>\n")
+            for number, (name, place) in enumerate(names.items()):
+                stream.write(f'<DataSet index="{number}" name={quoteattr(name)} file="{place}"/>\n')
+            stream.write("</vtkMultiBlockDataSet>\n</VTKFile>\n")
+        shutil.rmtree(folder, ignore_errors=True)
+        (aside / file.stem).replace(folder)
+        (aside / file.name).replace(file)
+    finally:
+        shutil.rmtree(aside, ignore_errors=True)
 
-    blocks = pyvista.MultiBlock()
-    for name in state.parts:
-        blocks.append(_block(state, name, units), name)
-    file.parent.mkdir(parents=True, exist_ok=True)
-    blocks.save(file)
-    if not file.exists():  # VTK reports a full disk on stderr only
-        raise OSError("VTK could not write it")
+
+def _text(grid: Any) -> str:
+    """Content of a file of VTK; its own writers end the process on a full disk."""
+    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter  # noqa: PLC0415
+
+    writer = vtkXMLUnstructuredGridWriter()
+    writer.SetInputData(grid)
+    writer.WriteToOutputStringOn()
+    writer.Write()
+    return str(writer.GetOutputString())
 
 
 def _block(state: StageResult, name: str, units: tuple[str, str]) -> Any:
@@ -162,8 +184,9 @@ def _block(state: StageResult, name: str, units: tuple[str, str]) -> Any:
     columns = cell_columns(state, name, force, length)
     word = columns.pop("state")
     grid.cell_data["state"] = np.array([STATES.index(entry) for entry in word.tolist()], dtype=np.uint8)
-    for head in columns.keys() - {f"{axis} [{length}]" for axis in "xyz"}:
-        grid.cell_data[head] = columns[head]
+    for head in columns:
+        if head not in {f"{axis} [{length}]" for axis in "xyz"}:
+            grid.cell_data[head] = columns[head]
     if found.dimension == 2:
         grid.cell_data[f"Cauchy stress [{force}/{length}]"] = found.cauchy.reshape(-1, 9)
     grid.field_data["stage"] = [state.name]

@@ -1,6 +1,7 @@
 """Series for ParaView, read back by pyvista's own readers."""
 
 import errno
+import os
 import subprocess
 import sys
 import textwrap
@@ -118,18 +119,48 @@ def test_kill_leaves_a_readable_series(tmp_path):
 
 
 def test_full_disk_warns_and_the_run_goes_on(tmp_path, monkeypatch):
-    series, whole = ParaViewSeries(tmp_path), pyvista.MultiBlock.save
+    """The second of the steps meets a full disk, in a new folder and in that of an earlier series."""
+    for _ in range(2):
+        series, written = ParaViewSeries(tmp_path), []
 
-    def save(self, file, *args):
-        if file.name == "0002.vtm":
-            raise OSError(errno.ENOSPC, "No space left on device")
-        whole(self, file, *args)
+        def fsync(number, whole=os.fsync, written=written):
+            written.append(number)
+            if len(written) > 5:  # two parts, the step, the series, and a part of the second step
+                raise OSError(errno.ENOSPC, "No space left on device")
+            whole(number)
 
-    monkeypatch.setattr(pyvista.MultiBlock, "save", save)
-    with pytest.warns(SeriesWarning, match="No space left"):
-        results = Analysis(structure()).run(STAGES, observe=series)
-    assert list(results) == ["wind", "load"]
-    assert list(steps(tmp_path)) == [0.5]
+        monkeypatch.setattr(os, "fsync", fsync)
+        with pytest.warns(SeriesWarning, match="No space left"):
+            results = Analysis(structure()).run(STAGES, observe=series)
+        monkeypatch.undo()
+        assert list(results) == ["wind", "load"]
+        assert list(steps(tmp_path)) == [0.5]
+        assert sorted(entry.name for entry in tmp_path.iterdir()) == ["0001", "0001.vtm", "series.pvd"]
+
+
+def test_file_system_without_room_ends_no_process(tmp_path):
+    script = f"""
+        import resource, signal, sys
+        sys.path.insert(0, {str(Path(__file__).parent)!r})
+        from test_paraview import STAGES, structure
+        from fx_membrane import Analysis, write_paraview
+        results = Analysis(structure()).run(STAGES[:1])
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+        write_paraview(results, {str(tmp_path / "out")!r})
+        print("goes on")
+    """
+    ended = subprocess.run([sys.executable, "-c", textwrap.dedent(script)], check=False, capture_output=True, text=True)
+    assert ended.returncode == 0, ended.stderr
+    assert "goes on" in ended.stdout
+    assert "SeriesWarning: Stage 'wind' is not in the series" in ended.stderr
+    assert "cannot be written" in ended.stderr
+
+
+def test_fields_have_the_order_of_the_tables(tmp_path):
+    write_paraview(Analysis(structure()).run(STAGES[:1]), tmp_path)
+    fields = steps(tmp_path)[1.0]["edge"].cell_data.keys()
+    assert fields == ["state", "cell", "length [m]", "strain [-]", "force [N]"]
 
 
 def test_refusals(tmp_path):
