@@ -44,7 +44,7 @@ from ..solvers.outcome import Outcome
 from .plain_data import Decoder, Encoder
 from .whole_file import writing
 
-FORMAT = 3  # counts up when a field of a result is added; 1 had no title, units and limits, 2 no failure
+FORMAT = 4  # counts up when a field is added; 1 had no title, units and limits, 2 no failure, 3 no units of forms
 KIND = "results of fx_membrane"
 DOCUMENT = "document.json"
 MODEL = (Structure, Membrane, Cable, Mast, Support, *materials.SHIPPED)

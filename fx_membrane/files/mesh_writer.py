@@ -20,7 +20,7 @@ FORBIDDEN = {".dxf": '<>/\\":;?*|=`,', ".msh": '"', ".obj": ""}  # letters that 
 
 
 @by_the_first
-def write_mesh(shape: Structure | StageResult | Form, path: str | Path, *, length_unit: str = "m") -> None:
+def write_mesh(shape: Structure | StageResult | Form, path: str | Path, *, length_unit: str | None = None) -> None:
     """Write the mesh of a structure, of a deformed state or of a found shape, in the format of the ending.
 
     - `.msh`: gmsh's format 2.2, a physical group for each part, and one for each support, "support 0 xyz";
@@ -34,8 +34,8 @@ def write_mesh(shape: Structure | StageResult | Form, path: str | Path, *, lengt
     Args:
         shape: A structure, in its reference shape; a state, in its deformed shape; or a form.
         path: The file; its folder is made.
-        length_unit: Name of the length unit of the shape: "m", "mm", "ft", ...; a DXF file is without a unit for "",
-            and for a name that the format does not know.
+        length_unit: Name of the length unit of the shape: "m", "mm", "ft", ...; None for that of the form, or "m". A
+            DXF file is without a unit for "", and for a name that the format does not know.
 
     Raises:
         ValueError: The shape is of another kind; the ending is not known; the unit is not a text; the name of a part
@@ -53,7 +53,8 @@ def write_mesh(shape: Structure | StageResult | Form, path: str | Path, *, lengt
     validation.instance("write_mesh shape", shape, Structure | StageResult | Form)
     structure = shape if isinstance(shape, Structure) else shape.structure
     points = shape.position if isinstance(shape, StageResult) else shape.points
-    unit = validation.text("length_unit", length_unit)
+    own = shape.length_unit if isinstance(shape, Form) else "m"
+    unit = validation.text("length_unit", own if length_unit is None else length_unit)
     file = paths.path("path", path)
     ending = file.suffix.lower()
     if ending not in WRITERS:

@@ -49,6 +49,8 @@ class Form:
         remarks: Sentences on the wish, such as that which would be exact, and on what constraints did.
         supports: Supports of a net, those given and those that bear its constraints; of other forms, `structure` has
             them.
+        force_unit: Name of the unit of force, for pages and files; nothing is converted.
+        length_unit: Name of the unit of length.
     """
 
     points: NDArray[np.float64]
@@ -60,6 +62,8 @@ class Form:
     wish: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     remarks: tuple[str, ...] = ()
     supports: tuple[Support, ...] = ()
+    force_unit: str = "N"
+    length_unit: str = "m"
 
     @property
     def differences(self) -> dict[str, NDArray[np.float64]]:

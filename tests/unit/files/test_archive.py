@@ -110,8 +110,16 @@ def test_form(tmp_path):
     points[:, 2] = points[:, 0] * points[:, 1]
     rim = np.unique(boundary_edges(triangles))
     form = updated_reference(Structure(points, {"film": Membrane(triangles, Fabric(4e5, 0.3), 2e3)}, [Support(rim)]))
+    form = dataclasses.replace(form, force_unit="kN", length_unit="ft")
     save_results(form, tmp_path / "form")
-    assert same(form, load_results(tmp_path / "form"))
+    again = load_results(tmp_path / "form")
+    assert same(form, again)
+    assert (again.force_unit, again.length_unit) == ("kN", "ft")
+    changed(
+        tmp_path / "form", lambda document: [without("Form", f"{kind}_unit")(document) for kind in ("force", "length")]
+    )
+    again = load_results(tmp_path / "form")  # of a version without them
+    assert (again.force_unit, again.length_unit) == ("N", "m")
 
 
 @dataclasses.dataclass(frozen=True)
