@@ -137,11 +137,11 @@ def _extremes(state: StageResult, told: dict[str, Any], force: str, length: str)
     yield {
         "part": "",
         "quantity": "displacement",
+        "unit": length,
         "least": "",
         "least_at": "",
         "largest": f"{largest['value']:.5g}",
-        "largest_at": f"node {largest['node']} at {_vector(largest['place'])}",
-        "unit": length,
+        "largest_at": f"node {largest['node']} at {_place(state.structure, largest['place'])}",
     }
     for name, part in told["parts"].items():
         unit = force if state.parts[name].dimension == 1 else f"{force}/{length}"
@@ -150,16 +150,22 @@ def _extremes(state: StageResult, told: dict[str, Any], force: str, length: str)
                 yield {
                     "part": name,
                     "quantity": quantity,
-                    "least": f"{ends['least']['value']:.5g}",
-                    "least_at": _at(ends["least"]),
-                    "largest": f"{ends['largest']['value']:.5g}",
-                    "largest_at": _at(ends["largest"]),
                     "unit": unit,
+                    "least": f"{ends['least']['value']:.5g}",
+                    "least_at": _at(state.structure, ends["least"]),
+                    "largest": f"{ends['largest']['value']:.5g}",
+                    "largest_at": _at(state.structure, ends["largest"]),
                 }
 
 
-def _at(entry: dict[str, Any]) -> str:
-    return f"{entry['cell']} at {_vector(entry['place'])}"
+def _at(structure: Structure, entry: dict[str, Any]) -> str:
+    return f"{entry['cell']} at {_place(structure, entry['place'])}"
+
+
+def _place(structure: Structure, point: Any) -> str:
+    """Show a place to a thousandth of the size of the structure: enough to find a cell."""
+    digits = max(0, int(-np.floor(np.log10(1e-3 * structure.size))))
+    return "(" + ", ".join(f"{np.round(value, digits) + 0.0:.{digits}f}" for value in point) + ")"
 
 
 def _reactions(state: StageResult) -> Iterator[dict[str, Any]]:
@@ -178,7 +184,7 @@ def _sum_of(state: StageResult, name: str, nodes: NDArray[np.int64]) -> dict[str
     size = np.linalg.norm(reactions, axis=1)
     node = int(nodes[size.argmax()])
     x, y, z = _components(state, reactions.sum(axis=0))
-    at = f"{node} at {_vector(state.structure.points[node])}"
+    at = f"{node} at {_place(state.structure, state.structure.points[node])}"
     return {"name": name, "nodes": len(nodes), "x": x, "y": y, "z": z, "largest": f"{size.max():.5g}", "at": at}
 
 

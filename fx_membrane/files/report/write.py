@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ...checks import paths, validation
+from ...checks.values import counted
 from ...plot.contour_maps import contours
 from ...plot.screen import obstacle
 from ...results.states import StageResult, StageResults
@@ -22,6 +23,7 @@ from ..whole_file import writing
 from .content import content
 
 ENDINGS = (".html", ".pdf")
+TITLE = "Structural analysis"
 
 
 @by_the_first
@@ -29,7 +31,7 @@ def write_report(
     results: StageResults,
     path: str | Path,
     *,
-    title: str = "Structural analysis",
+    title: str | None = None,
     force_unit: str | None = None,
     length_unit: str | None = None,
     pictures: bool = True,
@@ -44,7 +46,7 @@ def write_report(
     Args:
         results: What `Analysis.run` returned, `ConvergenceError.results`, or `load_results`.
         path: The file, ending in .html or .pdf; its folder is made.
-        title: Title of the report.
+        title: Title of the report; None for that of the results, or "Structural analysis".
         force_unit: Name of the force unit of the structure and its loads; None for that of the results, or "N".
         length_unit: Name of the length unit; None for that of the results, or "m".
         pictures: Draw the stress and the displacement of each stage; left out, with a warning, where nothing can draw.
@@ -58,7 +60,8 @@ def write_report(
     validation.instance("write_report results", results, StageResults)
     if not results:
         raise ValueError("write_report results have no stage; run at least one.")
-    title, drawn = validation.text("title", title), validation.truth("pictures", pictures)
+    title = validation.text("title", (results.title or TITLE) if title is None else title)
+    drawn = validation.truth("pictures", pictures)
     force, length = results.units(force_unit, length_unit)
     file = paths.path("path", path)
     if file.suffix.lower() not in ENDINGS:
@@ -70,9 +73,10 @@ def write_report(
         values["pictures"] = list(_pictures(results, force, length))
     page = _template().render(values)
     if file.suffix.lower() == ".html":
-        with writing(file, encoding="utf-8") as stream:
+        with writing(file, encoding="utf-8", errors="xmlcharrefreplace") as stream:  # names may have lone surrogates
             stream.write(page)
     else:
+        Pulse(file.name, shown=True).tell("pages of the PDF")
         with writing(file, "wb") as stream:
             stream.write(_pdf(page, file.parent))
 
@@ -109,22 +113,29 @@ def _pdf(page: str, folder: Path) -> bytes:
     return found
 
 
-def _pictures(results: StageResults, force: str, length: str) -> Iterator[dict[str, str]]:
+def _pictures(results: StageResults, force: str, length: str) -> Iterator[dict[str, Any]]:
     if reason := obstacle():
         warnings.warn(f"The report has no pictures: {reason}", stacklevel=4)
         return
     with tempfile.TemporaryDirectory(prefix="fx_membrane-") as folder:
         pulse = Pulse("report", shown=True)
-        for number, (name, state) in enumerate(results.items()):
-            pulse(f"picture {number + 1} of {len(results)}")
-            file = Path(folder, f"{number}.png")
-            contours(state, _fields(state, force, length), file)
-            data = base64.b64encode(file.read_bytes()).decode()
-            yield {"data": f"data:image/png;base64,{data}", "words": f"Stage {name}, deformed shape to scale"}
+        pulse.tell(f"pictures of {counted(len(results), 'stage')}")
+        for name, state in results.items():
+            images = []
+            for number, (title, values) in enumerate(_fields(state, force, length).items()):
+                pulse(f"picture {number + 1} of stage {name}")
+                file = Path(folder, f"{number}.png")
+                contours(state, {title: values}, file)
+                data = base64.b64encode(file.read_bytes()).decode()
+                images.append({"data": f"data:image/png;base64,{data}", "title": title})
+            moved = "deformed shape to scale" if state.largest_displacement else "without displacements"
+            yield {"images": images, "words": f"Stage {name}, {moved}"}
 
 
 def _fields(state: StageResult, force: str, length: str) -> dict[str, Any]:
-    fields: dict[str, Any] = {f"displacement [{length}]": np.linalg.norm(state.displacement, axis=1)}
+    fields: dict[str, Any] = {}
+    if state.largest_displacement:
+        fields[f"displacement [{length}]"] = np.linalg.norm(state.displacement, axis=1)
     stress = {name: part.principal[:, 0] for name, part in state.parts.items() if part.dimension == 2}
     forces = {name: part.principal[:, 0] for name, part in state.parts.items() if part.dimension == 1}
     if stress:

@@ -81,7 +81,7 @@ def test_page(results, tmp_path):
     assert page.chapters == CHAPTERS
     assert "script" not in page.tags
     assert all(address.startswith(("data:", "#")) for address in page.addresses)
-    assert page.tags.count("img") == 2
+    assert page.tags.count("img") == 6  # displacement, stress and forces of two stages
     wind = results["wind"]
     assert f"{wind.membrane(EVIL).principal[:, 0].max():.5g}" in text
     assert f"{wind.largest_displacement:.5g}" in text
@@ -89,6 +89,19 @@ def test_page(results, tmp_path):
     assert "[kN]" in text
     vertical = wind.reactions[:-1, 2].sum()
     assert f'<td class="n">{vertical:.5g}</td>' in text
+
+
+def test_title_units_and_words_of_the_results(results, tmp_path, capfd):
+    pytest.importorskip("pyvista")
+    named = StageResults(results, results.stages)
+    named.title, named.force_unit, named.length_unit = "Tent \udc80", "kN", "mm"
+    write_report(named, tmp_path / "r.html")
+    text = (tmp_path / "r.html").read_text(encoding="utf-8")
+    assert "<title>Tent &#56448;</title>" in text
+    assert "Units as given: kN, mm." in text
+    assert capfd.readouterr().err.startswith("report: pictures of 2 stages, 0.0 s\n")
+    write_report(results, tmp_path / "r.html", pictures=False)
+    assert "<title>Structural analysis</title>" in (tmp_path / "r.html").read_text(encoding="utf-8")
 
 
 def test_links_into_the_scene(results, tmp_path):
