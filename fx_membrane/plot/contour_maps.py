@@ -5,7 +5,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ..checks import validation
+from ..model.parts import Membrane
 from ..runtime.processes import by_the_first
+from ..solvers.progress import Pulse
 from .field_panels import checked_fields, checked_options, means, panels_of
 from .fields import Field
 from .figures import checked_path, empty, save
@@ -15,6 +17,7 @@ from .screen import obstacle
 from .shown import Shape, Shown, shown
 
 VIEW = (1.0, -1.6, 1.1)
+MANY = 10_000  # triangles in a picture, from which it takes seconds
 
 
 @by_the_first
@@ -141,6 +144,9 @@ def _draw(subject: Shown, panels: Sequence[Panel], look: Look, path: str | Path)
     if reason := obstacle():
         warnings.warn(f"{file} is not drawn: {reason}", stacklevel=4)
         return
+    triangles = len(panels) * sum(len(part.cells) for part in subject.structure.parts_of(Membrane).values())
+    if triangles > MANY:
+        Pulse(file.name, shown=True).tell(f"drawing {triangles} triangles")
     groups = strokes(subject, look.lines, look.spacing)
     same = setting([subject], [groups], look)
     figure = empty(*size(panels, look, same))

@@ -12,6 +12,7 @@ from ...form_finding.form import Form
 from ...model.structure import Structure
 from ...results.states import StageResult, StageResults
 from ...runtime.processes import by_the_first
+from ...solvers.progress import Pulse
 from ..whole_file import writing
 from .document import document
 
@@ -25,6 +26,7 @@ SCRIPTS = (  # in the order in which they need each other
     "controls.js",
 )
 ENDINGS = (".html", ".htm")
+MANY = 50_000  # cells of all stages, from which writing takes seconds
 
 
 @by_the_first
@@ -51,8 +53,9 @@ def write_scene(
             or a structure, with its prestress.
         path: The file, ending in .html; its folder is made.
         title: Title of the page; None for that of the results, or "Scene".
-        force_unit: Name of the force unit of the structure and its loads; None for that of the results, or "N".
-        length_unit: Name of the length unit; None for that of the results, or "m".
+        force_unit: Name of the force unit of the structure and its loads; None for that of the results or the form, or
+            "N".
+        length_unit: Name of the length unit; None for that of the results or the form, or "m".
 
     Raises:
         ValueError: The results are of another kind, have no stage, or are of different structures; the form is that of
@@ -69,8 +72,8 @@ def write_scene(
         <title>Roof</title>
     """
     validation.instance("write_scene results", results, StageResults | StageResult | Form | Structure)
-    own = results if isinstance(results, StageResults) else StageResults()
-    title = validation.text("title", (own.title or "Scene") if title is None else title)
+    own = results if isinstance(results, StageResults | Form) else StageResults()
+    title = validation.text("title", getattr(own, "title", "") or "Scene" if title is None else title)
     force = validation.text("force_unit", own.force_unit if force_unit is None else force_unit)
     length = validation.text("length_unit", own.length_unit if length_unit is None else length_unit)
     file = paths.path("path", path)
@@ -78,9 +81,18 @@ def write_scene(
         raise ValueError(f"path is {str(file)!r}; give a name that ends in .html.")
     paths.check_writable("path", file)
     library = _library()
+    Pulse(file.name, shown=_cells(results) > MANY).tell(f"shapes and values of {_cells(results)} cells")
     page = _page(document(results, title, force, length), library)
     with writing(file, encoding="utf-8", errors="xmlcharrefreplace") as stream:  # names may have lone surrogates
         stream.write(page)
+
+
+def _cells(results: StageResults | StageResult | Form | Structure) -> int:
+    """Count the cells of all stages."""
+    if isinstance(results, StageResults):
+        return sum(map(_cells, results.values()))
+    structure = results if isinstance(results, Structure) else results.structure
+    return sum(len(part.cells) for part in structure.parts.values())
 
 
 def _library() -> str:

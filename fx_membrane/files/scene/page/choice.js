@@ -1,8 +1,15 @@
 // The choice of the user: stage, field and factor of the displacements, also in the address of the page.
-const choice = { stage: scene.stages[0], field: 0, factor: 1 };
 const FAR = 1e4; // displacements drawn larger than this multiple of the structure have no visible shape
 const ROUNDING = 1e-9; // share of the structure below which displacements are rounding
 const largestMove = moveOf(scene.stages);
+const choice = { stage: scene.stages[0], field: firstField(scene.stages[0]), factor: 1 };
+
+// The displacement, or without one the first field that differs from cell to cell, as the stress of a prestress.
+function firstField(stage) {
+  if (moveOf([stage]) > 0) return 0;
+  const differs = ({ group }, at) => group !== "nodes" && group !== "state" && stage.fields[at]?.least < stage.fields[at]?.largest;
+  return Math.max(0, scene.fields.findIndex(differs));
+}
 
 function moveOf(stages) {
   let most = 0;

@@ -175,6 +175,9 @@ def test_forms_structures_and_single_stages(found, tmp_path):
         told, _ = entry(scene, 0, "principal stress I")
         values = form.structure.parts["film"].prestress_tensors() if shown is not flat else 2e3 * np.eye(2)[None]
         assert told["largest"] == pytest.approx(np.linalg.eigvalsh(values).max(), rel=1e-12)
+    write_scene(replace(form, force_unit="kN", length_unit="ft"), tmp_path / "scene.html")
+    _, scene = opened(tmp_path / "scene.html")
+    assert (scene["force"], scene["length"]) == ("kN", "ft")
     write_scene(found["snow"], tmp_path / "scene.html")
     _, scene = opened(tmp_path / "scene.html")
     assert [stage["name"] for stage in scene["stages"]] == ["snow"]
