@@ -106,8 +106,7 @@ def init(case: Path) -> None:
     """Write a small case file to begin with, and its schema for editors beside it."""
     if case.exists():
         raise ValueError(f"{case} exists; give another name.")
-    case.parent.mkdir(parents=True, exist_ok=True)
-    case.write_text(TEMPLATE, encoding="utf-8")
+    _write(case, TEMPLATE)
     _write_schema(case.parent)
     _say(f"Wrote {case}. Next: {_next(case)}")
 
@@ -179,7 +178,7 @@ def run(case: Path, resume: bool, overwrite: bool, quiet: bool, log: Path | None
         if text and not quiet:
             _say(f"{text}\n{_after(folder_of(found))}")
         if log:
-            _write_log(log, "\n".join(filter(None, (text, str(failure or "")))) + "\n")
+            _write(log, "\n".join(filter(None, (text, str(failure or "")))) + "\n")
 
     tell()
     if failure:
@@ -188,13 +187,12 @@ def run(case: Path, resume: bool, overwrite: bool, quiet: bool, log: Path | None
         raise RuntimeError(f"Limits of the design are exceeded: {'; '.join(missed)}. The computation is complete.")
 
 
-def _write_log(log: Path, text: str) -> None:
-    try:
-        log.parent.mkdir(parents=True, exist_ok=True)
-        log.write_text(text, encoding="utf-8")
-    except OSError as error:
-        words = f"--log is {str(log)!r}, which cannot be written ({error.strerror})"
-        raise ValueError(f"{words}; make room, or give another place.") from None
+def _write(file: Path, text: str) -> None:
+    """Write a whole file or none."""
+    from .files.whole_file import writing  # noqa: PLC0415
+
+    with writing(file, encoding="utf-8", errors="backslashreplace") as stream:
+        stream.write(text)
 
 
 def _after(folder: Path) -> str:
@@ -247,11 +245,9 @@ def report(results: Path, target: Path, title: str | None, scene: Path | None) -
     from .files.scene.write import write_scene  # noqa: PLC0415
 
     found = results_of(results)
-    title = title or found.title or "Structural analysis"
     if scene:
         write_scene(found, scene, title=title)
-    force, length = found.force_unit, found.length_unit
-    write_report(found, target, title=title, scene=scene, force_unit=force, length_unit=length)
+    write_report(found, target, title=title, scene=scene)
     _say(f"Wrote {target}")
 
 
@@ -269,7 +265,7 @@ def _schema() -> str:
 
 def _write_schema(folder: Path) -> None:
     try:
-        (folder / "fx-membrane.schema.json").write_text(_schema() + "\n", encoding="utf-8")
+        _write(folder / "fx-membrane.schema.json", _schema() + "\n")
     except ImportError as error:
         _say(f"No schema written: {error}", err=True)
 

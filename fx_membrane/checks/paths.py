@@ -2,6 +2,7 @@
 
 import errno
 import os
+import stat
 from pathlib import Path
 from typing import Any
 
@@ -41,6 +42,10 @@ def check_writable(name: str, file: Path) -> None:
         ValueError: It is a folder, or lies under a file, or in a folder without write permission.
     """
     named = f"{name} is {short_repr(str(file))}"
+    if is_stream(file):
+        if not os.access(file, os.W_OK):
+            raise ValueError(f"{named}, which may not be written; give another name.")
+        return
     try:
         above = next(folder for folder in file.absolute().parents if _there(folder))
         if file.is_dir():
@@ -51,6 +56,20 @@ def check_writable(name: str, file: Path) -> None:
         raise ValueError(f"{named}, but {above} is no folder; give another name.")
     if not os.access(above, os.W_OK | os.X_OK):
         raise ValueError(f"{named}, but nothing may be written in {above}; give another folder.")
+
+
+def is_stream(file: Path) -> bool:
+    """Tell devices and pipes, which are written in place, from files."""
+    try:
+        mode = file.stat().st_mode
+    except OSError:  # none is there, or none can be reached
+        return False
+    return not (stat.S_ISREG(mode) or stat.S_ISDIR(mode))
+
+
+def linked(file: Path) -> Path:
+    """File that a link names, there or not; any other file as it is."""
+    return Path(os.path.realpath(file)) if file.is_symlink() else file
 
 
 def _there(folder: Path) -> bool:

@@ -1,9 +1,10 @@
 """Demo cases: case files of the package, with their meshes."""
 
-import shutil
 import tomllib
 from importlib import resources
 from pathlib import Path
+
+from .whole_file import writing
 
 SCRIPTS = {  # demos of the sources that no case file can hold
     "dolfinx_in_and_out": "a dolfinx mesh with tags, and results as dolfinx functions",
@@ -37,8 +38,8 @@ def write_demo(name: str, folder: Path) -> list[Path]:
         if target.exists():
             raise ValueError(f"{target} exists; remove it, or go to another folder.")
     for entry, target in zip(sources, targets, strict=True):
-        with resources.as_file(entry) as file:
-            shutil.copyfile(file, target)
+        with writing(target, "wb") as stream:
+            stream.write(entry.read_bytes())
     return targets
 
 

@@ -15,7 +15,11 @@ from ..results.unfinished import unfinished
 from ..runtime.processes import by_the_first
 from .whole_file import writing
 
-FORMULA = ("=", "+", "-", "@", "\t", "\r")  # first letters of a cell that spreadsheets compute
+FORMULA = (
+    *"=+-@\t\r\n",
+    *"\uff1d\uff0b\uff0d\uff20",
+)  # first letters of computed cells; the last: full width
+LONE = "backslashreplace"  # of lone surrogates in names, which no encoding has
 CELLS = {"membranes.csv": Membrane, "cables.csv": Cable, "masts.csv": Mast}
 
 
@@ -72,12 +76,12 @@ def write_tables(
             for check in unfinished(results)
         ],
     }
-    with writing(place / "summary.json", encoding="utf-8") as stream:
+    with writing(place / "summary.json", encoding="utf-8", errors=LONE) as stream:
         json.dump(document, stream, ensure_ascii=False, indent=1)
 
 
 def _write_csv(file: Path, tables: Iterator[tuple[dict[str, str], Columns]]) -> None:
-    with writing(file, encoding="utf-8-sig", newline="") as stream:  # with a mark by which Excel knows UTF-8
+    with writing(file, encoding="utf-8-sig", errors=LONE, newline="") as stream:  # with a mark for Excel
         writer = csv.writer(stream)
         for number, (names, columns) in enumerate(tables):
             if number == 0:

@@ -53,12 +53,16 @@ def whole(file: Path) -> Iterator[Path]:
     Raises:
         ValueError: It cannot be written; an earlier picture stays as it was.
     """
-    part = file.with_name(f"{file.stem}.part{file.suffix or '.png'}")
+    if paths.is_stream(file):
+        yield file
+        return
     try:
-        file.parent.mkdir(parents=True, exist_ok=True)
+        target = paths.linked(file)
+        part = target.with_name(f"{target.stem}.part{target.suffix or '.png'}")
+        target.parent.mkdir(parents=True, exist_ok=True)
         try:
             yield part
-            part.replace(file if file.suffix else file.with_name(f"{file.name}.png"))
+            part.replace(target if target.suffix else target.with_name(f"{target.name}.png"))
         finally:
             part.unlink(missing_ok=True)
     except OSError as error:

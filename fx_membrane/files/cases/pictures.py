@@ -41,8 +41,7 @@ def drawings(output: Any, results: StageResults, folder: Path) -> Iterator[Calla
                 file = folder / f"{safe_name(number, state.name)}-{quantity}.png"
                 yield partial(plot.contours, state, {title: values}, file)
     for ending in output.report:
-        title, file = results.title or "Structural analysis", folder / f"report.{ending}"
-        yield partial(write_report, results, file, title=title, force_unit=force, length_unit=length)
+        yield partial(write_report, results, folder / f"report.{ending}")
 
 
 def safe_name(number: int, stage: str) -> str:

@@ -1,6 +1,7 @@
 """Run of a case: form finding, stages and the files that they leave."""
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
@@ -109,7 +110,8 @@ def _formed(case: Case, folder: Path, resume: bool) -> tuple[Structure, Sequence
             _check_key(case, folder)
         found = load_results(folder / FORM)
     else:
-        found = case.form(partial(_tell, case))
+        form: Any = case.form(partial(_tell, case))
+        found = replace(form, force_unit=case.force_unit, length_unit=case.length_unit)
         save_results(found, folder / FORM)
         _write_key(case, folder)
     return found.structure, case.stages_of(found.structure)
@@ -148,11 +150,16 @@ def _write(case: Case, folder: Path, results: StageResults) -> str:
     pulse = Pulse("writing", shown=MPI.COMM_WORLD.rank == 0)
     for write in _writers(case, folder, results):
         try:
-            pulse(_words(write))
+            (pulse.tell if _drawn(write) else pulse)(_words(write))
             write()
         except (ValueError, ImportError, OSError) as error:
             failed.append(str(error))
     return "\n".join(failed)
+
+
+def _drawn(write: Callable[[], None]) -> bool:
+    """Tell the files that take seconds each, pictures and reports, from the others."""
+    return _words(write).endswith((".png", ".html", ".pdf"))
 
 
 def _words(write: Callable[[], None]) -> str:

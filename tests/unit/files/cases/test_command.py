@@ -150,7 +150,7 @@ def test_full_disk_at_the_log_is_one_sentence(tmp_path):
     (tmp_path / "roof.toml").write_text(ROOF + "paraview = false\n", encoding="utf-8")
     code, _, complaint = run(tmp_path, "run", "roof.toml", "--quiet", "--log", "/dev/full")
     assert code == 2
-    assert complaint.splitlines()[-1].startswith("--log is '/dev/full', which cannot be written")
+    assert complaint.splitlines()[-1].startswith("'/dev/full' cannot be written (No space left on device)")
     assert "Traceback" not in complaint
 
 
