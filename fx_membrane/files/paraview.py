@@ -99,8 +99,8 @@ class ParaViewSeries:
         except (OSError, ValueError, RuntimeError) as error:
             if not self._failed:
                 warnings.warn(
-                    f"Stage {state.name!r} is not in the series: {str(error).rstrip('.')}. The run goes on, and the series "
-                    "keeps the steps that it has.",
+                    f"Stage {state.name!r} is not in the series: {str(error).rstrip('.')}. The run goes on, and the "
+                    "series keeps the steps that it has.",
                     SeriesWarning,
                     stacklevel=4,
                 )
