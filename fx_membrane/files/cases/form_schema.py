@@ -106,7 +106,7 @@ class ProjectedStress(MethodModel):
     """See `projected_stress`."""
 
     method: Literal["projected stress"]
-    stress: dict[str, StressModel] = {}
+    stress: dict[str, Annotated[StressModel, Kept]] = {}
     cables: Literal["horizontal force", "force", "force density"] | None = None
     direction: Direction | None = None
     tolerance: Number | None = None
@@ -125,7 +125,7 @@ class PrescribedStress(MethodModel):
     """See `prescribed_stress`; a warp about an axis is taken anew where cells are."""
 
     method: Literal["prescribed stress"]
-    stress: dict[str, StressModel] = {}
+    stress: dict[str, Annotated[StressModel, Kept]] = {}
     tolerance: Number | None = None
     max_iterations: int | None = None
 

@@ -49,8 +49,8 @@ class LimitsModel(Model):
     """Limits of the checks: largest displacement; by part, strength over safety, stress of membranes, force of bars."""
 
     displacement: Length | None = None
-    stress: dict[str, ForcePerLength] = {}
-    force: dict[str, Force] = {}
+    stress: dict[str, Annotated[ForcePerLength, Kept]] = {}
+    force: dict[str, Annotated[Force, Kept]] = {}
 
 
 class WorkModel(Model):
