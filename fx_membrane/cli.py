@@ -272,7 +272,7 @@ def info() -> None:
     from .runtime.versions import versions  # noqa: PLC0415
 
     for name, version in versions().items():
-        _say(f"{name:12} {version}")
+        _say(f"{name:14} {version}")
 
 
 if __name__ == "__main__":
