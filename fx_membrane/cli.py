@@ -4,6 +4,7 @@ import json
 import os
 import sys
 import warnings
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -86,6 +87,16 @@ def _say(words: str, err: bool = False) -> None:
         click.echo(words, err=err)
 
 
+def _once(act: Callable[[], None]) -> None:
+    """Act on the first process only; MPI is loaded under mpirun alone."""
+    if int(os.environ.get("OMPI_COMM_WORLD_SIZE", os.environ.get("PMI_SIZE", "1"))) == 1:
+        act()
+        return
+    from .runtime.processes import by_the_first  # noqa: PLC0415
+
+    by_the_first(act)()
+
+
 def _warn(message: Warning | str, *_: Any) -> None:
     _say(f"Warning: {message}", err=True)
 
@@ -100,10 +111,14 @@ def main() -> None:
 @click.argument("case", type=CASE, default="case.toml")
 def init(case: Path) -> None:
     """Write a small case file to begin with, and its schema for editors beside it."""
-    if case.exists():
-        raise ValueError(f"{case} exists; give another name.")
-    case.write_text(TEMPLATE, encoding="utf-8")
-    _write_schema(case.parent)
+
+    def write() -> None:
+        if case.exists():
+            raise ValueError(f"{case} exists; give another name.")
+        case.write_text(TEMPLATE, encoding="utf-8")
+        _write_schema(case.parent)
+
+    _once(write)
     _say(f"Wrote {case}. Next: {_next(case)}")
 
 
@@ -113,7 +128,7 @@ def init(case: Path) -> None:
 @click.pass_context
 def demo(ctx: click.Context, name: str | None, at_once: bool) -> None:
     """List the demo cases, or write one in this folder."""
-    from .files.demo_cases import SCRIPTS, demos, write_demo  # noqa: PLC0415
+    from .files.demo_cases import SCRIPTS, demo_files, demos, write_demo  # noqa: PLC0415
 
     if name is None:
         for entry, title in demos().items():
@@ -121,8 +136,13 @@ def demo(ctx: click.Context, name: str | None, at_once: bool) -> None:
         scripts = ", ".join(f"{entry} ({words})" for entry, words in SCRIPTS.items())
         _say(f"\nWrite one: fx-membrane demo NAME. As scripts only, in demos/ of the sources: {scripts}.")
         return
-    files = write_demo(name, Path())
-    _write_schema(Path())
+    files = demo_files(name, Path())
+
+    def write() -> None:
+        write_demo(name, Path())
+        _write_schema(Path())
+
+    _once(write)
     _say(f"Wrote {', '.join(map(str, files))}." + ("" if at_once else f" Next: {_next(files[0])}"))
     if at_once:
         ctx.invoke(run, case=files[0], resume=False, overwrite=False, quiet=False, log=None)
