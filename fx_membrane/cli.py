@@ -67,7 +67,7 @@ class _Group(click.Group):
                 warnings.showwarning = _warn  # type: ignore[assignment]  # of the same arguments
                 return super().invoke(ctx)
         except KeyboardInterrupt:
-            later = " Saved increments stay; `fx-membrane run CASE --resume` goes on."
+            later = " Saved increments stay: `fx-membrane run CASE --resume` goes on, --overwrite begins anew."
             code, words = 130, "Stopped." + later * (ctx.invoked_subcommand == "run")
         except (ValueError, ImportError) as error:
             code, words = 2, str(error)
@@ -166,8 +166,8 @@ def check(case: Path) -> None:
 
 @main.command()
 @click.argument("case", type=CASE)
-@click.option("--resume", is_flag=True, help="Go on from the checkpoint of an earlier run.")
-@click.option("--overwrite", is_flag=True, help="Replace the results of an earlier run.")
+@click.option("--resume", is_flag=True, help="Go on with an earlier run where it stopped; begin if there is none.")
+@click.option("--overwrite", is_flag=True, help="Delete an earlier run, with all it has saved, and begin anew.")
 @click.option("--quiet", is_flag=True, help="Print warnings and errors only.")
 @click.option("--log", type=CASE, help="File for a copy of the table of results.")
 def run(case: Path, resume: bool, overwrite: bool, quiet: bool, log: Path | None) -> None:
