@@ -22,7 +22,8 @@ from .kinds import with_kinds
 from .making import make
 from .model import Builder
 from .schema import CaseModel, keys
-from .structure_schema import BROKEN, FileGeometry, UnitNames, is_whole
+from .structure_schema import FileGeometry, UnitNames
+from .table import BROKEN, is_whole
 from .units import Units
 
 SOLVERS: dict[str, Any] = {

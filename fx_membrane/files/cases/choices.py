@@ -15,7 +15,8 @@ from ...model.structure import Structure
 from ..drawing import Drawing, nodes_of, triangles_of
 from .faults import Unknown, Wrong, nearest
 from .load_schema import CellChoice
-from .structure_schema import BROKEN, Box, Model, NodeChoice, is_whole
+from .structure_schema import Box, NodeChoice
+from .table import BROKEN, Model, is_whole
 
 Nodes = NDArray[np.int64]
 CHOICES = ("nodes", "group", "where", "rim_of")

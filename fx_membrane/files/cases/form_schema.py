@@ -6,7 +6,8 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag
 
 from .fields import Densities, Direction, Directions, Force, ForcePerLength, Length, Node, Number, Point, Stress, Truth
 from .load_schema import CellChoice, Load
-from .structure_schema import CablePart, Kept, MastPart, Model, Names, NodeChoice, SupportModel, shape_of
+from .structure_schema import CablePart, MastPart, Names, NodeChoice, SupportModel, shape_of
+from .table import Kept, Model
 
 
 class CableForceModel(CellChoice):

@@ -24,7 +24,7 @@ from ...model.supports import Support
 from .choices import Nodes, Outline, at_key, given
 from .faults import Faults, Unknown, Wrong
 from .form_schema import NewMesh, StressModel
-from .structure_schema import BROKEN, is_whole
+from .table import BROKEN, is_whole
 
 METHODS: dict[str, Callable[..., Form]] = {
     "force density": force_density,

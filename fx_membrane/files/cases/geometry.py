@@ -14,7 +14,8 @@ from ..mesh_files import drawing_of
 from .choices import at_key, given
 from .faults import Faults, Unknown
 from .making import make
-from .structure_schema import BROKEN, FileGeometry, GridGeometry, HoleModel, SailGeometry, UnitNames, is_whole
+from .structure_schema import FileGeometry, GridGeometry, HoleModel, SailGeometry, UnitNames
+from .table import BROKEN, is_whole
 
 
 def drawing_from(faults: Faults, table: Any, folder: Path, units: UnitNames | None) -> Drawing:

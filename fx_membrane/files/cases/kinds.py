@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from .faults import without_tags
 from .schema import CaseModel
-from .structure_schema import Model
+from .table import Model
 from .units import Units
 
 DEPTH = 4  # tables of a kind within each other

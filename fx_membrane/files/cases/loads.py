@@ -10,7 +10,8 @@ from .choices import CHOICES, Choices, Outline, given
 from .faults import Faults
 from .load_schema import DisplacementModel, PointLoadModel
 from .making import make
-from .structure_schema import BROKEN, SupportModel
+from .structure_schema import SupportModel
+from .table import BROKEN
 
 OF_CABLES: dict[str, tuple[Any, str]] = {
     "cable force": (CableForce, "force"),

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from .faults import Faults, Unknown
-from .structure_schema import is_whole
+from .table import is_whole
 
 
 def make(

@@ -15,7 +15,7 @@ from ...model.stages import Stage, check_stages
 from ...model.structure import Structure
 from ...model.supports import Support
 from .choices import CHOICES, NUMBERED, Choices, Nodes, Outline, at_key, given, one_of, sound
-from .faults import Fault, Faults, Unknown, nearest
+from .faults import Fault, Faults, Unknown
 from .form_schema import ForceDensity, MastsAndStays, MethodModel, NewMesh
 from .forms import (
     Step,
@@ -31,9 +31,11 @@ from .forms import (
 from .geometry import drawing_from
 from .loads import constraint_of, displacement_of, load_of, support_of
 from .making import make
+from .names import kinds_of, no_stage_before
 from .parts import bar_of, cells_of, material_of, part_of
 from .schema import CaseModel
-from .structure_schema import BROKEN, AxisModel, MembranePart, is_whole
+from .structure_schema import AxisModel
+from .table import BROKEN, is_whole
 
 
 class Builder:
@@ -96,7 +98,7 @@ class Builder:
             self.faults.append(Fault((*trail, "name"), f"{name!r} is the name of an earlier stage; give another"))
         if is_whole((after, earlier)) and after is not None and after not in earlier:
             with self.faults.at(*trail, "after"):
-                raise ValueError(_no_stage_before(after, name, earlier, names))
+                raise ValueError(no_stage_before(after, name, earlier, names))
         make(self.faults, trail, Stage, values, {"name": "stage"})
         return values
 
@@ -320,26 +322,3 @@ class Builder:
             with self.faults.at("form_finding", number, "keep"):
                 keep = self._choices.nodes(outline, table.keep)
         return mesh_step(table, keep)
-
-
-def kinds_of(case: CaseModel) -> dict[str, int | None] | None:
-    """Dimension of each part that a file has, None for an unknown one; None if it has unknown parts."""
-    if case.parts is BROKEN or case.form_finding is BROKEN:
-        return None
-    tables = dict(case.parts)
-    for step in case.form_finding:
-        bars = getattr(step, "bars", {})
-        if step is BROKEN or bars is BROKEN:
-            return None
-        tables |= bars
-    return {
-        name: None if table is BROKEN else 2 if isinstance(table, MembranePart) else 1 for name, table in tables.items()
-    }
-
-
-def _no_stage_before(after: Any, name: Any, earlier: Sequence[Any], names: Sequence[Any]) -> str:
-    if after == name:
-        return f"{after!r} is the stage itself; name another, or leave it out to start from the reference shape"
-    if after in names:
-        return f"{after!r} comes later in the file; put it before this one"
-    return f"no stage {after!r} is before this one{nearest(after, earlier) or '; correct the name, or leave it out'}"

@@ -16,7 +16,8 @@ from ...model.parts import Cable, Mast, Membrane, Part
 from .choices import Choices, Nodes, at_key, given, one_of
 from .faults import Fault, Faults, Unknown, Wrong, nearest
 from .making import make
-from .structure_schema import BROKEN, AxisModel, BarPart, PartModel, is_whole
+from .structure_schema import AxisModel, BarPart, PartModel
+from .table import BROKEN, is_whole
 
 MATERIALS: dict[str, Any] = {
     "fabric": Fabric,

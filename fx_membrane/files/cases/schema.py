@@ -7,7 +7,8 @@ from pydantic import Field
 from .fields import Force, ForcePerLength, Length, Number, Time, Truth
 from .form_schema import Steps
 from .load_schema import Displacement, Load
-from .structure_schema import Geometry, Kept, Material, Model, Part, SupportModel, UnitNames
+from .structure_schema import Geometry, Material, Part, SupportModel, UnitNames
+from .table import Kept, Model
 
 PictureName = Literal["displacement", "principal stress I", "principal stress II", "axial force", "state"]
 
