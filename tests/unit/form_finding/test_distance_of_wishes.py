@@ -32,7 +32,7 @@ def test_ring_too_far_is_named_with_its_reach():
     # A catenoid between radii 2 and 7 reaches the maximum over its neck of c (arcosh(2 / c) + arcosh(7 / c)).
     neck = np.linspace(0.01, 2, 4000)
     reach = (neck * (np.arccosh(2 / neck) + np.arccosh(7 / neck))).max()
-    told = re.search(r"ring is too far from its base.* is 5 away from it.* reaches about ([\d.]+)", form.remarks[-1])
+    told = re.search(r"ring is too far from its base.* is 5 away from it.* reaches about (\d+\.?\d+)", form.remarks[-1])
     assert float(told[1]) == pytest.approx(reach, rel=2e-2)
 
 
