@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 STEPS = 100  # maximum number of solves towards the geometry of cables
 LARGEST = 3.0  # factor on a force density in one step
 NEAR = 1e-6  # accepted relative change of a force towards a wanted geometry
+EXACT = 1e-8  # the same between steps of Newton, whose last ones are no larger
 
 
 def continued(words: str) -> str:
@@ -139,17 +140,19 @@ class ConstrainedBalance:
         """Solve as often as the geometry of cables asks for, with the other force densities given.
 
         A line of given geometry has one force for its lengths in the start. Args and Raises as for a call; with
-        `meets_forces` cables with a force as constraint have it in the shape found, too.
+        `meets_forces` it has one for those in the shape found, where cables with a force as constraint have it, too.
         """
-        accelerated, words = self.acceleration(), ""
+        accelerated, words, near = self.acceleration(), "", EXACT if meets_forces else NEAR
         reference = start
         for _ in range(STEPS):
             found = self(start, plans, densities, number, reference)
             if isinstance(found, str):
                 return found
+            if meets_forces:  # Newton's steps take the force of a line to be one in the shape that they start from
+                found = found._replace(wanted=self.targets.wanted(found.points, densities, found.points))
             miss, words = self.targets.miss(found.points, densities, found.wanted)
             wanted = self.targets.mixed(densities, found.wanted, meets_forces)
-            if miss <= MET and difference(densities, wanted) <= NEAR:
+            if miss <= MET and difference(densities, wanted) <= near:
                 return found
             densities, start = accelerated(densities, wanted), found.points
         return f"{words or 'a force does not settle'} after {STEPS} solves; give a value nearer to that."

@@ -23,6 +23,7 @@ from ..wishes import Wish
 from .cells import BarBlock, Block, LoadBlock, MembraneBlock, square_root
 from .guide import CableGuide
 from .mesh_control import MeshControl
+from .mesh_lines import mesh_lines
 from .ratios import check_ratios, check_tension, differences, power
 
 Array = NDArray[np.float64]
@@ -85,12 +86,14 @@ class NearestProblem:
         balance: ConstrainedBalance | None = None,
     ) -> None:
         self.structure, self.loads, self.wishes, self.balance = structure, loads, wishes, balance
-        self.control = MeshControl(structure, motions_of(structure) if balance is None else balance.motions)
         self.free = (~structure.supported & structure.used[:, None]).ravel()
         given = ratios or {}
         self.membranes = {name: MembraneBlock(wish.part.cells, wish, given.get(name)) for name, wish in wishes.items()}
         self.cables = None if balance is None else CableGuide(structure, balance, self._first_plans())
         self.bars = {name: replace(bar, force=bar.force * given.get(name, 1.0)) for name, bar in self._bars().items()}
+        acting = {name: self.acting(name) for name, part in structure.parts.items() if isinstance(part, Bar)}
+        motions = motions_of(structure) if balance is None else balance.motions
+        self.control = MeshControl(structure, motions, mesh_lines(structure, acting))
         spread = [load for load in loads if not isinstance(load, PointLoad)]
         loaded = [LoadBlock(loaded_cells(structure, load), load) for load in spread]
         self.blocks: list[Block] = [*self.membranes.values(), *self.bars.values(), *loaded]

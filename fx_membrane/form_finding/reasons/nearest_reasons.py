@@ -15,6 +15,7 @@ from ..nearest_stress.state import NearestProblem, State
 from ..plan import place
 from ..wishes import Wish
 from .as_asked import as_asked
+from .distance import wished, worst
 from .folds import fold
 from .no_form import causes, forces_in
 from .ring_reach import far_ring, has_ring
@@ -61,9 +62,9 @@ def reason_of(
         is_found: Trial of another problem, near to the wish at once or by the whole search: True if it has a form; None
             under constraints, for which there is none.
     """
-    structure, where = problem.structure, _worst(problem, state)
+    structure, where = problem.structure, worst(problem, state)
     asked = structure if problem.balance is None else as_asked(structure, problem.balance)
-    weak = weak_edges(asked, structure.points, _wished(problem), forces_in(asked))
+    weak = weak_edges(asked, structure.points, wished(problem), forces_in(asked))
     lone = lone_point(structure, structure.points)
     settled = bool(steps) and steps[-1].change <= tolerance
     if failure or state.mean > far:
@@ -74,25 +75,17 @@ def reason_of(
         return f"{depends}. {causes(weak.words, lone)} {where}"
     if settled:
         return ""
+    ring = causes(far_ring(structure, structure.points, wished(problem)), where.removesuffix("."))
     return (
         f"it has not settled: step {len(steps)}, the last, changed it by {steps[-1].change if steps else np.inf:.3g}, "
-        f"more than the tolerance {tolerance:g}; allow more steps (max_iterations=...). {where}"
+        f"more than the tolerance {tolerance:g}; allow more steps (max_iterations=...). {ring}"
     )
-
-
-def _wished(problem: NearestProblem) -> dict[str, Array]:
-    """Stress wished for in the first mesh as tensors in space, by membrane, shape (cells, 3, 3) [N/m]."""
-    found = {}
-    for name, block in problem.membranes.items():
-        triangles = block.triangles(problem.structure.points[block.cells])
-        found[name] = triangles.frame.swapaxes(1, 2) @ triangles.wish @ triangles.frame
-    return found
 
 
 def _established(problem: NearestProblem, state: State, weak: WeakEdges, lone: str, is_found: Trial | None) -> str:
     """Sentences on the reason that is established, or on that none is."""
     structure = problem.structure
-    ring = far_ring(structure, structure.points, _wished(problem))
+    ring = far_ring(structure, structure.points, wished(problem))
     if weak.words:
         stronger = _with_stronger_edges(problem, weak, is_found)
         return causes(stronger.words, lone) if stronger else causes(weak.words, ring, lone)
@@ -199,16 +192,4 @@ def _neck(problem: NearestProblem, state: State) -> str:
         f"No surface of such stress spans the supports; it closes to a neck in {found[1]}. Bring the rings nearer to "
         "each other, make the ring larger, wish for more stress from ring to ring than around them, or give the stress "
         "in plan, projected_stress."
-    )
-
-
-def _worst(problem: NearestProblem, state: State) -> str:
-    """Tell of the cell whose stress is farthest from the wish."""
-    sizes = {name: differences(ratio) for name, ratio in state.ratios.items()}
-    name = max(sizes, key=lambda name: float(sizes[name].max(initial=0.0)))
-    cell = int(sizes[name].argmax())
-    cells = problem.membranes[name].cells if name in problem.membranes else problem.bars[name].cells
-    return (
-        f"The stress is farthest from the wish in part {name!r}, cell {cell} at {place(state.points, cells, cell)}, by "
-        f"{100 * state.largest:.3g} %; form.differences has all."
     )

@@ -91,16 +91,13 @@ class WeakEdges:
         return given
 
     def _of_span(self, k: int) -> str:
-        edge, need = self.edges[k], f"{self.needs[k]:.4g}"
+        edge, need = self.edges[k], f"{self.needs[k] if self.tried else self.edges[k].need:.4g}"
         stress = 2 * edge.need / edge.span
-        rule = f"needs more than {edge.need:.4g}, stress times half the span"
-        if self.tried and self.needs[k] > edge.need:
-            rule += f", and as an arc with room for the mesh more than {need}"
-        elif self.tried:
-            rule = f"needs more than {need}"
+        rule = "" if self.tried else ", stress times half the span"
         return (
             f"that of part {edge.part!r} around {format_point(edge.middle)} has {edge.force:.4g} over a span of "
-            f"{edge.span:.4g}; the stress of {stress:.4g} there {rule}"
+            f"{edge.span:.4g}; the stress of {stress:.4g} there needs more than "
+            f"{need}{rule}"
         )
 
     def _of_conflict(self, conflict: Conflict) -> str:
