@@ -175,7 +175,9 @@ def projected_stress(
         points, reactions, densities, count = kept
         fold, steps = f"it is that of step {count}, and in later ones {fold}", steps[:count]
     problem = collapse or fold or shortfall(error, tolerance, len(steps), miss, words) or _motion(plans, points, axes)
-    problem = reasons_in_plan(structure, plans, axes, first, problem, bool(constraints))
+    problem = reasons_in_plan(
+        structure, plans, axes, first, balance.targets.by_density(structure.points), problem, bool(constraints)
+    )
     made = stressed(structure, points, plans, densities)
     form = handed_over(structure, balance.motions, points, made, reactions, tuple(steps), True)
     problem = problem or balance.motions.turned(points) or pulled_mast(structure, balance.motions, form)

@@ -24,6 +24,7 @@ def reasons_in_plan(
     problem: str,
     is_constrained: bool,
 ) -> str:
+    given: Mapping[str, Array],
     """Add the reasons of a problem and its remedy, in words; empty where the form has neither.
 
     Args:
@@ -34,22 +35,29 @@ def reasons_in_plan(
         problem: The problem in sentences; empty without one.
         is_constrained: True if nodes or cables have constraints, which may hold an edge.
     """
+        given: Those that are prescribed, zero where a force is, by part, shape (cells,) [N/m].
     lone = lone_point(structure, structure.points)
     if not problem:
         return f"it depends on the mesh. {causes(lone)}" if lone else ""
-    weak = _weak(structure, plans, axes, densities)
+    weak = _weak(structure, plans, axes, densities, given)
     unheld = "" if is_constrained else free_edge(structure, structure.points)
     found = causes(weak, unheld, lone)
     return f"{problem} {found or _advice(structure, plans, axes)}".strip()
 
 
-def _weak(structure: Structure, plans: Mapping[str, Plan], axes: Array, densities: Mapping[str, Array]) -> str:
+def _weak(
+    structure: Structure,
+    plans: Mapping[str, Plan],
+    axes: Array,
+    densities: Mapping[str, Array],
+    given: Mapping[str, Array],
+) -> str:
     """Tell of the edge cable that lacks most force in plan, in words; empty if none is too weak."""
     plane = axes[:, :2]
     flat = structure.points @ plane @ plane.T
     stresses = {name: plane @ plan.stress @ plane.T for name, plan in plans.items()}
     forces = {name: densities[name] * measures(flat, structure.parts[name].cells) for name in forces_in(structure)}
-    return weak_edges(structure, flat, stresses, forces).words
+    return weak_edges(structure, flat, stresses, forces, given).words
 
 
 def _advice(structure: Structure, plans: Mapping[str, Plan], axes: Array) -> str:
