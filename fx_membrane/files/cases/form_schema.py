@@ -107,7 +107,7 @@ class ProjectedStress(MethodModel):
 
     method: Literal["projected stress"]
     stress: dict[str, StressModel] = {}
-    cables: Literal["horizontal force", "force", "force density"] | None = None
+    cables: Literal["horizontal force", "balanced force", "force", "force density"] | None = None
     direction: Direction | None = None
     tolerance: Number | None = None
     max_iterations: int | None = None

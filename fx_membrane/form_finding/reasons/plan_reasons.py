@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ...geometry.measures import measures
 from ...model.structure import Structure
+from ..balance.edge_balance import unbalanced_edge
 from ..plan import Plan
 from .axis_balance import unbalanced
 from .no_form import causes, forces_in
@@ -15,16 +16,18 @@ from .weak_edges import weak_edges
 
 Array = NDArray[np.float64]
 
+UNEVEN = 0.01  # range of a force over its mean, above which a constant one is not called balanced
+
 
 def reasons_in_plan(
     structure: Structure,
     plans: Mapping[str, Plan],
     axes: Array,
     densities: Mapping[str, Array],
+    given: Mapping[str, Array],
     problem: str,
     is_constrained: bool,
 ) -> str:
-    given: Mapping[str, Array],
     """Add the reasons of a problem and its remedy, in words; empty where the form has neither.
 
     Args:
@@ -32,17 +35,17 @@ def reasons_in_plan(
         plans: Its membranes in plan.
         axes: Two axes of the plan and its normal as columns, shape (3, 3) [-].
         densities: Force densities of bars in the first step, by part, shape (cells,) [N/m].
+        given: Those that are prescribed, zero where a force is, by part, shape (cells,) [N/m].
         problem: The problem in sentences; empty without one.
         is_constrained: True if nodes or cables have constraints, which may hold an edge.
     """
-        given: Those that are prescribed, zero where a force is, by part, shape (cells,) [N/m].
     lone = lone_point(structure, structure.points)
     if not problem:
         return f"it depends on the mesh. {causes(lone)}" if lone else ""
     weak = _weak(structure, plans, axes, densities, given)
     unheld = "" if is_constrained else free_edge(structure, structure.points)
     found = causes(weak, unheld, lone)
-    return f"{problem} {found or _advice(structure, plans, axes)}".strip()
+    return f"{problem} {found or _advice(structure, plans, axes, given)}".strip()
 
 
 def _weak(
@@ -60,13 +63,19 @@ def _weak(
     return weak_edges(structure, flat, stresses, forces, given).words
 
 
-def _advice(structure: Structure, plans: Mapping[str, Plan], axes: Array) -> str:
+def _advice(structure: Structure, plans: Mapping[str, Plan], axes: Array, given: Mapping[str, Array]) -> str:
     """Sentences on the condition that a stress in plan misses, or on how to come nearer."""
     plane = axes[:, :2]
     for name, plan in plans.items():
         if missed := unbalanced(plan, structure.points @ plane, plane):
             return f'In part {name!r}, {missed} To keep the plan, hold its nodes in it, as by Support(nodes, "xy").'
     again = "start again from dataclasses.replace(structure, points=form.points)."
+    varies, where = unbalanced_edge(structure, plans, axes)
+    if varies > UNEVEN and not any(q.any() for q in given.values()):
+        return (
+            f"The stress pulls along the {where}, so no constant force balances it there: it must vary by "
+            f'{100 * varies:.3g} %. Take cables="balanced force", with the mean force as prestress, and {again}'
+        )
     if any(force.any() for force in forces_in(structure).values()):
         return f"Draw edges with cables as arcs, of radius force over stress; or {again}"
     return f"Give a stress that balances in plan, such as a constant one; or {again}"
