@@ -137,8 +137,9 @@ class WeakEdges:
         if set(self.weak) <= named:
             return ""
         by_part: dict[str, int] = {}
-        for k in sorted(self.weak, key=lambda k: float(self.needs[k])):
-            by_part[self.edges[k].part] = k
+        for k in self.weak:
+            most = by_part.setdefault(self.edges[k].part, k)
+            by_part[self.edges[k].part] = max(most, k, key=lambda each: float(self.needs[each]))
         listed = ", ".join(
             f"{name!r} {self.edges[k].shown(self.needs[k])}" for name, k in list(by_part.items())[:LISTED]
         )
