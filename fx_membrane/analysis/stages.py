@@ -120,9 +120,9 @@ class Analysis:
             checkpoint_file: File in which to save the state after each converged increment. States in an existing file
                 are not computed again, and the run continues from it. Stages may be added or left out, and have other
                 `increments`. The solver may be another, too: each state is in equilibrium to the tolerance of the
-                solver that found it. It is one file of any name, an SQLite database. While a run has it, no other can
-                use it. Its journal, with "-journal" after its name, lies beside it and belongs to it. The first process
-                alone reads and writes it.
+                solver that found it. It is one file of any name, an SQLite database; its folder is made. While a run
+                has it, no other can use it. Its journal, with "-journal" after its name, lies beside it and belongs to
+                it. The first process alone reads and writes it.
             observe: Function that is given the state after each converged increment, on all processes, such as a
                 `ParaViewSeries`; of a stage that the checkpoint has complete, its end.
 
@@ -194,7 +194,7 @@ class Analysis:
         stage = course.stage
         balanced = stage.after is not None or not (self.problem.magnitudes.prestress_forces or self.structure.terms)
         control = IncrementControl(stage, state, balanced)
-        x = self.problem.create_vector()
+        x, before = self.problem.create_vector(), len(state.increments)
         with Report(stage.name, float(state.factor), self._shown, len(results) + 1, len(results.stages)) as report:
             work = Work(self._limit, self._comm, report.iteration)
             while control.state.factor < 1:
@@ -209,7 +209,9 @@ class Analysis:
                 if verdict is Verdict.STOP or work.over or not self._located(course, control, work):
                     raise self._failure(course, control, loaded, x, solution, work, results)
                 accept(control.accept())
-                report.increment(float(control.state.factor), control.state.increments[-1].iterations[-1].residual)
+                found = control.state.increments[before:]
+                iterations = sum(entry.total_iterations for entry in found)
+                report.increment(float(control.state.factor), found[-1].iterations[-1].residual, iterations)
         return control.state
 
     def _accept(
