@@ -15,6 +15,7 @@ from .balance.membrane_balance import collapse_of, stressed
 from .cell_reference import reference_of, warp_at
 from .constraints.hand_over import handed_over, pulled_mast
 from .form import Form, FormStep
+from .reasons.as_asked import Asked
 from .shape_change import STOPPED, change_of_shape, check_collapse
 
 Array = NDArray[np.float64]
@@ -105,7 +106,7 @@ def natural_step(
     return replace(form, wish=wish_of(asked), remarks=(*form.remarks, *([off] if off else []))), found.densities
 
 
-def collapse_of_step(structure: Structure, points: Array, number: int, asked: Structure | None = None) -> str:
+def collapse_of_step(structure: Structure, points: Array, number: int, asked: Asked | None = None) -> str:
     """Tell of the collapse of a shape in words; empty without one. See `check_collapse`."""
     try:
         check_collapse(structure, points, number, asked)

@@ -152,7 +152,7 @@ def prescribed_stress(
             balance = ConstrainedBalance(
                 structure, loads, constraints, np.eye(3), "force", lambda shape, _: collapse_of(structure, shape)
             )
-        check_edges(structure if balance is None else as_asked(structure, balance))
+        check_edges(structure if balance is None else as_asked(structure, balance).structure)
     settings = {"loads": loads, "tolerance": tolerance, "max_iterations": max_iterations, "constraints": constraints}
     refuse_different_input(structure, settings, {"stress": stress, "warp": warp})
     problem = NearestProblem(structure, loads, wishes, balance=balance)

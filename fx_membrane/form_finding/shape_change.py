@@ -8,6 +8,7 @@ from ..geometry.measures import measures, normals
 from ..geometry.topology import boundary_edges
 from ..model.parts import Bar, Membrane
 from ..model.structure import Structure
+from .reasons.as_asked import Asked
 from .reasons.line_tangents import line_tangents, unit
 from .reasons.no_form import cause, established
 
@@ -53,9 +54,7 @@ def change_of_shape(structure: Structure, points: NDArray[np.float64], displacem
     return largest
 
 
-def check_collapse(
-    structure: Structure, points: NDArray[np.float64], step: int, asked: Structure | None = None
-) -> None:
+def check_collapse(structure: Structure, points: NDArray[np.float64], step: int, asked: Asked | None = None) -> None:
     """Refuse a shape with a collapsed cell, or with a cable or a mast that grows without bound.
 
     Args:
@@ -85,7 +84,7 @@ def check_collapse(
 
 
 def collapse(
-    structure: Structure, step: int, points: NDArray[np.float64] | None = None, asked: Structure | None = None
+    structure: Structure, step: int, points: NDArray[np.float64] | None = None, asked: Asked | None = None
 ) -> str:
     """Sentences on a shape without equilibrium; free masts, a possible cause, come first."""
     for name, part in structure.parts.items():

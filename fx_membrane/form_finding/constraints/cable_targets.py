@@ -199,6 +199,13 @@ class CableTargets:
         """Force densities of given forces and densities in a shape, by part, shape (cells,) [N/m]."""
         return densities_of(self.bars, points, self.axes, self.kinds)
 
+    def by_density(self, points: Array) -> dict[str, Array]:
+        """Force densities of cells that are given by them, zero of others, by part, shape (cells,) [N/m]."""
+        found = self.by_force(points)
+        for name, line, *_ in self.targets:
+            found[name][line.cells] = 0.0
+        return {name: np.where(self.kinds[name] == "force density", q, 0.0) for name, q in found.items()}
+
 
 def _distinct(
     structure: Structure, constraints: Sequence[CableConstraint]

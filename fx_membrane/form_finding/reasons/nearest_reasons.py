@@ -14,7 +14,7 @@ from ..nearest_stress.ratios import differences
 from ..nearest_stress.state import NearestProblem, State
 from ..plan import place
 from ..wishes import Wish
-from .as_asked import as_asked
+from .as_asked import Asked, as_asked
 from .distance import wished, worst
 from .folds import fold
 from .no_form import causes, forces_in
@@ -63,8 +63,8 @@ def reason_of(
             under constraints, for which there is none.
     """
     structure, where = problem.structure, worst(problem, state)
-    asked = structure if problem.balance is None else as_asked(structure, problem.balance)
-    weak = weak_edges(asked, structure.points, wished(problem), forces_in(asked))
+    asked = Asked(structure, {}) if problem.balance is None else as_asked(structure, problem.balance)
+    weak = weak_edges(asked.structure, structure.points, wished(problem), forces_in(asked.structure), asked.densities)
     lone = lone_point(structure, structure.points)
     settled = bool(steps) and steps[-1].change <= tolerance
     if failure or state.mean > far:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from ...geometry.measures import normals, projected
 from ...model.parts import Membrane
 from ...model.structure import Structure
+from .as_asked import Asked
 from .folds import fold
 from .ring_reach import far_ring
 from .unheld import free_edge, lone_point
@@ -18,7 +19,7 @@ Array = NDArray[np.float64]
 UNEQUAL = 1.05  # ratio of principal stresses, above which they count as unequal
 
 
-def cause(structure: Structure, points: Array, asked: Structure | None = None) -> str:
+def cause(structure: Structure, points: Array, asked: Asked | None = None) -> str:
     """Tell of the causes that rules establish, or else of unequal stress; see `established`.
 
     Returns:
@@ -27,7 +28,7 @@ def cause(structure: Structure, points: Array, asked: Structure | None = None) -
     return established(structure, points, asked) or _unequal(structure)
 
 
-def established(structure: Structure, points: Array, asked: Structure | None = None) -> str:
+def established(structure: Structure, points: Array, asked: Asked | None = None) -> str:
     """Tell of weak edge cables, rings too far away, edges and points without hold, or else of a fold, in sentences.
 
     Args:
@@ -35,10 +36,10 @@ def established(structure: Structure, points: Array, asked: Structure | None = N
         points: Its shape, shape (n, 3) [m].
         asked: The same with what its constraints ask for, see `as_asked`; the structure itself if not given.
     """
-    asked = asked or structure
+    asked = asked or Asked(structure, {})
     stresses = stresses_in(structure, points)
-    found = [weak_edges(asked, points, stresses, forces_in(asked)).words, far_ring(structure, points, stresses)]
-    found += [free_edge(asked, points), lone_point(structure, points)]
+    found = [weak_edges(asked.structure, points, stresses, forces_in(asked.structure), asked.densities).words]
+    found += [far_ring(structure, points, stresses), free_edge(asked.structure, points), lone_point(structure, points)]
     return causes(*found) or causes(fold(structure, points))
 
 
