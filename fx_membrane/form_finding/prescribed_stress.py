@@ -45,6 +45,7 @@ from .nearest_stress.system import step_of, system_of
 from .plan import Field
 from .reasons.as_asked import as_asked
 from .reasons.axis_balance import remarks_of
+from .reasons.few_supports import check_supports_of_form
 from .reasons.nearest_reasons import reason_of
 from .reasons.unheld import check_edges
 from .same_input import refuse_different_input
@@ -146,7 +147,9 @@ def prescribed_stress(
         check_bars(structure)
         wishes = wishes_of(structure, stress, warp)
         balance = None
-        if constraints:
+        if not constraints:
+            check_supports_of_form(structure, loads)
+        else:
             balance = ConstrainedBalance(
                 structure, loads, constraints, np.eye(3), "force", lambda shape, _: collapse_of(structure, shape)
             )

@@ -37,9 +37,9 @@ from .cell_reference import check_tension
 from .constraints.kinds import CableConstraint, Constraint
 from .form import Form, FormStep, refuse_terms
 from .form_loads import checked_form_loads
-from .masts.bar_balance import fallen_mast
 from .natural_step import collapse_of_step, natural_steps
 from .reasons.as_asked import as_asked
+from .reasons.few_supports import check_supports_of_form
 from .reference_steps import steps_of_reference
 
 STRAY = 0.1  # accepted error of the stress where it can settle, relative to the prescribed stress
@@ -116,6 +116,7 @@ def updated_reference(
         stage = Stage("form", checked_form_loads(structure, loads))
         constraints = tuple(validation.instances("constraints", constraints, Constraint))
         if not constraints:
+            check_supports_of_form(structure, stage.loads)
             check_supports(structure, structure.supported)
         _check_prestress(structure, any(isinstance(each, CableConstraint) for each in constraints))
     settings = {"loads": stage.loads, "tolerance": tolerance, "max_iterations": max_iterations}
@@ -130,9 +131,6 @@ def updated_reference(
         form, collapse = _constrained(structure, stage, constraints, is_settled, max_iterations, pulse)
     else:
         form, collapse = steps_of_reference(structure, stage, is_settled, max_iterations, pulse, comm)
-        if form.converged and (fallen := fallen_mast(structure, form.points)):
-            form = replace(form, converged=False)
-            collapse = f"The form is in equilibrium with the forces prescribed, but {fallen}"
     with together(comm):
         if collapse and comm.rank == 0:
             warnings.warn(collapse, UnsettledFormWarning, stacklevel=2)

@@ -11,6 +11,7 @@ from ...model.parts import Bar, Cable, Mast, Part
 from ...model.structure import Structure
 from ...model.supports import Support
 from ..form import Form, FormStep
+from ..reasons.few_supports import all_held
 from .motions import Body, Motions
 
 Array = NDArray[np.float64]
@@ -64,7 +65,7 @@ def handed_over(
     added = [Support(np.flatnonzero((extra == row).all(axis=1)), "".join(np.array(AXES)[row])) for row in patterns]
     made_of = replace(structure, points=points, parts=parts, supports=[*structure.supports, *added])
     told = [words(points) for body in motions.bodies for words in (body.turned, body.grown)]
-    remarks = tuple(filter(None, told))
+    remarks = (*filter(None, told), *all_held(structure))
     return Form(points, forces, reactions, steps, converged, made_of, remarks=remarks)
 
 
