@@ -13,7 +13,7 @@ from ..solvers.progress import Pulse
 from .balance.constrained_balance import ConstrainedBalance, continued
 from .balance.membrane_balance import collapse_of, stressed
 from .cell_reference import reference_of, warp_at
-from .constraints.hand_over import handed_over, pulled_mast
+from .constraints.hand_over import failed_mast, handed_over
 from .form import Form, FormStep
 from .shape_change import STOPPED, change_of_shape, check_collapse
 
@@ -53,7 +53,7 @@ def natural_steps(
         if nearest is None or steps[-1].stress_error < nearest.steps[-1].stress_error:
             nearest = form
     assert form is not None
-    trouble = balance.motions.turned(form.points) or pulled_mast(balance.structure, balance.motions, form)
+    trouble = balance.motions.turned(form.points) or failed_mast(balance.structure, balance.motions, form)
     return form, f"The form is in equilibrium, but {continued(trouble)}" if trouble else ""
 
 

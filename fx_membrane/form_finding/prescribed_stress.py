@@ -35,10 +35,11 @@ from ..solvers.progress import Pulse
 from .balance.cable_forces import check_bars
 from .balance.constrained_balance import ConstrainedBalance, continued
 from .balance.membrane_balance import collapse_of
-from .constraints.hand_over import pulled_mast
+from .constraints.hand_over import failed_mast
 from .constraints.kinds import Constraint
 from .form import Form, FormStep, refuse_terms
 from .form_loads import checked_form_loads
+from .masts.bar_balance import fallen_mast
 from .nearest_stress.start import even_state, near_state
 from .nearest_stress.state import NearestProblem, State
 from .nearest_stress.system import step_of, system_of
@@ -168,8 +169,10 @@ def prescribed_stress(
     told = tuple(steps) or (FormStep(state.area, np.inf, state.largest),)  # a shape on the way to the wish
     off = "" if balance is None else balance.targets.off(state.points, state.densities)
     form = problem.form(state, told, True, (*remarks_of(problem, state), *([off] if off else [])))
-    if balance is not None:
-        trouble = trouble or balance.motions.turned(state.points) or pulled_mast(structure, balance.motions, form)
+    if balance is None:
+        trouble = trouble or fallen_mast(structure, state.points)
+    else:
+        trouble = trouble or balance.motions.turned(state.points) or failed_mast(structure, balance.motions, form)
     if trouble:
         warnings.warn(
             f"The form is in equilibrium with the stress it is handed over with, but {continued(trouble)}",
