@@ -30,6 +30,7 @@ from .masts.bar_balance import fallen_mast
 from .masts.mast_balance import Balance, Step, balance_masts
 from .natural_step import abandoned, wish_of
 from .reasons.few_supports import all_held
+from .reasons.no_form import established
 from .shape_change import change_of_shape, check_collapse, collapse
 
 SAME = 1e-12  # relative change of the loads that counts as none
@@ -179,9 +180,10 @@ def _equilibrium(
                 return None
             break
         shape, before = reference + problem.to_numpy(x), actions.loads
+    reason = established(problem.structure, problem.structure.points)
     raise RuntimeError(
         "Form finding found no shape for the distributed loads: they grow with the form faster than the "
-        "prestress can hold. Give a larger prestress or smaller loads."
+        f"prestress can hold. {reason} Give a larger prestress or smaller loads.".replace("  ", " ")
     )
 
 

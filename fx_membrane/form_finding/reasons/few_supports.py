@@ -31,7 +31,9 @@ def check_supports_of_form(structure: Structure, loads: Sequence[object], constr
         ValueError: The held nodes of a piece are at one place, or on a line in a piece with a membrane or meshes.
     """
     bars = [part for part in structure.parts.values() if isinstance(part, Bar)]
-    if any(np.any(load) for load in loads) or any((bar.prestress_tensors() < 0).any() for bar in bars):
+    if any(not isinstance(load, np.ndarray) or load.any() for load in loads) or any(
+        (bar.prestress_tensors() < 0).any() for bar in bars
+    ):
         return
     held = structure.supported.copy()
     for constraint in constraints:

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.measures import measures
 from ...model.parts import Bar
 from ...model.structure import Structure
 from ..form import FormStep
@@ -16,8 +15,9 @@ from ..plan import place
 from ..wishes import Wish
 from .as_asked import as_asked
 from .folds import fold
+from .necks import neck
 from .no_form import causes, forces_in
-from .ring_reach import far_ring, has_ring
+from .ring_reach import far_ring
 from .unheld import lone_point
 from .weak_edges import GUIDED, WeakEdges, weak_edges
 
@@ -27,7 +27,6 @@ Trial = Callable[[NearestProblem, bool], bool]
 MARGINS = (0.01, 0.0)  # shares above the force needed, with which a form is tried
 FEW, WORK = 2, 3000  # trials with stronger cables at least, and cells of all: a reason takes no longer than the search
 UNEQUAL = 1.05  # ratio of principal stresses, above which they count as unequal
-SHRUNK = 0.3  # length of a cell over the usual one, below which a membrane closes to a neck
 UNKNOWN = (
     "The reason is not established: by the rules the edge cables are strong enough and no ring is too far, and no "
     "trial with stronger cables, without loads or with equal stress has a form. Refine the mesh, or begin with another "
@@ -98,7 +97,9 @@ def _established(problem: NearestProblem, state: State, weak: WeakEdges, lone: s
         return causes(stronger.words, lone) if stronger else causes(weak.words, ring, lone)
     if ring or lone:
         return causes(ring, lone)
-    found = _by_trial(problem, weak, is_found) or _neck(problem, state) or causes(fold(structure, structure.points))
+    found = (
+        _by_trial(problem, weak, is_found) or neck(structure, state.points) or causes(fold(structure, structure.points))
+    )
     return found or (UNTRIED if is_found is None else UNKNOWN)
 
 
@@ -178,27 +179,6 @@ def _equal(problem: NearestProblem) -> NearestProblem:
 
     return NearestProblem(
         problem.structure, problem.loads, {name: equal(wish) for name, wish in problem.wishes.items()}
-    )
-
-
-def _neck(problem: NearestProblem, state: State) -> str:
-    """Tell of the place where a membrane between rings closes to a neck, in words; empty without one."""
-    found = (SHRUNK, "")
-    for name, block in problem.membranes.items():
-        if not has_ring(problem.structure, block.cells):
-            continue
-        now = np.sqrt(measures(state.points, block.cells))
-        ratio = now / np.sqrt(measures(problem.structure.points, block.cells))
-        ratio /= np.median(ratio)
-        cell = int(ratio.argmin())
-        if ratio[cell] < found[0]:
-            found = (float(ratio[cell]), f"part {name!r}, at {place(state.points, block.cells, cell)}")
-    if not found[1]:
-        return ""
-    return (
-        f"No surface of such stress spans the supports; it closes to a neck in {found[1]}. Bring the rings nearer to "
-        "each other, make the ring larger, wish for more stress from ring to ring than around them, or give the stress "
-        "in plan, projected_stress."
     )
 
 

@@ -47,10 +47,10 @@ def by_net(structure, loads=()):
 METHODS = {
     "force density": by_net,
     "projected stress": projected_stress,
-    "natural force density": lambda structure, *given: natural_force_density(structure, *given, iterations=3),
+    "natural force density": lambda structure, loads=(): natural_force_density(structure, loads, iterations=3),
     "updated reference": updated_reference,
-    "updated reference of constraints": lambda structure, *given: updated_reference(
-        structure, *given, constraints=[CableForce("edge", 2e4)]
+    "updated reference of constraints": lambda structure, loads=(): updated_reference(
+        structure, loads, constraints=[CableForce("edge", 2e4)]
     ),
     "prescribed stress": prescribed_stress,
 }

@@ -32,6 +32,7 @@ from fx_membrane import (
 )
 from fx_membrane.form_finding.constraints import bodies
 from fx_membrane.form_finding.constraints.motions import motions_of
+from masted_sails import head
 
 METHODS = [projected_stress, natural_force_density, updated_reference, prescribed_stress]
 
@@ -241,3 +242,18 @@ def test_free_mast_is_refused_with_the_ways_to_find_it(method):
     structure, masts = sail_on_masts(push=-40e3)
     with pytest.raises(ValueError, match=r"'masts', cell 0 .*-40000.*masts_and_stays.*RigidBody.*updated_reference"):
         method(structure, constraints=[RigidBody(masts[0])])
+
+
+def test_stress_somewhat_off_is_told():
+    with pytest.warns(UnsettledFormWarning, match=r"after 30 iterations that is off by \d.*iterations=\.\.\."):
+        form = natural_force_density(canopy(force=25e3), iterations=30)
+    assert not form.converged
+    assert form.steps[-1].stress_error < 0.1
+
+
+def test_unmet_force_of_a_bar_is_told():
+    form, bars, ends, _ = head((-3.0, 0, 0), (0.0, 0, 0), wanted=[1e3, 0.0])
+    with pytest.warns(UnsettledFormWarning, match=r"with 5000 in cell 0 of part 'stay', not with the wanted 1000, .*"):
+        guyed = masts_and_stays(form, bars, ends)
+    assert not guyed.converged
+    assert "want that force, or none" in guyed.remarks[-1]
