@@ -170,10 +170,14 @@ def _quiet_compiler() -> Iterator[None]:
 
 
 def _compile(function: Any, *args: Any) -> Any:
-    # 0.9, 0.11: options; 0.5: params; 0.11 compiles nothing for a space
-    keywords = inspect.signature(function).parameters.keys() & {"jit_options", "jit_params"}
     with _quiet_compiler(), jit_cache.guard(ffcx.codegeneration.jit):
-        return function(*args, **{keyword: dict(JIT) for keyword in keywords})  # fresh: dolfinx writes into it
+        return function(*args, **{keyword: dict(JIT) for keyword in _keywords(function)})  # fresh: dolfinx writes there
+
+
+@cache
+def _keywords(function: Any) -> frozenset[str]:
+    """Names of the options of compilation; 0.9, 0.11: options; 0.5: params; 0.11 compiles nothing for a space."""
+    return frozenset(inspect.signature(function).parameters.keys() & {"jit_options", "jit_params"})
 
 
 def form(a: Any) -> Any:

@@ -102,6 +102,7 @@ def init(case: Path) -> None:
     """Write a small case file to begin with, and its schema for editors beside it."""
     if case.exists():
         raise ValueError(f"{case} exists; give another name.")
+    case.parent.mkdir(parents=True, exist_ok=True)
     case.write_text(TEMPLATE, encoding="utf-8")
     _write_schema(case.parent)
     _say(f"Wrote {case}. Next: {_next(case)}")
@@ -183,6 +184,7 @@ def run(case: Path, resume: bool, overwrite: bool, quiet: bool, log: Path | None
 
 def _write_log(log: Path, text: str) -> None:
     try:
+        log.parent.mkdir(parents=True, exist_ok=True)
         log.write_text(text, encoding="utf-8")
     except OSError as error:
         words = f"--log is {str(log)!r}, which cannot be written ({error.strerror})"

@@ -23,6 +23,7 @@ from pictures import count_colours
 DEMOS = Path(__file__).parent.parent / "demos"
 PICTURES: dict[str, list[str]] = {
     "cone": ["plan.png", "prestress.png", "snow.png", "uplift.png", "wind.png"],
+    "dolfinx_in_and_out": [],
     "forms_alone": [],
     "own_energy": [],
     "own_law": [],
@@ -78,6 +79,15 @@ def check_pictures(name):
 
 def test_every_demo_is_listed():
     assert {path.stem for path in DEMOS.glob("*.py")} == set(PICTURES)
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_demos_are_short(name):
+    """A screen of code for what a user may write in the place of ours, and not much text around it."""
+    lines = (DEMOS / f"{name}.py").read_text().splitlines()
+    code = [line for line in lines if line.strip() and not line.startswith("#")]
+    assert len(lines) <= 150
+    assert not re.match("own|forms_alone|dolfinx", name) or len(code) <= 60
 
 
 @pytest.mark.parametrize("name", PICTURES)

@@ -120,9 +120,9 @@ class Analysis:
             checkpoint_file: File in which to save the state after each converged increment. States in an existing file
                 are not computed again, and the run continues from it. Stages may be added or left out, and have other
                 `increments`. The solver may be another, too: each state is in equilibrium to the tolerance of the
-                solver that found it. It is one file of any name, an SQLite database. While a run has it, no other can
-                use it. Its journal, with "-journal" after its name, lies beside it and belongs to it. The first process
-                alone reads and writes it.
+                solver that found it. It is one file of any name, an SQLite database; its folder is made. While a run
+                has it, no other can use it. Its journal, with "-journal" after its name, lies beside it and belongs to
+                it. The first process alone reads and writes it.
             observe: Function that is given the state after each converged increment, on all processes, such as a
                 `ParaViewSeries`; of a stage that the checkpoint has complete, its end.
 

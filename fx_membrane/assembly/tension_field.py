@@ -23,7 +23,6 @@ ROUNDING = 1e-13  # stress across a wrinkle, relative to the tension, that is ro
 UNIT = 1e-16  # and relative to the stiffness
 REST = 1e-15  # distance from the strain without stress that is rounding [-]
 ACCEPTED = 1e5  # times that, where no step brings it down
-REST = 1e-15  # distance from the strain without stress that is rounding [-]
 TURN = 0.3  # largest turn of the tension in a step [rad]
 
 

@@ -6,6 +6,7 @@ from importlib import resources
 from pathlib import Path
 
 SCRIPTS = {  # demos of the sources that no case file can hold
+    "dolfinx_in_and_out": "a dolfinx mesh with tags, and results as dolfinx functions",
     "forms_alone": "the forms in a plain dolfinx script",
     "own_energy": "an energy term of one's own",
     "own_law": "a law of one's own",

@@ -3,6 +3,10 @@
 FFCx makes `name.c`, compiles it and then makes `name.c.cached`; a process that finds the first file waits for the
 second. A process killed between them left the others waiting for ever. Here, processes compile in turn, under a lock
 that the kernel releases for the dead; the locked file holds the name of the source in work.
+
+A process keeps the modules that it has loaded: to find one again, FFCx lists the whole folder and loads the library
+anew. FFCx's name of a module identifies its formulas, elements and options, so that no other code is found by it. The
+code knows no mesh and no values.
 """
 
 import fcntl
@@ -10,6 +14,7 @@ import importlib.machinery
 import os
 import threading
 import time
+from collections import OrderedDict
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
@@ -21,14 +26,16 @@ from .messages import say
 
 LOCK = "fx_membrane.lock"
 DEAD = 10.0  # another program without a sign for so long is dead, as in dolfinx [s]
+KEPT = 256  # loaded modules, of some forty kinds of parts
 PERIOD = 10.0  # between messages to the user [s]
 _threads = threading.RLock()  # FFCx is changed during a call
+_loaded: OrderedDict[tuple[str, ...], Any] = OrderedDict()  # code of this process, by folder, module and its objects
 _told: list[float] = []  # times of messages to the user
 
 
 @contextmanager
 def guard(jit: Any) -> Iterator[None]:
-    """Make FFCx's compiler (`ffcx.codegeneration.jit`) work in turn and without leftovers, in this block.
+    """Make FFCx's compiler (`ffcx.codegeneration.jit`) work in turn, without leftovers, and load once; in this block.
 
     Raises:
         RuntimeError: The cache cannot be written, or the compiler does not work.
@@ -38,16 +45,30 @@ def guard(jit: Any) -> Iterator[None]:
         find = jit.get_cached_module
 
         def get_cached_module(name: str, objects: list[str], cache_dir: str | Path, timeout: int) -> Any:
+            key = str(cache_dir), name, *objects
+            if key in _loaded:
+                _loaded.move_to_end(key)
+                return _loaded[key]
             source = Path(cache_dir, f"{name}.c")
             if not complete(source):
                 held.enter_context(_in_words(source.parent))
                 held.enter_context(_turn(source, timeout))
             with _in_words(source.parent):
-                return find(name, objects, cache_dir, timeout)
+                found = find(name, objects, cache_dir, timeout)
+            if found[0] is not None:  # else FFCx compiles it
+                _keep(key, found)
+            return found
 
         held.callback(setattr, jit, "get_cached_module", find)
         jit.get_cached_module = get_cached_module
         yield
+
+
+def _keep(key: tuple[str, ...], found: Any) -> None:
+    """Keep a loaded module; the one that was not used for the longest time makes room."""
+    _loaded[key] = found
+    while len(_loaded) > KEPT:
+        _loaded.popitem(last=False)
 
 
 def complete(source: Path) -> bool:

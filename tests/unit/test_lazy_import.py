@@ -1,5 +1,6 @@
 """Effects of `import fx_membrane`: loaded modules and changes, in separate processes."""
 
+import importlib.metadata
 import subprocess
 import sys
 from pathlib import Path
@@ -88,4 +89,7 @@ def test_former_name_tells_the_new_one():
 
 
 def test_version():
-    assert fx_membrane.__version__.count(".") == 2
+    """Three numbers; sources without installation do not know theirs."""
+    installed = list(importlib.metadata.distributions(name="fx-membrane"))
+    assert fx_membrane.__version__ == (installed[0].version if installed else "unknown")
+    assert not installed or fx_membrane.__version__.count(".") == 2

@@ -102,21 +102,22 @@ def test_warnings_as_errors_and_closed_streams_with_a_cold_cache(environment):
 
 
 class FFCx:
-    """Finds sources as FFCx does: None for one to be compiled."""
+    """Finds sources as FFCx does: no objects and no module for one to be compiled."""
 
     def __init__(self, compiled):
-        self.compiled = compiled
+        self.compiled, self.searches = compiled, 0
 
     def get_cached_module(self, name, objects, cache_dir, timeout):
+        self.searches += 1
         try:
             open(f"{cache_dir}/{name}.c", "x").close()
         except FileExistsError:
-            return self.compiled
-        return None
+            return [], self.compiled
+        return None, None
 
-    def compile(self, cache, fails=None):
+    def compile(self, cache, fails=None, objects=()):
         with jit_cache.guard(self):
-            found = self.get_cached_module("form", [], cache, 1)
+            _, found = self.get_cached_module("form", list(objects), cache, 1)
             if found is None:
                 if fails is not None:
                     raise fails
@@ -158,3 +159,37 @@ def test_another_process_that_never_ends_to_compile(tmp_path):
         fcntl.flock(lock, fcntl.LOCK_EX)
         with pytest.raises(TimeoutError, match=r"^Another process.*compiled forms.*1 s; end"):
             FFCx(None).compile(tmp_path)
+
+
+def test_module_is_loaded_once(tmp_path):
+    FFCx(None).compile(tmp_path)
+    ffcx = FFCx("found")
+    assert [ffcx.compile(tmp_path) for _ in range(3)] == ["found"] * 3
+    assert ffcx.searches == 1
+
+
+def test_module_of_another_folder_or_with_other_objects_is_another(tmp_path):
+    folders = tmp_path / "a", tmp_path / "b"
+    for folder in folders:
+        folder.mkdir()
+        FFCx(None).compile(folder)
+    asked = [(folder, objects) for folder in folders for objects in ((), ("first",), ("first", "second"))]
+    for _ in range(2):
+        assert [FFCx(each).compile(each[0], objects=each[1]) for each in asked] == asked
+
+
+def test_module_that_was_compiled_is_not_taken_for_found(tmp_path):
+    ffcx = FFCx(None)
+    assert ffcx.compile(tmp_path) is None
+    ffcx.compiled = "found"
+    assert ffcx.compile(tmp_path) == "found"
+
+
+def test_few_modules_are_kept(tmp_path, monkeypatch):
+    monkeypatch.setattr(jit_cache, "KEPT", 2)
+    FFCx(None).compile(tmp_path)
+    ffcx = FFCx("found")
+    for name in ("a", "b", "a", "c", "a", "b"):
+        ffcx.compile(tmp_path, objects=[name])
+    assert ffcx.searches == 4  # a, b, c, and b again
+    assert len(jit_cache._loaded) == 2
