@@ -165,7 +165,7 @@ def prescribed_stress(
         return _is_found(other, pulse, max(tolerance, TRIED), max_iterations, at_once)
 
     trial = is_found if balance is None else None
-    trouble = reason_of(problem.at(state), state, steps, failure, tolerance, FAR, trial)
+    trouble = reason_of(problem.at(state), state, steps, failure, tolerance, max_iterations, FAR, trial)
     told = tuple(steps) or (FormStep(state.area, np.inf, state.largest),)  # a shape on the way to the wish
     off = "" if balance is None else balance.targets.off(state.points, state.densities)
     form = problem.form(state, told, True, (*remarks_of(problem, state), *([off] if off else [])))

@@ -181,8 +181,8 @@ def _warn_of_unsettled_form(structure: Structure, form: Form, tolerance: float, 
     warnings.warn(
         f"The form has not settled: step {len(form.steps)}, the last, changed it by {last.change:.3g} of the length of "
         f"an edge, more than the tolerance {tolerance:g}, and its stress is off by {100 * last.stress_error:.3g} % of "
-        f"the prescribed one; it is in equilibrium with the stress found. {remedy}; where the change does not fall from "
-        "step to step (form.steps), the prestress may have no form.",
+        f"the prescribed one; it is in equilibrium with the stress found. {remedy}; where the change does not fall "
+        "from step to step (form.steps), the prestress may have no form.",
         UnsettledFormWarning,
         stacklevel=3,
     )

@@ -45,6 +45,7 @@ def reason_of(
     steps: Sequence[FormStep],
     failure: str,
     tolerance: float,
+    most: int,
     far: float,
     is_found: Trial | None,
 ) -> str:
@@ -56,6 +57,7 @@ def reason_of(
         steps: Its steps.
         failure: Failure of the search for its form, in words; empty without one.
         tolerance: Accepted change in a step [-].
+        most: Maximum number of steps.
         far: Mean difference of stress and wish above which the form is not that of the wish [-].
         is_found: Trial of another problem, near to the wish at once or by the whole search: True if it has a form; None
             under constraints, for which there is none.
@@ -73,9 +75,15 @@ def reason_of(
         return f"{depends}. {causes(weak.words, lone)} {where}"
     if settled:
         return ""
+    if len(steps) < most:
+        return (
+            f"it has not settled: no step after {len(steps)} brings the stress nearer to the wish, as a Ring or a "
+            "RigidBody slides within the surface or between its cables. Guide it by supports, or give a ring its "
+            f"radius, or a cable with a force along it. {where}"
+        )
     return (
-        f"it has not settled: step {len(steps)}, the last, changed it by {steps[-1].change if steps else np.inf:.3g}, "
-        f"more than the tolerance {tolerance:g}; allow more steps (max_iterations=...). {where}"
+        f"it has not settled: step {len(steps)}, the last, changed it by {steps[-1].change:.3g}, more than the "
+        f"tolerance {tolerance:g}; allow more steps (max_iterations=...). {where}"
     )
 
 

@@ -257,3 +257,16 @@ def test_unmet_force_of_a_bar_is_told():
         guyed = masts_and_stays(form, bars, ends)
     assert not guyed.converged
     assert "want that force, or none" in guyed.remarks[-1]
+
+
+def test_ring_that_slides_without_rest_is_told_with_a_remedy():
+    structure, ring = cone()
+    k = len(structure.points)
+    stays = Cable(np.stack([ring, np.full(len(ring), k)], axis=1), 1e7, 200.0)
+    hung = Structure(
+        np.vstack([structure.points, [[0, 0, 4.0]]]),
+        {"film": structure.parts["film"], "stays": stays},
+        [*structure.supports, Support([k])],
+    )
+    with pytest.warns(UnsettledFormWarning, match=r"not settled: no step after \d+ brings .* give a ring its radius"):
+        assert not prescribed_stress(hung, constraints=[Ring(ring)]).converged
