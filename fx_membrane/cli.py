@@ -93,7 +93,11 @@ def _warn(message: Warning | str, *_: Any) -> None:
 @click.group(cls=_Group)
 @click.version_option(package_name="fx-membrane")
 def main() -> None:
-    """Nonlinear statics of prestressed tension structures, from case files; the README shows Python scripts."""
+    """Nonlinear statics of prestressed tension structures, from case files; the README shows Python scripts.
+
+    Exit codes: 0 done, also with warnings; 1 no equilibrium, no shape, or a limit of the design exceeded; 2 input
+    refused, or a file not written; 130 stopped.
+    """
 
 
 @main.command()
@@ -157,7 +161,7 @@ def run(case: Path, resume: bool, overwrite: bool, quiet: bool, log: Path | None
     from .checks import paths  # noqa: PLC0415
     from .files.cases.case import read_case  # noqa: PLC0415
     from .files.cases.run import folder_of, run_case  # noqa: PLC0415
-    from .results.overview import overview  # noqa: PLC0415
+    from .results.overview import exceeded, overview  # noqa: PLC0415
     from .runtime.processes import by_the_first  # noqa: PLC0415
 
     if log:
@@ -180,6 +184,8 @@ def run(case: Path, resume: bool, overwrite: bool, quiet: bool, log: Path | None
     tell()
     if failure:
         raise failure
+    if missed := exceeded(results):
+        raise RuntimeError(f"Limits of the design are exceeded: {'; '.join(missed)}. The computation is complete.")
 
 
 def _write_log(log: Path, text: str) -> None:

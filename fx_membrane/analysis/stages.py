@@ -194,7 +194,7 @@ class Analysis:
         stage = course.stage
         balanced = stage.after is not None or not (self.problem.magnitudes.prestress_forces or self.structure.terms)
         control = IncrementControl(stage, state, balanced)
-        x = self.problem.create_vector()
+        x, before = self.problem.create_vector(), len(state.increments)
         with Report(stage.name, float(state.factor), self._shown, len(results) + 1, len(results.stages)) as report:
             work = Work(self._limit, self._comm, report.iteration)
             while control.state.factor < 1:
@@ -209,7 +209,9 @@ class Analysis:
                 if verdict is Verdict.STOP or work.over or not self._located(course, control, work):
                     raise self._failure(course, control, loaded, x, solution, work, results)
                 accept(control.accept())
-                report.increment(float(control.state.factor), control.state.increments[-1].iterations[-1].residual)
+                found = control.state.increments[before:]
+                iterations = sum(entry.total_iterations for entry in found)
+                report.increment(float(control.state.factor), found[-1].iterations[-1].residual, iterations)
         return control.state
 
     def _accept(

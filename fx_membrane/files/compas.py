@@ -1,6 +1,7 @@
 """COMPAS JSON: networks, graphs and meshes of compas, compas_fd and jax_fdm, of versions 0, 1 and 2."""
 
 import json
+import math
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -44,7 +45,7 @@ def read_compas(source: str | Path) -> Net:
         data = _data(json.loads(file.read_text(encoding="utf-8")))
         nodes = data.get("node") or data.get("vertex")
         defaults = _first(data, "dna", "dva", "default_node_attributes", "default_vertex_attributes")
-        row = {str(key): number for number, key in enumerate(nodes)}
+        row = _Rows({str(key): number for number, key in enumerate(nodes)})
         entries = [defaults | values for values in nodes.values()]
         pairs, weights = _edges(data, row)
         faces: dict[int, list[list[int]]] = {}
@@ -61,7 +62,9 @@ def read_compas(source: str | Path) -> Net:
     except OSError as error:
         raise ValueError(f"source is {str(file)!r}: {error.strerror}; correct the name.") from None
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        raise ValueError(f"{file} is no network or mesh of COMPAS in JSON ({type(error).__name__}: {error}).") from None
+        raise ValueError(
+            f"{file} is no network or mesh of COMPAS in JSON ({_reason(error)}); export it anew from COMPAS."
+        ) from None
 
 
 def read(file: Path) -> Drawing:
@@ -79,10 +82,34 @@ def read(file: Path) -> Drawing:
     return drawing
 
 
+class _Rows(dict[str, int]):
+    """Rows of nodes by their names in the file."""
+
+    def __missing__(self, name: str) -> int:
+        raise _UnfitError(f"an edge or a face names node {name[:40]!r}, which the file has not")
+
+
+class _UnfitError(ValueError):
+    """Content that is no net, told in words of the file."""
+
+
+def _reason(error: Exception) -> str:
+    """Reason for which a file is no net, in words of the file."""
+    if isinstance(error, json.JSONDecodeError):
+        return f"line {error.lineno}, column {error.colno} is no JSON"
+    if isinstance(error, UnicodeDecodeError):
+        return "it is no text in UTF-8"
+    return str(error) if isinstance(error, _UnfitError) else "its content has another form"
+
+
 def _data(document: Any) -> Any:
     """Find the nodes below the wrappers of the versions."""
     while "node" not in document and "vertex" not in document:
+        if not isinstance(document, dict) or not document.keys() & {"data", "value"}:
+            raise _UnfitError("it has no nodes")
         document = document["data"] if "data" in document else document["value"]
+    if not (document.get("node") or document.get("vertex")):
+        raise _UnfitError("it has no nodes")
     return document
 
 
@@ -96,7 +123,7 @@ def _edges(data: Any, row: dict[str, int]) -> tuple[list[tuple[int, int]], list[
     found: dict[tuple[int, int], float] = {}
     for start, ends in data.get("edge", {}).items():
         for end, values in (ends or {}).items():
-            found[row[str(start)], row[str(end)]] = float((defaults | (values or {})).get("q") or 0.0)
+            found[row[str(start)], row[str(end)]] = _number("q", (defaults | (values or {})).get("q"))
     if not found and data.get("face"):
         named = {
             frozenset(key.strip("()").replace(",", "-").replace(" ", "").split("-")): values
@@ -107,10 +134,21 @@ def _edges(data: Any, row: dict[str, int]) -> tuple[list[tuple[int, int]], list[
             for start, end in zip(keys, keys[1:] + keys[:1], strict=True):
                 if (row[end], row[start]) not in found:
                     values = named.get(frozenset((start, end))) or {}
-                    found[row[start], row[end]] = float((defaults | values).get("q") or 0.0)
+                    found[row[start], row[end]] = _number("q", (defaults | values).get("q"))
     return list(found), list(found.values())
 
 
 def _numbers(entries: list[dict[str, Any]], names: Any) -> NDArray[np.float64]:
-    values = np.array([[float(entry.get(name) or 0.0) for name in names] for entry in entries], dtype=np.float64)
-    return values.reshape(-1, 3)
+    values = [[_number(name, entry.get(name)) for name in names] for entry in entries]
+    return np.array(values, dtype=np.float64).reshape(-1, 3)
+
+
+def _number(name: str, value: Any) -> float:
+    """Read the number of an attribute; 0 without one."""
+    try:
+        found = float(value or 0.0)
+    except (TypeError, ValueError):
+        found = float("nan")
+    if not math.isfinite(found):
+        raise _UnfitError(f"the attribute {name!r} has {str(value)[:40]!r}, which is no number")
+    return found

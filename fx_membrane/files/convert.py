@@ -40,4 +40,4 @@ def convert(source: Path, target: Path, unit: str | None = None) -> None:
         if groups.keys() - {1}:
             cells = triangles_of(drawing, name, split=True)
             parts[name] = Membrane(cells, Fabric(1.0, 0.0)) if cells.shape[1] == 3 else Cable(cells, 1.0)
-    write_mesh(Structure(drawing.points, parts), target)
+    write_mesh(Structure(drawing.points, parts), target, length_unit=unit or drawing.unit)

@@ -103,7 +103,7 @@ def triangles_of(drawing: Drawing, name: str, split: bool) -> Cells:
     if not split:
         raise ValueError(
             f"{drawing.source}: {drawing.group} {name!r} has {len(groups[4])} quadrilaterals; split them by "
-            "split_quadrilaterals=True."
+            "split_quadrilaterals, True in a script and true in a case file."
         )
     corners = groups[4]
     turned = np.where(_along_first(drawing.points[corners])[:, None], corners, np.roll(corners, -1, axis=1))

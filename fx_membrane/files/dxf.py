@@ -1,6 +1,6 @@
 """DXF by ezdxf: faces, lines and points by layer."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -10,11 +10,14 @@ import numpy as np
 from .drawing import Drawing
 
 UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m", 7: "km", 10: "yd", 14: "dm"}  # $INSUNITS
+IMPERIAL = ("in", "ft", "yd")
+BY_BLOCK = "0"  # layer of entities in a block that are on the layer of its INSERT
 
 
 def read(file: Path) -> Drawing:
     """Read 3DFACE, MESH and polyface entities as faces, LINE and POLYLINE as lines, POINT as points, blocks included.
 
+    What lies on layer 0 in a block is on the layer of the INSERT, as DXF has it, also through blocks in blocks.
     Curved entities (ARC, SPLINE, a bulge of a polyline) and faces with more than four corners are left out: their layer
     is refused where it is asked for.
 
@@ -24,7 +27,6 @@ def read(file: Path) -> Drawing:
     """
     try:
         import ezdxf  # noqa: PLC0415  (optional)
-        from ezdxf import disassemble  # noqa: PLC0415
     except ImportError:
         raise ImportError("DXF files need the package ezdxf; install it by pip install 'fx-membrane[dxf]'.") from None
     try:
@@ -34,16 +36,16 @@ def read(file: Path) -> Drawing:
     points: list[Any] = []
     cells: dict[tuple[str, int], list[list[int]]] = {}
     refused: dict[str, str] = {}
-    for entity in disassemble.recursive_decompose(document.modelspace()):
+    for entity, layer in _entities(document.modelspace(), BY_BLOCK, ()):
         try:
-            found_corners = list(_cells(file, entity))
+            found_corners = list(_cells(f"{file}: layer {layer!r} has ", entity))
         except ValueError as error:
-            refused.setdefault(entity.dxf.layer, str(error))
+            refused.setdefault(layer, str(error))
             continue
         for corners in found_corners:
             rows = list(range(len(points), len(points) + len(corners)))
             points += corners
-            cells.setdefault((entity.dxf.layer, len(rows)), []).append(rows)
+            cells.setdefault((layer, len(rows)), []).append(rows)
     drawing = Drawing(str(file), "layer", np.array([tuple(point) for point in points], dtype=np.float64).reshape(-1, 3))
     for (layer, count), found in cells.items():
         drawing.add(layer, np.array(found, dtype=np.int64).reshape(-1, count))
@@ -52,9 +54,28 @@ def read(file: Path) -> Drawing:
     return drawing
 
 
-def _cells(file: Path, entity: Any) -> Iterator[list[Any]]:
+def _entities(entities: Iterable[Any], layer: str, blocks: tuple[str, ...]) -> Iterator[tuple[Any, str]]:
+    """Entities with their layers, those of blocks in their places.
+
+    Args:
+        entities: Those of the drawing, or of one INSERT of a block.
+        layer: Layer of what is on layer 0.
+        blocks: Names of the blocks around them; a block within itself is left out.
+    """
+    from ezdxf import disassemble  # noqa: PLC0415
+
+    for entity in entities:
+        own = layer if entity.dxf.layer == BY_BLOCK else entity.dxf.layer
+        if entity.dxftype() != "INSERT":
+            yield from ((piece, own) for piece in disassemble.recursive_decompose([entity]))
+        elif entity.dxf.name not in blocks:
+            for insert in entity.multi_insert() if entity.mcount > 1 else [entity]:
+                yield from _entities(insert.virtual_entities(), own, (*blocks, entity.dxf.name))
+
+
+def _cells(where: str, entity: Any) -> Iterator[list[Any]]:
     """Corners of the cells of an entity."""
-    kind, where = entity.dxftype(), f"{file}: layer {entity.dxf.layer!r} has "
+    kind = entity.dxftype()
     if kind == "POINT":
         yield [entity.dxf.location]
     elif kind == "LINE":

@@ -12,6 +12,7 @@ from ..form_finding.form import Form
 from ..model.structure import Structure
 from ..results.states import StageResult
 from ..runtime.processes import by_the_first
+from . import dxf
 from .whole_file import writing
 
 POINT, LINE, TRIANGLE = 15, 1, 2  # types of elements in gmsh
@@ -19,24 +20,26 @@ FORBIDDEN = {".dxf": '<>/\\":;?*|=`,', ".msh": '"', ".obj": ""}  # letters that 
 
 
 @by_the_first
-def write_mesh(shape: Structure | StageResult | Form, path: str | Path) -> None:
+def write_mesh(shape: Structure | StageResult | Form, path: str | Path, *, length_unit: str = "m") -> None:
     """Write the mesh of a structure, of a deformed state or of a found shape, in the format of the ending.
 
     - `.msh`: gmsh's format 2.2, a physical group for each part, and one for each support, "support 0 xyz";
       `structure_from_gmsh` reads it back, to the last bit.
     - `.obj`: a group for each part, faces and lines.
-    - `.dxf`: a layer for each part, 3DFACE and LINE; a layer "supports" of points.
+    - `.dxf`: a layer for each part, 3DFACE and LINE; a layer "supports" of points; the unit of length.
 
-    Numbers are not converted. An existing file is replaced by a complete one. Under MPI call it on all processes; the
-    first one writes.
+    Numbers are not converted: the name of the unit goes into a DXF file, and the other formats have none. An existing
+    file is replaced by a complete one. Under MPI call it on all processes; the first one writes.
 
     Args:
         shape: A structure, in its reference shape; a state, in its deformed shape; or a form.
         path: The file; its folder is made.
+        length_unit: Name of the length unit of the shape: "m", "mm", "ft", ...; a DXF file is without a unit for "",
+            and for a name that the format does not know.
 
     Raises:
-        ValueError: The shape is of another kind; the ending is not known; the name of a part has letters that the
-            format does not allow; the file cannot be written.
+        ValueError: The shape is of another kind; the ending is not known; the unit is not a text; the name of a part
+            has letters that the format does not allow; the file cannot be written.
         ImportError: ezdxf is not installed.
 
     Example:
@@ -50,6 +53,7 @@ def write_mesh(shape: Structure | StageResult | Form, path: str | Path) -> None:
     validation.instance("write_mesh shape", shape, Structure | StageResult | Form)
     structure = shape if isinstance(shape, Structure) else shape.structure
     points = shape.position if isinstance(shape, StageResult) else shape.points
+    unit = validation.text("length_unit", length_unit)
     file = paths.path("path", path)
     ending = file.suffix.lower()
     if ending not in WRITERS:
@@ -62,10 +66,10 @@ def write_mesh(shape: Structure | StageResult | Form, path: str | Path) -> None:
                 f"Part {name!r} has {bad[0]!r} in its name, which {ending[1:]} files cannot have; name it otherwise."
             )
     with writing(file, encoding="utf-8") as stream:
-        WRITERS[ending](stream, structure, points)
+        WRITERS[ending](stream, structure, points, unit)
 
 
-def _write_msh(stream: IO[str], structure: Structure, points: NDArray[np.float64]) -> None:
+def _write_msh(stream: IO[str], structure: Structure, points: NDArray[np.float64], unit: str) -> None:
     groups: list[tuple[str, int, int, Any]] = [
         (name, part.dimension, TRIANGLE if part.dimension == 2 else LINE, part.cells)
         for name, part in structure.parts.items()
@@ -88,7 +92,7 @@ def _write_msh(stream: IO[str], structure: Structure, points: NDArray[np.float64
     stream.write("$EndElements\n")
 
 
-def _write_obj(stream: IO[str], structure: Structure, points: NDArray[np.float64]) -> None:
+def _write_obj(stream: IO[str], structure: Structure, points: NDArray[np.float64], unit: str) -> None:
     stream.writelines(f"v {x!r} {y!r} {z!r}\n" for x, y, z in points.tolist())
     for name, part in structure.parts.items():
         stream.write(f"g {name}\n")
@@ -96,15 +100,19 @@ def _write_obj(stream: IO[str], structure: Structure, points: NDArray[np.float64
         stream.writelines(f"{kind} {' '.join(map(str, row))}\n" for row in (part.cells + 1).tolist())
 
 
-def _write_dxf(stream: IO[str], structure: Structure, points: NDArray[np.float64]) -> None:
+def _write_dxf(stream: IO[str], structure: Structure, points: NDArray[np.float64], unit: str) -> None:
     try:
         import ezdxf  # noqa: PLC0415  (optional)
     except ImportError:
         raise ImportError("DXF files need the package ezdxf; install it by pip install 'fx-membrane[dxf]'.") from None
-    document = ezdxf.new("R2010", units=0)  # its default says metres
+    codes = {name: code for code, name in dxf.UNITS.items()}
+    document = ezdxf.new("R2010", units=codes.get(unit, 0))  # $INSUNITS
+    document.header["$MEASUREMENT"] = int(unit not in dxf.IMPERIAL)
     space = document.modelspace()
     for name, part in structure.parts.items():
         layer = {"layer": name}
+        if not document.layers.has_entry(name):
+            document.layers.add(name)
         for corners in points[part.cells].tolist():
             if part.dimension == 2:
                 space.add_3dface(corners, dxfattribs=layer)
@@ -115,7 +123,7 @@ def _write_dxf(stream: IO[str], structure: Structure, points: NDArray[np.float64
     document.write(stream)
 
 
-WRITERS: dict[str, Callable[[IO[str], Structure, NDArray[np.float64]], None]] = {
+WRITERS: dict[str, Callable[[IO[str], Structure, NDArray[np.float64], str], None]] = {
     ".msh": _write_msh,
     ".obj": _write_obj,
     ".dxf": _write_dxf,

@@ -23,8 +23,7 @@ def read(file: Path) -> Drawing:
         kind, *values = line.split("#", 1)[0].split() or [""]
         try:
             if kind == "v":
-                x, y, z = map(float, values[:3])
-                points.append([x, y, z])
+                points.append(_place(values))
             elif kind in ("g", "o"):
                 name = " ".join(values) or UNNAMED
             elif kind == "f":
@@ -51,10 +50,24 @@ def _lines(file: Path) -> list[str]:
     return text.decode("utf-8", errors="replace").replace("\\\n", " ").splitlines()
 
 
+def _place(values: list[str]) -> list[float]:
+    """Place of a vertex; what follows its three numbers is a weight or a colour."""
+    try:
+        place = [float(value) for value in values[:3]]
+    except ValueError:
+        place = []
+    if len(place) != 3 or not np.isfinite(place).all():
+        raise ValueError("a vertex needs three numbers")
+    return place
+
+
 def _vertex(value: str, count: int) -> int:
     """Row of a vertex from its number in the file: from 1, or backwards from -1."""
-    number = int(value.split("/", maxsplit=1)[0])
+    try:
+        number = int(value.split("/", maxsplit=1)[0])
+    except ValueError:
+        raise ValueError(f"{value[:20]!r} is no number of a vertex") from None
     row = number - 1 if number > 0 else count + number
     if number == 0 or not 0 <= row < count:
-        raise ValueError(f"vertex {number}, of {count} so far")
+        raise ValueError(f"vertex {number}, of {count} so far; numbers begin with 1")
     return row

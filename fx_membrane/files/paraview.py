@@ -106,14 +106,17 @@ class ParaViewSeries:
             self._failed = True
 
 
-def write_paraview(results: StageResults, folder: str | Path, *, force_unit: str = "N", length_unit: str = "m") -> None:
+def write_paraview(
+    results: StageResults, folder: str | Path, *, force_unit: str | None = None, length_unit: str | None = None
+) -> None:
     """Write the final states of all stages as a series for ParaView, see `ParaViewSeries`.
 
     Args:
         results: Those of `Analysis.run`.
         folder: The folder; it is made.
-        force_unit: Name of the force unit of the structure and its loads; nothing is converted.
-        length_unit: Name of the length unit.
+        force_unit: Name of the force unit of the structure and its loads; nothing is converted. None for that of the
+            results, or "N".
+        length_unit: Name of the length unit; None for that of the results, or "m".
 
     Raises:
         ValueError: The results are of another kind; the folder cannot be written; a unit is not a text.
@@ -123,7 +126,8 @@ def write_paraview(results: StageResults, folder: str | Path, *, force_unit: str
         SeriesWarning: A step could not be written, as on a full disk.
     """
     validation.instance("write_paraview results", results, StageResults)
-    series = ParaViewSeries(folder, force_unit=force_unit, length_unit=length_unit)
+    force, length = results.units(force_unit, length_unit)
+    series = ParaViewSeries(folder, force_unit=force, length_unit=length)
     for state in results.values():
         series(state)
 

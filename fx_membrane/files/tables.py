@@ -20,7 +20,9 @@ CELLS = {"membranes.csv": Membrane, "cables.csv": Cable, "masts.csv": Mast}
 
 
 @by_the_first
-def write_tables(results: StageResults, folder: str | Path, *, force_unit: str = "N", length_unit: str = "m") -> None:
+def write_tables(
+    results: StageResults, folder: str | Path, *, force_unit: str | None = None, length_unit: str | None = None
+) -> None:
     """Write the results of an analysis as tables: CSV for spreadsheets, JSON for scripts.
 
     `nodes.csv` has a row for each stage and node, `membranes.csv`, `cables.csv` and `masts.csv` one for each stage,
@@ -34,8 +36,8 @@ def write_tables(results: StageResults, folder: str | Path, *, force_unit: str =
     Args:
         results: What `Analysis.run` returned.
         folder: The folder; it is made.
-        force_unit: Name of the force unit of the structure and its loads.
-        length_unit: Name of the length unit.
+        force_unit: Name of the force unit of the structure and its loads; None for that of the results, or "N".
+        length_unit: Name of the length unit; None for that of the results, or "m".
 
     Raises:
         ValueError: The results are of another kind; a unit is not a text; a file cannot be written.
@@ -49,10 +51,9 @@ def write_tables(results: StageResults, folder: str | Path, *, force_unit: str =
     """
     validation.instance("write_tables results", results, StageResults)
     validation.instances("write_tables results", list(results.values()), StageResult)
-    force_unit, length_unit = validation.text("force_unit", force_unit), validation.text("length_unit", length_unit)
+    units = results.units(force_unit, length_unit)
     place = paths.path("folder", folder)
     paths.check_writable("folder", place / "summary.json")
-    units = force_unit, length_unit
     _write_csv(place / "nodes.csv", (({"stage": name}, node_columns(state, *units)) for name, state in results.items()))
     for file, kind in CELLS.items():
         tables = [
@@ -64,7 +65,7 @@ def write_tables(results: StageResults, folder: str | Path, *, force_unit: str =
             _write_csv(place / file, iter(tables))
     document = {
         "fx_membrane": __version__,
-        "units": {"force": force_unit, "length": length_unit},
+        "units": dict(zip(("force", "length"), units, strict=True)),
         "stages": {name: summary(state) for name, state in results.items()},
         "unfinished": [
             {"verdict": check.verdict.value, "check": check.name, "remedy": check.remedy}

@@ -5,6 +5,8 @@ drawn. Under MPI call it on all processes. The first one draws its own arguments
 exceptions.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -39,10 +41,26 @@ def checked_path(path: str | Path) -> Path:
 
 
 def save(figure: Any, file: Path) -> None:
-    """Write a figure, in the format of the ending; make its folder."""
+    """Write a whole figure or none, in the format of the ending; make its folder."""
+    with whole(file) as part:
+        figure.savefig(part, **PAPER)
+
+
+@contextmanager
+def whole(file: Path) -> Iterator[Path]:
+    """Name to write a picture under, of the same ending; it takes the place of the file when the block ends.
+
+    Raises:
+        ValueError: It cannot be written; an earlier picture stays as it was.
+    """
+    part = file.with_name(f"{file.stem}.part{file.suffix or '.png'}")
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(file, **PAPER)
+        try:
+            yield part
+            part.replace(file if file.suffix else file.with_name(f"{file.name}.png"))
+        finally:
+            part.unlink(missing_ok=True)
     except OSError as error:
         reason = error.strerror or error
         raise ValueError(f"path is {str(file)!r}, which cannot be written ({reason}); give another place.") from None

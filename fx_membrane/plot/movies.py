@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..checks import paths
+from .figures import whole
 from .scene import INK
 
 ENDINGS = (".gif", ".mp4")
@@ -40,12 +41,8 @@ def checked_movie(path: str | Path) -> Path:
 
 def write(file: Path, frames: Iterable[Image], seconds: float) -> None:
     """Write frames of equal size, shape (height, width, 3), each shown for some seconds; make the folder."""
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        (_write_gif if file.suffix.lower() == ".gif" else _write_mp4)(file, iter(frames), seconds)
-    except OSError as error:
-        reason = error.strerror or error
-        raise ValueError(f"path is {str(file)!r}, which cannot be written ({reason}); give another place.") from None
+    with whole(file) as part:
+        (_write_gif if file.suffix.lower() == ".gif" else _write_mp4)(part, iter(frames), seconds)
 
 
 def _write_gif(file: Path, frames: Iterator[Image], seconds: float) -> None:

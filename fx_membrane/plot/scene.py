@@ -18,6 +18,7 @@ __all__ = ["FABRIC", "INK", "MAST", "Bars", "Colours", "picture", "screen_axes"]
 INK = "#30343b"
 MAST = "#8a5a2b"
 FABRIC = "#e8e4da"
+PAPER = "#ffffff"
 HATCH = 0.012  # distance of hatching lines over the longer side of the window
 LIFT = 2e-3  # distance by which lines are drawn nearer to the eye, over the same
 
@@ -152,6 +153,9 @@ def _add_lines(
         ends, _ = hatching(shape, slack, (window.axes[0] - window.axes[1]) / np.sqrt(2), HATCH * window.size)
         groups.append(("slack", ends.reshape(-1, 3), np.full(len(ends), 2)))
     for kind, places, counts in groups:
+        if kind == "slack":  # dark lines on light ones are seen on any ground, also in grey
+            under = _polylines(places + 0.5 * lift, counts)
+            plotter.add_mesh(under, color=PAPER, line_width=WIDTHS[kind] + 3.0, lighting=False)
         body = _polylines(places + lift, counts)
         plotter.add_mesh(body, color=inks[kind], line_width=WIDTHS[kind], lighting=False)
 

@@ -22,6 +22,7 @@ class Check(NamedTuple):
         verdict: The verdict.
         remedy: What to do about it; empty if it passes.
         place: Place of the worst node or cell; empty if it passes or has none.
+        design: True for a limit of the design, which says nothing against the numbers.
     """
 
     name: str
@@ -30,6 +31,7 @@ class Check(NamedTuple):
     verdict: Verdict
     remedy: str = ""
     place: str = ""
+    design: bool = False
 
     @property
     def advice(self) -> str:

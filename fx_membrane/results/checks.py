@@ -26,23 +26,32 @@ def checks(result: StageResult, limits: Limits = Limits()) -> list[Check]:
         *_convergence(result),
         _stable(result),
         *_strain(result),
-        *limit_checks(result, limits),
         *_slack(result),
         *_masts(result),
         *_ends(result),
+        *limit_checks(result, limits),
     ]
 
 
 def table(found: list[Check]) -> str:
-    """Lines of checks, to print; remedies follow in lines of their own."""
+    """Lines of checks, to print, limits of the design last; remedies follow in lines of their own."""
     width = max(len(check.name) for check in found) + 2
-    lines = []
-    for check in found:
-        limit = f"limit {check.limit}" if check.limit else ""
-        lines.append(f"  {check.verdict.value}  {check.name:{width}}{check.found:>14}  {limit}".rstrip())
-        if check.advice:
-            lines.append(f"        {check.advice}")
+    computed, designed = split(found)
+    lines = [_line(check, width) for check in computed]
+    if designed:
+        lines += ["  limits of the design:", *(_line(check, width) for check in designed)]
     return "\n".join(lines)
+
+
+def split(found: list[Check]) -> tuple[list[Check], list[Check]]:
+    """Split checks into those of the computation and limits of the design."""
+    return [check for check in found if not check.design], [check for check in found if check.design]
+
+
+def _line(check: Check, width: int) -> str:
+    limit = f"limit {check.limit}" if check.limit else ""
+    line = f"  {check.verdict.value}  {check.name:{width}}{check.found:>14}  {limit}".rstrip()
+    return f"{line}\n        {check.advice}" if check.advice else line
 
 
 def _judged(name: str, number: float, limit: float, remedy: str) -> Check:
@@ -125,7 +134,7 @@ def _masts(result: StageResult) -> Iterator[Check]:
         if part.is_strut:
             force = result.mast(name).force
             count = int((force > 0).sum())
-            remedy = "It pulls at its foot; anchor it." if count else ""
+            remedy = "It is in tension: anchor its foot, if it stands on one." if count else ""
             place = cell_place(result.structure, name, int(force.argmax()))
             yield _noted(f"masts in tension of {name!r}", str(count), "0", remedy, place)
 

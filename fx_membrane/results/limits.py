@@ -40,7 +40,7 @@ class Limits:
 
 
 def limit_checks(result: StageResult, limits: Limits) -> Iterator[Check]:
-    """Check a state against limits: displacement, and utilisation of parts."""
+    """Check a state against limits of the design: displacement, and utilisation of parts."""
     if limits.displacement is not None:
         size = np.linalg.norm(result.displacement, axis=1)
         node = first_largest(size)
@@ -57,5 +57,5 @@ def limit_checks(result: StageResult, limits: Limits) -> Iterator[Check]:
 
 def _judged(name: str, number: float, limit: float, remedy: str, place: str) -> Check:
     if number <= limit:
-        return Check(name, f"{number:.3g}", f"{limit:.4g}", Verdict.PASS)
-    return Check(name, f"{number:.3g}", f"{limit:.4g}", Verdict.FAIL, remedy, place)
+        return Check(name, f"{number:.3g}", f"{limit:.4g}", Verdict.PASS, design=True)
+    return Check(name, f"{number:.3g}", f"{limit:.4g}", Verdict.FAIL, remedy, place, design=True)

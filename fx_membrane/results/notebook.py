@@ -27,19 +27,19 @@ def state_html(result: StageResult) -> str:
     )
 
 
-def states_html(results: Sequence[StageResult]) -> str:
+def states_html(results: Sequence[StageResult], length: str) -> str:
     """Show a list of stages: increments, iterations, largest displacement, remarks; and a picture of the last."""
     rows = [
         [
             escape(result.name),
             str(len(result.increments)),
-            str(sum(len(entry.iterations) - 1 + entry.extra_iterations for entry in result.increments)),
+            str(sum(entry.total_iterations for entry in result.increments)),
             f"{result.largest_displacement:.5g}",
             "<br>".join(escape(remark) for remark in result.remarks),
         ]
         for result in results
     ]
-    heads = ["stage", "increments", "iterations", "largest displacement", "remarks"]
+    heads = ["stage", "increments", "iterations", f"largest displacement [{escape(length)}]", "remarks"]
     return table(heads, rows) + (picture_html(results[-1]) if results else "")
 
 

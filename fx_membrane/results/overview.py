@@ -7,9 +7,9 @@ import numpy as np
 from ..checks.values import counted
 from ..geometry.extremes import first_largest
 from ..geometry.measures import measures
-from .check import Check
+from .check import Check, Verdict
 from .checks import checks, table
-from .limits import Limits
+from .limits import Limits, limit_checks
 from .places import cell_place, node_place
 from .report import report
 from .states import StageResult, StageResults
@@ -35,12 +35,23 @@ def states_and_checks(results: StageResults) -> str:
     return "\n".join([*lines, *_lacking(unfinished(results))])
 
 
+def exceeded(results: StageResults) -> list[str]:
+    """Limits of the design that states exceed, in words."""
+    limits = results.limits or Limits()
+    return [
+        f"{check.name} in stage {state.name!r}, {check.found} of {check.limit}"
+        for state in results.values()
+        for check in limit_checks(state, limits)
+        if check.verdict is Verdict.FAIL
+    ]
+
+
 def _lacking(found: list[Check]) -> list[str]:
     return ["The run is incomplete:", table(found)] if found else []
 
 
 def _lines(state: StageResult, limits: Limits, force: str, length: str) -> Iterator[str]:
-    iterations = sum(len(entry.iterations) - 1 + entry.extra_iterations for entry in state.increments)
+    iterations = sum(entry.total_iterations for entry in state.increments)
     work = f"{counted(len(state.increments), 'increment')}, {counted(iterations, 'iteration')}"
     size = np.linalg.norm(state.displacement, axis=1)
     node = first_largest(size)

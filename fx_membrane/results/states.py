@@ -70,6 +70,11 @@ class Increment(NamedTuple):
     extra_iterations: int = 0
     fallen: str = ""
 
+    @property
+    def total_iterations(self) -> int:
+        """Number of iterations, those of rejected attempts and of the homotopy among them."""
+        return len(self.iterations) - 1 + self.extra_iterations
+
 
 class TermResult(NamedTuple):
     """State of an energy term.
@@ -271,11 +276,22 @@ class StageResults(dict[str, StageResult]):
         self.limits: Any = None
         self.failure: Failure | None = None
 
+    def units(self, force: str | None = None, length: str | None = None) -> tuple[str, str]:
+        """Names of the units of force and length: those given, or else those of the case file or archive.
+
+        Raises:
+            ValueError: A name is no text.
+        """
+        return (
+            validation.text("force_unit", self.force_unit if force is None else force),
+            validation.text("length_unit", self.length_unit if length is None else length),
+        )
+
     def _repr_html_(self) -> str:
         """Show the list of stages, and a picture of the last, in notebooks."""
         from .notebook import states_html  # noqa: PLC0415  (it needs this class)
 
-        return states_html(list(self.values()))
+        return states_html(list(self.values()), self.length_unit)
 
     def _repr_png_(self) -> bytes | None:
         """Show a picture where a notebook takes no HTML."""

@@ -20,7 +20,7 @@ def summary(result: StageResult) -> dict[str, Any]:
             {
                 "load factor": increment.load_factor,
                 "outcome": increment.outcome.name,
-                "iterations": len(increment.iterations) - 1 + increment.extra_iterations,
+                "iterations": increment.total_iterations,
             }
             for increment in result.increments
         ],

@@ -99,13 +99,21 @@ class Report:
         self._bar.set_postfix_str(f"increment {self._increment}, {words}" if self._wide else words)
         self._pulse(f"after load factor {self._factor:.6g}, {words}")
 
-    def increment(self, factor: float, residual: float) -> None:
-        """Report a converged increment and its largest unbalanced force [N]."""
+    def increment(self, factor: float, residual: float, iterations: int) -> None:
+        """Report a converged increment.
+
+        Args:
+            factor: Load factor at its end.
+            residual: Its largest unbalanced force [N].
+            iterations: Number of iterations of this and the earlier increments, as their results tell it.
+        """
         self._bar.update(factor - self._factor)
         self._factor = factor
         self._increment += 1
+        lost = self._iterations - iterations
+        given_up = f" and {lost} in larger increments without success" if lost > 0 else ""
         self._pulse.tell(
-            f"load factor {factor:.6g} after {counted(self._iterations, 'iteration')}, residual {residual:.1e}"
+            f"load factor {factor:.6g} after {counted(iterations, 'iteration')}{given_up}, residual {residual:.1e}"
         )
 
 

@@ -1,5 +1,7 @@
 """Pictures and reports that a case asks for."""
 
+import re
+import unicodedata
 from collections.abc import Callable, Iterator
 from functools import partial
 from importlib.util import find_spec
@@ -29,15 +31,24 @@ def check_drawing(output: Any) -> None:
 
 
 def drawings(output: Any, results: StageResults, folder: Path) -> Iterator[Callable[[], None]]:
-    """Writers of a picture of each stage, and of the reports."""
+    """Writers of a picture of each stage and quantity, and of the reports."""
     force, length = results.force_unit, results.length_unit
     if output.pictures:
         for number, state in enumerate(results.values()):
             fields = _fields(state, output.pictures, force, length)
-            yield partial(plot.contours, state, fields, folder / f"{number:02d}.png")
+            for title, values in fields.items():
+                quantity = title.split(" [")[0].replace(" ", "-").lower()
+                file = folder / f"{safe_name(number, state.name)}-{quantity}.png"
+                yield partial(plot.contours, state, {title: values}, file)
     for ending in output.report:
         title, file = results.title or "Structural analysis", folder / f"report.{ending}"
         yield partial(write_report, results, file, title=title, force_unit=force, length_unit=length)
+
+
+def safe_name(number: int, stage: str) -> str:
+    """Name of a file for a stage: its number, and of its name letters, digits and hyphens, at most forty."""
+    words = re.sub(r"[^0-9A-Za-z]+", "-", unicodedata.normalize("NFKD", stage).encode("ascii", "ignore").decode())
+    return "-".join(filter(None, (f"{number:02d}", words[:40].strip("-").lower())))
 
 
 def _fields(state: StageResult, names: list[str], force: str, length: str) -> dict[str, Any]:

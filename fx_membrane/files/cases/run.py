@@ -18,6 +18,7 @@ from ...model.structure import Structure
 from ...results.states import StageResults
 from ...runtime.messages import say, silence
 from ...runtime.processes import by_the_first, together
+from ...solvers.progress import Pulse
 from ..archive import load_results, save_results
 from ..mesh_writer import write_mesh
 from ..paraview import ParaViewSeries
@@ -25,7 +26,7 @@ from ..run_results import RESULTS
 from ..tables import write_tables
 from ..whole_file import writing
 from .case import Case
-from .pictures import check_drawing, drawings
+from .pictures import check_drawing, drawings, safe_name
 
 CHECKPOINT, FORM, FORM_KEY = "checkpoint.sqlite", "form.fxm", "form.sha256"
 
@@ -144,12 +145,20 @@ def _write(case: Case, folder: Path, results: StageResults) -> str:
     results.title, results.force_unit, results.length_unit = case.title, case.force_unit, case.length_unit
     results.limits = case.limits
     failed = []
+    pulse = Pulse("writing", shown=MPI.COMM_WORLD.rank == 0)
     for write in _writers(case, folder, results):
         try:
+            pulse(_words(write))
             write()
         except (ValueError, ImportError, OSError) as error:
             failed.append(str(error))
     return "\n".join(failed)
+
+
+def _words(write: Callable[[], None]) -> str:
+    """Name the file that a writer is about to write."""
+    given = write.args if isinstance(write, partial) else ()
+    return next((entry.name for entry in given if isinstance(entry, Path)), "results")
 
 
 def _writers(case: Case, folder: Path, results: StageResults) -> Iterator[Callable[[], None]]:
@@ -162,5 +171,6 @@ def _writers(case: Case, folder: Path, results: StageResults) -> Iterator[Callab
         return
     for ending in case.output.mesh:
         for number, state in enumerate(results.values()):
-            yield partial(write_mesh, state, folder / f"{number:02d}.{ending}")
+            file = folder / f"{safe_name(number, state.name)}.{ending}"
+            yield partial(write_mesh, state, file, length_unit=case.length_unit)
     yield from drawings(case.output, results, folder)

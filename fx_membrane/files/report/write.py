@@ -17,6 +17,7 @@ from ...plot.contour_maps import contours
 from ...plot.screen import obstacle
 from ...results.states import StageResult, StageResults
 from ...runtime.processes import by_the_first
+from ...solvers.progress import Pulse
 from ..whole_file import writing
 from .content import content
 
@@ -29,8 +30,8 @@ def write_report(
     path: str | Path,
     *,
     title: str = "Structural analysis",
-    force_unit: str = "N",
-    length_unit: str = "m",
+    force_unit: str | None = None,
+    length_unit: str | None = None,
     pictures: bool = True,
     scene: str | Path | None = None,
 ) -> None:
@@ -44,8 +45,8 @@ def write_report(
         results: What `Analysis.run` returned, `ConvergenceError.results`, or `load_results`.
         path: The file, ending in .html or .pdf; its folder is made.
         title: Title of the report.
-        force_unit: Name of the force unit of the structure and its loads.
-        length_unit: Name of the length unit.
+        force_unit: Name of the force unit of the structure and its loads; None for that of the results, or "N".
+        length_unit: Name of the length unit; None for that of the results, or "m".
         pictures: Draw the stress and the displacement of each stage; left out, with a warning, where nothing can draw.
         scene: A scene of the same results, written by `write_scene`, to which stages and extremes are linked.
 
@@ -57,8 +58,8 @@ def write_report(
     validation.instance("write_report results", results, StageResults)
     if not results:
         raise ValueError("write_report results have no stage; run at least one.")
-    title, force = validation.text("title", title), validation.text("force_unit", force_unit)
-    length, drawn = validation.text("length_unit", length_unit), validation.truth("pictures", pictures)
+    title, drawn = validation.text("title", title), validation.truth("pictures", pictures)
+    force, length = results.units(force_unit, length_unit)
     file = paths.path("path", path)
     if file.suffix.lower() not in ENDINGS:
         raise ValueError(f"path is {str(file)!r}; give a name that ends in .html or .pdf.")
@@ -113,7 +114,9 @@ def _pictures(results: StageResults, force: str, length: str) -> Iterator[dict[s
         warnings.warn(f"The report has no pictures: {reason}", stacklevel=4)
         return
     with tempfile.TemporaryDirectory(prefix="fx_membrane-") as folder:
+        pulse = Pulse("report", shown=True)
         for number, (name, state) in enumerate(results.items()):
+            pulse(f"picture {number + 1} of {len(results)}")
             file = Path(folder, f"{number}.png")
             contours(state, _fields(state, force, length), file)
             data = base64.b64encode(file.read_bytes()).decode()

@@ -55,3 +55,27 @@ def test_compas_net_finds_its_form(tmp_path):
     net = read_compas(tmp_path / "net.json")
     form = force_density(net.points, net.edges, net.force_densities, [Support(net.supports)])
     assert form.points.shape == POINTS.shape
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "line 1, column 1 is no JSON"),
+        ("[]", "it has no nodes"),
+        ("3", "it has no nodes|another form"),
+        ('{"data": {}}', "it has no nodes"),
+        ('{"node": {}}', "it has no nodes"),
+        ('{"node": {"1": {}}, "edge": {"1": {"5": {}}}}', "names node '5'"),
+        ('{"node": {"1": {}}, "face": {"0": [1, 7, 8]}}', "names node '7'"),
+        ('{"vertex": {"1": {"x": "a"}}}', "'x' has 'a', which is no number"),
+        ('{"vertex": {"1": {"x": 1e999}}}', "'x' has 'inf', which is no number"),
+        ('{"node": [1, 2]}', "another form"),
+        ('{"node": {"1": 3}}', "another form"),
+    ],
+)
+def test_damaged_nets_are_told_in_words_of_the_file(text, words, tmp_path):
+    (tmp_path / "a.json").write_text(text)
+    with pytest.raises(ValueError, match=words) as told:
+        read_compas(tmp_path / "a.json")
+    assert "Error" not in str(told.value)
+    assert "object" not in str(told.value)

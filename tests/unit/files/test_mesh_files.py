@@ -264,3 +264,68 @@ def test_concave_quadrilateral_is_split_within(turn, backwards, tmp_path):
         a, b, c = (found.points[found.parts["sail"].cells][:, row] for row in range(3))
         normals = np.cross(b - a, c - a)[:, 2]
         assert normals[0] * normals[1] > 0
+
+
+@pytest.mark.parametrize(("unit", "code"), [("m", 6), ("mm", 4), ("ft", 2), ("", 0), ("furlong", 0)])
+def test_dxf_has_its_unit(unit, code, tmp_path):
+    ezdxf = pytest.importorskip("ezdxf")
+    write_mesh(roof(), tmp_path / "a.dxf", length_unit=unit)
+    document = ezdxf.readfile(tmp_path / "a.dxf")
+    assert document.header["$INSUNITS"] == code
+    assert {"Dach süd", "edge", "supports"} <= {entity.dxf.layer for entity in document.modelspace()}
+    found = structure_from_file(tmp_path / "a.dxf", PARTS, unit="mm" if code else None)
+    assert np.ptp(found.points) == pytest.approx(
+        np.ptp(roof().points) * {"m": 1000, "ft": 304.8}.get(unit, 1), rel=1e-12
+    )
+
+
+def test_convert_keeps_the_unit_of_dxf(tmp_path):
+    ezdxf = pytest.importorskip("ezdxf")
+    write_mesh(roof(), tmp_path / "a.dxf", length_unit="mm")
+    for name, unit, code in (("same", None, 4), ("metres", "m", 6)):
+        convert(tmp_path / "a.dxf", tmp_path / f"{name}.dxf", unit)
+        assert ezdxf.readfile(tmp_path / f"{name}.dxf").header["$INSUNITS"] == code
+    write_mesh(roof(), tmp_path / "a.obj")
+    convert(tmp_path / "a.obj", tmp_path / "none.dxf")
+    assert ezdxf.readfile(tmp_path / "none.dxf").header["$INSUNITS"] == 0
+
+
+def test_layer_0_in_blocks_is_that_of_the_insert(tmp_path):
+    ezdxf = pytest.importorskip("ezdxf")
+    document = ezdxf.new()
+    space, bay, pair = document.modelspace(), document.blocks.new("bay"), document.blocks.new("pair")
+    bay.add_3dface([(0, 0, 0), (1, 0, 0), (0, 1, 0)])
+    bay.add_line((0, 0, 0), (1, 0, 0), dxfattribs={"layer": "edge"})
+    pair.add_blockref("bay", (0, 0, 0))
+    pair.add_blockref("bay", (0, 0, 5), dxfattribs={"layer": "upper"})
+    pair.add_blockref("pair", (0, 0, 0))  # within itself
+    space.add_blockref("bay", (10, 0, 0), dxfattribs={"layer": "roof"})
+    space.add_blockref("pair", (20, 0, 0), dxfattribs={"layer": "roof"})
+    rows = space.add_blockref("bay", (30, 0, 0), dxfattribs={"layer": "row"})
+    rows.grid((1, 3), (0, 2))
+    space.add_line((0, 0, 0), (0, 0, 1))  # on layer 0 itself
+    document.saveas(tmp_path / "a.dxf")
+    membranes = dict.fromkeys(("roof", "upper", "row"), lambda cells: Membrane(cells, Fabric(4e5, 0.3)))
+    bars = dict.fromkeys(("edge", "0"), lambda cells: Cable(cells, 1e6))
+    found = structure_from_file(tmp_path / "a.dxf", membranes | bars, unit="m")
+    counts = {name: len(part.cells) for name, part in found.parts.items()}
+    assert counts == {"roof": 2, "upper": 1, "row": 3, "edge": 6, "0": 1}
+    lowest = found.points[found.parts["row"].cells].min(axis=(0, 1))
+    assert lowest.tolist() == [30, 0, 0]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("v 0 0", "a vertex needs three numbers"),
+        ("v a b c", "a vertex needs three numbers"),
+        ("v nan 0 0", "a vertex needs three numbers"),
+        ("v 0 0 0\nl x 1", "'x' is no number of a vertex"),
+        ("v 0 0 0\nl 0 1", "numbers begin with 1"),
+    ],
+)
+def test_damaged_obj_is_told_in_words_of_the_file(text, words, tmp_path):
+    (tmp_path / "a.obj").write_text(text)
+    with pytest.raises(ValueError, match=words) as told:
+        structure_from_file(tmp_path / "a.obj", PARTS)
+    assert "unpack" not in str(told.value)

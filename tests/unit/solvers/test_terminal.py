@@ -170,3 +170,15 @@ def test_form_finding_and_paths_are_not_silent_for_long(capfd, monkeypatch):
     step = r"equilibrium path: load factor \S+, iteration \d+, residual \d\.\de[+-]\d\d, \d+\.\d s$"
     assert any(re.match(step, line) for line in lines)
     assert re.match(r"equilibrium path: looking for slack parts at point \d+ of \d+, \d+\.\d s$", lines[-1])
+
+
+def test_iterations_of_halved_increments_are_told_apart(capfd):
+    with Report("load", 0.0, shown=True) as report:
+        for number in range(4):
+            report.iteration(number, Iteration(0.0, 1e3, 1.0 + number))
+        report.increment(0.5, 1e-9, 2)
+        report.iteration(1, Iteration(0.0, 1e3, 9.0))
+        report.increment(1.0, 1e-9, 3)
+    first, second = capfd.readouterr().err.splitlines()
+    assert "after 2 iterations and 1 in larger increments without success, residual" in first
+    assert "load factor 1 after 3 iterations and 1 in larger" in second

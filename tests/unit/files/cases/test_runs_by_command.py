@@ -2,6 +2,7 @@
 
 import errno
 import os
+import re
 from types import SimpleNamespace
 
 import pytest
@@ -106,7 +107,9 @@ def test_pictures_and_reports_are_written(roof):
     (roof / "roof.toml").write_text(PLAIN + wanted)
     assert said("run", "roof.toml", "--quiet")[0] == 0
     names = {path.name for path in (roof / "out").iterdir()}
-    assert names >= {"00.png", "01.png", "report.html", "00.obj", "01.obj"}
+    quantities = ("displacement", "principal-stress-i", "axial-force")
+    pictures = {f"{stage}-{quantity}.png" for stage in ("00-lift", "01-snow") for quantity in quantities}
+    assert names >= pictures | {"report.html", "00-lift.obj", "01-snow.obj"}
 
 
 def test_full_disk_is_told_and_the_run_goes_on_from_its_checkpoint(roof, monkeypatch):
@@ -180,14 +183,18 @@ def test_limits_of_a_case_are_in_the_table_in_its_archive_and_in_the_report(roof
     limits = '[limits]\ndisplacement = "1 mm"\nstress = { roof = "50 kN/m" }\nforce = { "edge, left" = 500 }\n[solver]'
     (roof / "roof.toml").write_text(PLAIN.replace("[solver]", limits))
     code, words = said("run", "roof.toml")
-    assert code == 0
-    assert "FAIL  displacement" in words
+    assert code == 1
+    assert "FAIL  displacement" in words.split("limits of the design:")[1]
+    assert re.search(r"Limits of the design are exceeded: displacement in stage '\w+', \S+ of 0\.001", words)
     assert "PASS  utilisation of 'roof'" in words
     assert "PASS  utilisation of 'edge, left'" in words
     assert "FAIL  displacement" in said("show", "out")[1]
     pytest.importorskip("jinja2")
     assert said("report", "out", "a.html")[0] == 0
-    assert "Some checks fail" in (roof / "a.html").read_text()
+    page = (roof / "a.html").read_text()
+    assert "Design: limits are exceeded, by displacement in " in page
+    assert "are not to be used" not in page
+    assert '<p class="verdict FAIL">Computation' not in page
     (roof / "roof.toml").write_text(PLAIN.replace("[solver]", limits.replace("roof =", "rof =")))
     code, words = said("check", "roof.toml")
     assert code == 2

@@ -24,13 +24,16 @@ from fx_membrane import (
     Structure,
     Support,
     boundary_edges,
+    load_results,
     rectangle,
     save_results,
     write_report,
+    write_tables,
 )
 from fx_membrane.cli import main
 from fx_membrane.files.scene.fields import fields as scene_fields
 from fx_membrane.files.scene.views import views
+from fx_membrane.results.limits import Limits
 from models import masted_roof
 
 pytest.importorskip("jinja2")
@@ -168,3 +171,37 @@ def test_first_process_writes(results, tmp_path_factory):
     folder = MPI.COMM_WORLD.bcast(tmp_path_factory.mktemp("report"))
     write_report(results, folder / "r.html", pictures=False)
     assert (folder / "r.html").exists()
+
+
+def test_units_of_the_results_are_taken_where_none_are_given(results, tmp_path):
+    results.force_unit, results.length_unit = "kN", "mm"
+    save_results(results, tmp_path / "results.fxm")
+    found = load_results(tmp_path / "results.fxm")
+    write_report(found, tmp_path / "r.html", pictures=False)
+    write_tables(found, tmp_path)
+    page = (tmp_path / "r.html").read_text()
+    assert "Units as given: kN, mm." in page
+    assert " kN/mm2 on " in page or " kN on " in page
+    assert "kN/mm, nu = 0.3" in page
+    assert "displacement x [mm]" in (tmp_path / "nodes.csv").read_text(encoding="utf-8-sig").splitlines()[0]
+    results.force_unit, results.length_unit = "N", "m"
+
+
+def test_design_is_judged_apart_from_the_computation(results, tmp_path):
+    results.limits = Limits(displacement=1e-9)
+    write_report(results, tmp_path / "r.html", pictures=False)
+    results.limits = None
+    page = (tmp_path / "r.html").read_text()
+    assert '<p class="verdict FAIL">Design: limits are exceeded, by displacement in ' in page
+    assert '<p class="verdict FAIL">Computation' not in page
+    before, after = page.split("<h3>Limits of the design</h3>")
+    assert ">displacement</td>" not in before
+    assert ">displacement</td>" in after.split("<h2>")[0]
+
+
+def test_iterations_are_the_same_everywhere(results, tmp_path, capsys):
+    write_report(results, tmp_path / "r.html", pictures=False)
+    page = (tmp_path / "r.html").read_text().split("<h2>Convergence</h2>")[1]
+    counts = [increment.total_iterations for state in results.values() for increment in state.increments]
+    rows = re.findall(r'<td>[^<]*</td><td class="n">[^<]*</td><td>[^<]*</td><td class="n">(\d+)</td>', page)
+    assert [int(row) for row in rows] == counts
