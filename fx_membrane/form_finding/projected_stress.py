@@ -31,7 +31,7 @@ from .balance.constrained_balance import ConstrainedBalance, continued, shortfal
 from .balance.edge_balance import with_balanced_forces
 from .balance.membrane_balance import collapse_of, stressed
 from .constraints.cable_targets import MET
-from .constraints.hand_over import handed_over, pulled_mast
+from .constraints.hand_over import failed_mast, handed_over
 from .constraints.kinds import Constraint
 from .form import Form, FormStep, refuse_terms
 from .form_loads import checked_form_loads
@@ -186,7 +186,7 @@ def projected_stress(
     )
     made = stressed(structure, points, plans, densities)
     form = handed_over(structure, balance.motions, points, made, reactions, tuple(steps), True)
-    problem = problem or balance.motions.turned(points) or pulled_mast(structure, balance.motions, form)
+    problem = failed_mast(structure, balance.motions, form) or problem or balance.motions.turned(points)
     if problem:
         warnings.warn(
             f"The form is in equilibrium with the stress it is handed over with, but {continued(problem)}",

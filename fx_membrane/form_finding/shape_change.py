@@ -126,7 +126,7 @@ def _unbalanced(step: int, name: str, part: Bar, cell: int, force: float, first:
     fate = "shrinks to a point" if now < first else "grows without bound"
     remedy = "change its force, the forces that meet at its ends, or the loads; or hold its ends by supports."
     if kind == "mast":
-        remedy = HOLD
+        remedy = HOLD if force else f"give it a force as prestress, or {HOLD}"
     return (
         f"{STOPPED} {step}: the {kind} in cell {cell} of part {name!r}, with the force {force:g}, "
         f"{fate} (its length was {first:.4g} and is {now:.3g}): no length was found that balances the forces at its "

@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 Measures = NDArray[np.str_]
 
 MEASURES = ("horizontal force", "force", "force density")
+FARTHEST = 1e9  # factor on a force density, beyond which a step is not accelerated
 DEPTH = 8  # number of earlier steps that the next one takes into account
 
 
@@ -136,6 +137,8 @@ class Acceleration:
             change = np.diff(self._steps, axis=0).T
             share = np.linalg.lstsq(change, self._steps[-1], rcond=1e-10)[0]
             following = then - (np.diff(self._points, axis=0).T + change) @ share
+            if not np.abs(following - now).max() < np.log(FARTHEST):  # no step at all towards a form that collapses
+                following = then
         if np.isfinite(self._largest):
             following = now + np.clip(following - now, -self._largest, self._largest)
         ends = np.cumsum([mask.sum() for mask in loaded.values()])[:-1]

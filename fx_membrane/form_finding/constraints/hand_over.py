@@ -11,6 +11,8 @@ from ...model.parts import Bar, Cable, Mast, Part
 from ...model.structure import Structure
 from ...model.supports import Support
 from ..form import Form, FormStep
+from ..masts.bar_balance import fallen_mast
+from ..reasons.few_supports import all_held
 from .motions import Body, Motions
 
 Array = NDArray[np.float64]
@@ -64,12 +66,16 @@ def handed_over(
     added = [Support(np.flatnonzero((extra == row).all(axis=1)), "".join(np.array(AXES)[row])) for row in patterns]
     made_of = replace(structure, points=points, parts=parts, supports=[*structure.supports, *added])
     told = [words(points) for body in motions.bodies for words in (body.turned, body.grown)]
-    remarks = tuple(filter(None, told))
+    remarks = (*filter(None, told), *all_held(structure))
     return Form(points, forces, reactions, steps, converged, made_of, remarks=remarks)
 
 
-def pulled_mast(structure: Structure, motions: Motions, form: Form) -> str:
-    """Tell of a mast that a rigid body keeps in length and that ends in tension, in words; empty without one."""
+def failed_mast(structure: Structure, motions: Motions, form: Form) -> str:
+    """Tell of a mast that has fallen, or that a rigid body keeps in length in tension, in words; empty without one."""
+    return fallen_mast(structure, form.points, motions.guided) or _pulled_mast(structure, motions, form)
+
+
+def _pulled_mast(structure: Structure, motions: Motions, form: Form) -> str:
     least = BALANCED * max((float(np.abs(force).max(initial=0.0)) for force in form.forces.values()), default=0.0)
     for body in (each for each in motions.bodies if each.is_line):
         for name, part in structure.parts.items():

@@ -6,19 +6,18 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.measures import measures
 from ...model.parts import Bar
 from ...model.structure import Structure
 from ..form import FormStep
 from ..nearest_stress.ratios import differences
 from ..nearest_stress.state import NearestProblem, State
-from ..plan import place
 from ..wishes import Wish
 from .as_asked import Asked, as_asked
 from .distance import wished, worst
 from .folds import fold
+from .necks import neck
 from .no_form import causes, forces_in
-from .ring_reach import far_ring, has_ring
+from .ring_reach import far_ring
 from .unheld import lone_point
 from .weak_edges import GUIDED, WeakEdges, weak_edges
 
@@ -28,7 +27,6 @@ Trial = Callable[[NearestProblem, bool], bool]
 MARGINS = (0.01, 0.0)  # shares above the force needed, with which a form is tried
 FEW, WORK = 2, 3000  # trials with stronger cables at least, and cells of all: a reason takes no longer than the search
 UNEQUAL = 1.05  # ratio of principal stresses, above which they count as unequal
-SHRUNK = 0.3  # length of a cell over the usual one, below which a membrane closes to a neck
 UNKNOWN = (
     "The reason is not established: by the rules the edge cables are strong enough and no ring is too far, and no "
     "trial with stronger cables, without loads or with equal stress has a form. Refine the mesh, or begin with another "
@@ -47,6 +45,7 @@ def reason_of(
     steps: Sequence[FormStep],
     failure: str,
     tolerance: float,
+    most: int,
     far: float,
     is_found: Trial | None,
 ) -> str:
@@ -58,6 +57,7 @@ def reason_of(
         steps: Its steps.
         failure: Failure of the search for its form, in words; empty without one.
         tolerance: Accepted change in a step [-].
+        most: Maximum number of steps.
         far: Mean difference of stress and wish above which the form is not that of the wish [-].
         is_found: Trial of another problem, near to the wish at once or by the whole search: True if it has a form; None
             under constraints, for which there is none.
@@ -76,9 +76,15 @@ def reason_of(
     if settled:
         return ""
     ring = causes(far_ring(structure, structure.points, wished(problem)), where.removesuffix("."))
+    if len(steps) < most:
+        return (
+            f"it has not settled: no step after {len(steps)} brings the stress nearer to the wish, as a Ring or a "
+            "RigidBody slides within the surface or between its cables. Guide it by supports, or give a ring its "
+            f"radius, or a cable with a force along it. {ring}"
+        )
     return (
-        f"it has not settled: step {len(steps)}, the last, changed it by {steps[-1].change if steps else np.inf:.3g}, "
-        f"more than the tolerance {tolerance:g}; allow more steps (max_iterations=...). {ring}"
+        f"it has not settled: step {len(steps)}, the last, changed it by {steps[-1].change:.3g}, more than the "
+        f"tolerance {tolerance:g}; allow more steps (max_iterations=...). {ring}"
     )
 
 
@@ -91,7 +97,9 @@ def _established(problem: NearestProblem, state: State, weak: WeakEdges, lone: s
         return causes(stronger.words, lone) if stronger else causes(weak.words, ring, lone)
     if ring or lone:
         return causes(ring, lone)
-    found = _by_trial(problem, weak, is_found) or _neck(problem, state) or causes(fold(structure, structure.points))
+    found = (
+        _by_trial(problem, weak, is_found) or neck(structure, state.points) or causes(fold(structure, structure.points))
+    )
     return found or (UNTRIED if is_found is None else UNKNOWN)
 
 
@@ -171,25 +179,4 @@ def _equal(problem: NearestProblem) -> NearestProblem:
 
     return NearestProblem(
         problem.structure, problem.loads, {name: equal(wish) for name, wish in problem.wishes.items()}
-    )
-
-
-def _neck(problem: NearestProblem, state: State) -> str:
-    """Tell of the place where a membrane between rings closes to a neck, in words; empty without one."""
-    found = (SHRUNK, "")
-    for name, block in problem.membranes.items():
-        if not has_ring(problem.structure, block.cells):
-            continue
-        now = np.sqrt(measures(state.points, block.cells))
-        ratio = now / np.sqrt(measures(problem.structure.points, block.cells))
-        ratio /= np.median(ratio)
-        cell = int(ratio.argmin())
-        if ratio[cell] < found[0]:
-            found = (float(ratio[cell]), f"part {name!r}, at {place(state.points, block.cells, cell)}")
-    if not found[1]:
-        return ""
-    return (
-        f"No surface of such stress spans the supports; it closes to a neck in {found[1]}. Bring the rings nearer to "
-        "each other, make the ring larger, wish for more stress from ring to ring than around them, or give the stress "
-        "in plan, projected_stress."
     )

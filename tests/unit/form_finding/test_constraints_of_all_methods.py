@@ -150,7 +150,8 @@ def miss(form, structure, kind):
 
 
 COLLECTIVE = ("sag", "ring")  # kinds that run again on several processes
-BY_STEPS = {"force": 1e-2, "horizontal force": 1e-2, "density": 1e-2}  # told in remarks; others are exact
+BY_STEPS = {"force": 2e-3, "horizontal force": 2e-3, "density": 2e-3}  # of nets and in projection; others are exact
+EXACT = ("natural force density", "updated reference")  # methods that meet forces in each step
 
 
 pytestmark = pytest.mark.filterwarnings(
@@ -173,7 +174,7 @@ def test_constraint_is_met_and_the_form_is_at_rest(method, kind, load):
     structure, loads = start(), LOADS[load]
     form = METHODS[method](structure, loads, KINDS[kind](structure))
     off = miss(form, structure, kind)
-    assert off < BY_STEPS.get(kind, 2e-7)
+    assert off < (2e-6 if kind in BY_STEPS and method in EXACT else BY_STEPS.get(kind, 2e-7))
     assert off < 1.001e-3 or "of its constraint" in form.remarks[0]
     state = Analysis(form.structure).run([Stage("form", loads)])["form"]
     assert state.largest_displacement <= 1e-12 * np.ptp(form.points, axis=0).max()
