@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from ..checks import validation
 from ..checks.values import counted
 from ..model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
-from ..model.parts import Membrane
 from ..model.structure import Structure
 from ..runtime.processes import together
 from ..solvers.progress import Pulse
@@ -102,7 +101,7 @@ def natural_force_density(
         iterations = validation.positive_integer("iterations", iterations)
         tolerance = validation.positive("tolerance", tolerance)
         check_bars(structure)
-        membranes = {name: part for name, part in structure.parts.items() if isinstance(part, Membrane)}
+        membranes = {name: part for name, part in structure.parts.items() if part.dimension == 2}
         for name, part in membranes.items():
             check_tension(name, part, structure.points, part.prestress_tensors())
     settings = {"loads": loads, "iterations": iterations, "tolerance": tolerance, "constraints": constraints}

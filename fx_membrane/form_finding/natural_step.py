@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.measures import measures
-from ..model.parts import Membrane, Part
+from ..model.parts import Part
 from ..model.structure import Structure
 from ..solvers.progress import Pulse
 from .balance.constrained_balance import ConstrainedBalance, continued
@@ -93,7 +93,7 @@ def natural_step(
         The form and its force densities, or the sentence.
     """
     structure = balance.structure
-    membranes = {name: part for name, part in structure.parts.items() if isinstance(part, Membrane)}
+    membranes = {name: part for name, part in structure.parts.items() if part.dimension == 2}
     plans = {
         name: reference_of(part.cells, reference, warp_at(name, part, reference), part.prestress_tensors())
         for name, part in membranes.items()
@@ -130,7 +130,7 @@ def collapse_of_step(structure: Structure, points: Array, number: int, asked: As
 def wish_of(parts: Mapping[str, Part]) -> dict[str, Array]:
     """Prestress of parts as the wish of a form: tensors of membranes, shape (cells, 2, 2), and forces, (cells,)."""
     return {
-        name: part.prestress_tensors() if isinstance(part, Membrane) else part.prestress_tensors().ravel()
+        name: part.prestress_tensors() if part.dimension == 2 else part.prestress_tensors().ravel()
         for name, part in parts.items()
     }
 

@@ -12,7 +12,7 @@ prescribed. Elsewhere the nodes move in plan, and the stress in plan changes wit
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from mpi4py import MPI
@@ -152,8 +152,40 @@ def projected_stress(
     balance = ConstrainedBalance(
         asked, loads, constraints, axes, measure, lambda shape, _: collapse_of(structure, shape)
     )
+    found = _settled(balance, plans, axes, tolerance, max_iterations)
+    problem = found.problem or _motion(plans, found.points, axes)
+    problem = reasons_in_plan(
+        structure, plans, axes, found.first, balance.targets.by_density(structure.points), problem, bool(constraints)
+    )
+    made = stressed(structure, found.points, plans, found.densities)
+    form = handed_over(structure, balance.motions, found.points, made, found.reactions, found.steps, True)
+    problem = failed_mast(structure, balance.motions, form) or problem or balance.motions.turned(found.points)
+    if problem:
+        warnings.warn(
+            f"The form is in equilibrium with the stress it is handed over with, but {continued(problem)}",
+            UnsettledFormWarning,
+            stacklevel=2,
+        )
+    return replace(form, converged=not problem)
+
+
+class _Settled(NamedTuple):
+    """Shape after the steps towards the forces of cables: points, reactions, force densities, the first of these."""
+
+    points: Array
+    reactions: Array
+    densities: dict[str, Array]
+    first: dict[str, Array]
+    steps: tuple[FormStep, ...]
+    problem: str
+
+
+def _settled(
+    balance: ConstrainedBalance, plans: Mapping[str, Plan], axes: Array, tolerance: float, max_iterations: int
+) -> _Settled:
+    """Take steps until the forces of cables are those asked for, or tell in words why they end."""
     pulse = Pulse("form finding", MPI.COMM_WORLD.rank == 0)
-    points, reactions, error, stray, steps = structure.points, np.zeros(0), np.inf, np.inf, list[FormStep]()
+    points, reactions, error, stray, steps = balance.structure.points, np.zeros(0), np.inf, np.inf, list[FormStep]()
     first = balance.start(plans)
     densities, following, kept = dict[str, Array](), first, None
     collapse, accelerated, miss, fold = "", balance.acceleration(), np.inf, ""
@@ -171,7 +203,7 @@ def projected_stress(
         following = accelerated(densities, found.wanted)
         stray = max([_stray(plan, points @ axes[:, :2]).max() for plan in plans.values()], default=0.0)
         area = float(sum(measures(points, plan.cells).sum() for plan in plans.values()))
-        change = change_of_shape(structure, before, points - before)
+        change = change_of_shape(balance.structure, before, points - before)
         steps.append(FormStep(float(area), float(change), float(max(error, stray))))
         fold = _fold(plans, points, axes)
         kept = (points, reactions, densities, len(steps)) if not fold else kept
@@ -180,20 +212,8 @@ def projected_stress(
     if fold and kept is not None:
         points, reactions, densities, count = kept
         fold, steps = f"it is that of step {count}, and in later ones {fold}", steps[:count]
-    problem = collapse or fold or shortfall(error, tolerance, len(steps), miss, words) or _motion(plans, points, axes)
-    problem = reasons_in_plan(
-        structure, plans, axes, first, balance.targets.by_density(structure.points), problem, bool(constraints)
-    )
-    made = stressed(structure, points, plans, densities)
-    form = handed_over(structure, balance.motions, points, made, reactions, tuple(steps), True)
-    problem = failed_mast(structure, balance.motions, form) or problem or balance.motions.turned(points)
-    if problem:
-        warnings.warn(
-            f"The form is in equilibrium with the stress it is handed over with, but {continued(problem)}",
-            UnsettledFormWarning,
-            stacklevel=2,
-        )
-    return replace(form, converged=not problem)
+    problem = collapse or fold or shortfall(error, tolerance, len(steps), miss, words)
+    return _Settled(points, reactions, densities, first, tuple(steps), problem)
 
 
 def _axes(normal: Array) -> Array:

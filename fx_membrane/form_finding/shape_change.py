@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from ..checks import validation
 from ..geometry.measures import measures, normals
 from ..geometry.topology import boundary_edges
-from ..model.parts import Bar, Membrane
+from ..model.parts import Bar
 from ..model.structure import Structure
 from .reasons.as_asked import Asked
 from .reasons.line_tangents import line_tangents, unit
@@ -112,7 +112,7 @@ def _where(structure: Structure, points: NDArray[np.float64]) -> str:
     """Tell of the cell of a membrane that has shrunk most."""
     least, words = np.inf, ""
     for name, part in structure.parts.items():
-        if isinstance(part, Membrane) and np.isfinite(points).all():
+        if part.dimension == 2 and np.isfinite(points).all():
             share = measures(points, part.cells) / measures(structure.points, part.cells)
             cell = int(share.argmin())
             if share[cell] < least:

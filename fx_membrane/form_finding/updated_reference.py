@@ -26,7 +26,6 @@ from mpi4py import MPI
 from ..checks import validation
 from ..model.fingerprints import of_settings
 from ..model.loads import DistributedLoad, Load, PlanLoad, PointLoad, Pressure
-from ..model.parts import Membrane
 from ..model.restraint import check_supports
 from ..model.stages import Stage
 from ..model.structure import Structure
@@ -157,7 +156,7 @@ def _constrained(
 ) -> tuple[Form, str, Asked]:
     """Form under constraints, the collapse in words that ended its steps, and what is asked for."""
     for name, part in structure.parts.items():
-        if isinstance(part, Membrane):
+        if part.dimension == 2:
             check_tension(name, part, structure.points, part.prestress_tensors())
     balance = ConstrainedBalance(
         structure,

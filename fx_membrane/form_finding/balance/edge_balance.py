@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.measures import lengths
-from ...model.parts import Bar, Cable, Part
+from ...model.parts import Cable, Part
 from ...model.structure import Structure
 from ..constraints.cable_lines import Line, lines_of
 from ..plan import Plan, place
@@ -41,7 +41,6 @@ def with_balanced_forces(structure: Structure, plans: Mapping[str, Plan], axes: 
                 f"{given:.4g} that balance the stress along it; give more than {given - forces[cell]:.4g}."
             )
         bar = parts[name]
-        assert isinstance(bar, Cable)
         all_forces = bar.prestress_tensors().ravel().copy()
         all_forces[line.cells] = forces
         parts[name] = replace(bar, prestress=all_forces)
@@ -64,7 +63,7 @@ def _lines(structure: Structure, plans: Mapping[str, Plan], axes: Array) -> list
     flat, pull = structure.points @ axes[:, :2], np.zeros((len(structure.points), 2))
     for plan in plans.values():
         np.subtract.at(pull, plan.cells, plan.stiffness() @ flat[plan.cells])
-    bars = [part for part in structure.parts.values() if isinstance(part, Bar)]
+    bars = [part for part in structure.parts.values() if part.dimension == 1]
     count = sum(
         (np.bincount(bar.cells[bar.prestress_tensors().ravel() != 0].ravel(), minlength=len(flat)) for bar in bars),
         start=np.zeros(len(flat), dtype=np.int64),

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...checks.values import format_point
-from ...model.parts import Bar, Cable, Mast, Part
+from ...model.parts import Part
 from ...model.structure import Structure
 from ...model.supports import Support
 from ..form import Form, FormStep
@@ -79,7 +79,7 @@ def _pulled_mast(structure: Structure, motions: Motions, form: Form) -> str:
     least = BALANCED * max((float(np.abs(force).max(initial=0.0)) for force in form.forces.values()), default=0.0)
     for body in (each for each in motions.bodies if each.is_line):
         for name, part in structure.parts.items():
-            if isinstance(part, Mast):
+            if part.is_strut:
                 inside = np.isin(part.cells, body.nodes).all(axis=1) & (part.prestress_tensors().ravel() == 0)
                 for cell in np.flatnonzero(inside & (form.forces[name] > least))[:1]:
                     where = format_point(form.points[part.cells[cell]].mean(axis=0))
@@ -106,7 +106,7 @@ def _bars(
     cells = {
         name: np.flatnonzero(inside[part.cells].all(axis=1) & (part.prestress_tensors().ravel() == 0))
         for name, part in structure.parts.items()
-        if isinstance(part, Bar)
+        if part.dimension == 1
     }
     if not any(map(len, cells.values())):
         return None
@@ -123,7 +123,7 @@ def _bars(
         return None
     bounds = np.cumsum([len(numbers) for numbers in cells.values()])[:-1]
     found = dict(zip(cells, zip(cells.values(), np.split(force, bounds), strict=True), strict=True))
-    slack = [name for name in found if isinstance(structure.parts[name], Cable) and found[name][1].min(initial=0.0) < 0]
+    slack = [name for name in found if _is_cable(structure.parts[name]) and found[name][1].min(initial=0.0) < 0]
     return None if slack else found
 
 
@@ -138,3 +138,7 @@ def _add_ends(total: Array, ends: NDArray[np.int64], points: Array, force: Array
     pull = force[:, None] * _pulls(points, ends)
     np.add.at(total, ends[:, 0], pull)
     np.add.at(total, ends[:, 1], -pull)
+
+
+def _is_cable(part: Part) -> bool:
+    return part.dimension == 1 and not part.is_strut

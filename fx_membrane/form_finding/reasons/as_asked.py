@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.measures import measures
-from ...model.parts import Membrane
 from ...model.structure import Structure
 from ...model.supports import Support
 from ..balance.constrained_balance import ConstrainedBalance
@@ -32,7 +31,7 @@ class Asked(NamedTuple):
 def as_asked(structure: Structure, balance: ConstrainedBalance) -> Asked:
     """Take the constraints of a balance into its structure."""
     parts, targets = dict(structure.parts), balance.targets
-    membranes = [part for part in parts.values() if isinstance(part, Membrane)]
+    membranes = [part for part in parts.values() if part.dimension == 2]
     stress = max((float(np.abs(part.prestress_tensors()).max()) for part in membranes), default=0.0)
     densities = targets.by_force(structure.points)
     for name, bar in targets.bars.items():

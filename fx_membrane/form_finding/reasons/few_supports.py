@@ -12,7 +12,6 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from ...checks.values import format_point
-from ...model.parts import Bar, Membrane
 from ...model.structure import Structure
 from ..constraints.kinds import NodeConstraint
 
@@ -30,7 +29,7 @@ def check_supports_of_form(structure: Structure, loads: Sequence[object], constr
     Raises:
         ValueError: The held nodes of a piece are at one place, or on a line in a piece with a membrane or meshes.
     """
-    bars = [part for part in structure.parts.values() if isinstance(part, Bar)]
+    bars = [part for part in structure.parts.values() if part.dimension == 1]
     if any(not isinstance(load, np.ndarray) or load.any() for load in loads) or any(
         (bar.prestress_tensors() < 0).any() for bar in bars
     ):
@@ -39,8 +38,8 @@ def check_supports_of_form(structure: Structure, loads: Sequence[object], constr
     for constraint in constraints:
         if isinstance(constraint, NodeConstraint):
             held[np.asarray(constraint.nodes)] = True
-    surfaces = [part.cells for part in structure.parts.values() if isinstance(part, Membrane)]
-    lines = [part.cells for part in structure.parts.values() if not isinstance(part, Membrane)]
+    surfaces = [part.cells for part in structure.parts.values() if part.dimension == 2]
+    lines = [part.cells for part in structure.parts.values() if part.dimension != 2]
     check_spread(structure.points, held, surfaces, lines)
 
 
@@ -60,7 +59,7 @@ def check_spread(points: Array, held: Mask, surfaces: Sequence[Numbers], lines: 
     piece = connected_components(links, directed=False)[1]
     for number in np.unique(piece[ties]):
         nodes = np.flatnonzero(piece == number)
-        has_meshes = np.count_nonzero(piece[ties[:, 0]] == number) >= len(nodes)
+        has_meshes = bool(np.count_nonzero(piece[ties[:, 0]] == number) >= len(nodes))
         words = _unspread(points[nodes], held[nodes], has_meshes)
         if words:
             raise ValueError(f"The piece with node {nodes[0]} at {format_point(points[nodes[0]])} is held {words}")

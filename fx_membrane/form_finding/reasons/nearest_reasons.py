@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...model.parts import Bar
 from ...model.structure import Structure
 from ..form import FormStep
 from ..nearest_stress.ratios import differences
@@ -139,7 +138,7 @@ def _with_stronger_edges(problem: NearestProblem, weak: WeakEdges, is_found: Tri
 
 def _with_forces(structure: Structure, forces: dict[str, Array]) -> Structure:
     parts = {
-        name: replace(part, prestress=forces[name]) if isinstance(part, Bar) and name in forces else part
+        name: replace(part, prestress=forces[name]) if part.dimension == 1 and name in forces else part
         for name, part in structure.parts.items()
     }
     return replace(structure, parts=parts)

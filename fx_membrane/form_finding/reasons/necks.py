@@ -4,7 +4,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.measures import measures
-from ...model.parts import Membrane
 from ...model.structure import Structure
 from ..plan import place
 from .ring_reach import has_ring
@@ -21,7 +20,7 @@ def neck(structure: Structure, points: NDArray[np.float64]) -> str:
     """
     least, where = SHRUNK, ""
     for name, part in structure.parts.items():
-        if not isinstance(part, Membrane) or not has_ring(structure, part.cells):
+        if part.dimension != 2 or not has_ring(structure, part.cells):
             continue
         ratio = np.sqrt(measures(points, part.cells) / measures(structure.points, part.cells))
         ratio /= np.median(ratio)

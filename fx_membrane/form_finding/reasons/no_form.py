@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.measures import normals, projected
-from ...model.parts import Membrane
 from ...model.structure import Structure
 from .as_asked import Asked
 from .folds import fold
@@ -51,7 +50,7 @@ def causes(*found: str) -> str:
 def _unequal(structure: Structure) -> str:
     """Tell of a membrane whose stress is unlike along warp and weft."""
     for name, part in structure.parts.items():
-        if isinstance(part, Membrane):
+        if part.dimension == 2:
             least, largest = np.linalg.eigvalsh(part.prestress_tensors()).mean(axis=0)
             if largest > UNEQUAL * least:
                 unequal = (
@@ -70,7 +69,7 @@ def stresses_in(structure: Structure, points: Array) -> Mapping[str, Array]:
     """Prestress of membranes in a shape as tensors in space, by name, shape (cells, 3, 3) [N/m]."""
     found = {}
     for name, part in structure.parts.items():
-        if isinstance(part, Membrane):
+        if part.dimension == 2:
             normal = normals(points, part.cells)
             warp = projected(structure.warp(name), normal)
             frame = np.stack([warp, np.cross(normal, warp)], axis=2)
