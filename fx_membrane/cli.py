@@ -4,6 +4,7 @@ import json
 import os
 import sys
 import warnings
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -66,7 +67,7 @@ class _Group(click.Group):
                 warnings.showwarning = _warn  # type: ignore[assignment]  # of the same arguments
                 return super().invoke(ctx)
         except KeyboardInterrupt:
-            later = " Saved increments stay; `fx-membrane run CASE --resume` goes on."
+            later = " Saved increments stay: `fx-membrane run CASE --resume` goes on, --overwrite begins anew."
             code, words = 130, "Stopped." + later * (ctx.invoked_subcommand == "run")
         except (ValueError, ImportError) as error:
             code, words = 2, str(error)
@@ -84,6 +85,16 @@ def _say(words: str, err: bool = False) -> None:
     """Print on the first process only."""
     if os.environ.get("OMPI_COMM_WORLD_RANK", os.environ.get("PMI_RANK", "0")) == "0":
         click.echo(words, err=err)
+
+
+def _once(act: Callable[[], None]) -> None:
+    """Act on the first process only; MPI is loaded under mpirun alone."""
+    if int(os.environ.get("OMPI_COMM_WORLD_SIZE", os.environ.get("PMI_SIZE", "1"))) == 1:
+        act()
+        return
+    from .runtime.processes import by_the_first  # noqa: PLC0415
+
+    by_the_first(act)()
 
 
 def _warn(message: Warning | str, *_: Any) -> None:
@@ -104,10 +115,14 @@ def main() -> None:
 @click.argument("case", type=CASE, default="case.toml")
 def init(case: Path) -> None:
     """Write a small case file to begin with, and its schema for editors beside it."""
-    if case.exists():
-        raise ValueError(f"{case} exists; give another name.")
-    _write(case, TEMPLATE)
-    _write_schema(case.parent)
+
+    def write() -> None:
+        if case.exists():
+            raise ValueError(f"{case} exists; give another name.")
+        _write(case, TEMPLATE)
+        _write_schema(case.parent)
+
+    _once(write)
     _say(f"Wrote {case}. Next: {_next(case)}")
 
 
@@ -117,7 +132,7 @@ def init(case: Path) -> None:
 @click.pass_context
 def demo(ctx: click.Context, name: str | None, at_once: bool) -> None:
     """List the demo cases, or write one in this folder."""
-    from .files.demo_cases import SCRIPTS, demos, write_demo  # noqa: PLC0415
+    from .files.demo_cases import SCRIPTS, demo_files, demos, write_demo  # noqa: PLC0415
 
     if name is None:
         for entry, title in demos().items():
@@ -125,8 +140,13 @@ def demo(ctx: click.Context, name: str | None, at_once: bool) -> None:
         scripts = ", ".join(f"{entry} ({words})" for entry, words in SCRIPTS.items())
         _say(f"\nWrite one: fx-membrane demo NAME. As scripts only, in demos/ of the sources: {scripts}.")
         return
-    files = write_demo(name, Path())
-    _write_schema(Path())
+    files = demo_files(name, Path())
+
+    def write() -> None:
+        write_demo(name, Path())
+        _write_schema(Path())
+
+    _once(write)
     _say(f"Wrote {', '.join(map(str, files))}." + ("" if at_once else f" Next: {_next(files[0])}"))
     if at_once:
         ctx.invoke(run, case=files[0], resume=False, overwrite=False, quiet=False, log=None)
@@ -150,8 +170,8 @@ def check(case: Path) -> None:
 
 @main.command()
 @click.argument("case", type=CASE)
-@click.option("--resume", is_flag=True, help="Go on from the checkpoint of an earlier run.")
-@click.option("--overwrite", is_flag=True, help="Replace the results of an earlier run.")
+@click.option("--resume", is_flag=True, help="Go on with an earlier run where it stopped; begin if there is none.")
+@click.option("--overwrite", is_flag=True, help="Delete an earlier run, with all it has saved, and begin anew.")
 @click.option("--quiet", is_flag=True, help="Print warnings and errors only.")
 @click.option("--log", type=CASE, help="File for a copy of the table of results.")
 def run(case: Path, resume: bool, overwrite: bool, quiet: bool, log: Path | None) -> None:
@@ -276,7 +296,7 @@ def info() -> None:
     from .runtime.versions import versions  # noqa: PLC0415
 
     for name, version in versions().items():
-        _say(f"{name:12} {version}")
+        _say(f"{name:14} {version}")
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 import tomllib
 from importlib import resources
 from pathlib import Path
+from typing import Any
 
 from .whole_file import writing
 
@@ -22,25 +23,36 @@ def demos() -> dict[str, str]:
     return {name.removesuffix(".toml"): _title(name) for name in files}
 
 
-def write_demo(name: str, folder: Path) -> list[Path]:
-    """Write a demo case in a folder, and the mesh that it reads; return the files, the case first.
+def demo_files(name: str, folder: Path) -> list[Path]:
+    """Files of a demo case in a folder, the case first, then the mesh that it reads.
+
+    Raises:
+        ValueError: There is no demo of that name.
+    """
+    return [folder / entry.name for entry in _sources(name)]
+
+
+def write_demo(name: str, folder: Path) -> None:
+    """Write the files of a demo case in a folder.
 
     Raises:
         ValueError: There is no demo of that name; a file exists, or cannot be written.
     """
+    targets = demo_files(name, folder)
+    for target in targets:
+        if target.exists():
+            raise ValueError(f"{target} exists; remove it, or go to another folder.")
+    for entry, target in zip(_sources(name), targets, strict=True):
+        with writing(target, "wb") as stream:
+            stream.write(entry.read_bytes())
+
+
+def _sources(name: str) -> list[Any]:
     if name not in demos():
         known = ", ".join(demos())
         words = f"{name!r} is a script ({SCRIPTS[name]})" if name in SCRIPTS else f"there is no demo {name!r}"
         raise ValueError(f"{words[0].upper()}{words[1:]}; as case files there are {known}.")
-    sources = sorted((entry for entry in _folder().iterdir() if entry.name.startswith(f"{name}.")), key=_case_first)
-    targets = [folder / entry.name for entry in sources]
-    for target in targets:
-        if target.exists():
-            raise ValueError(f"{target} exists; remove it, or go to another folder.")
-    for entry, target in zip(sources, targets, strict=True):
-        with writing(target, "wb") as stream:
-            stream.write(entry.read_bytes())
-    return targets
+    return sorted((entry for entry in _folder().iterdir() if entry.name.startswith(f"{name}.")), key=_case_first)
 
 
 def _folder() -> resources.abc.Traversable:

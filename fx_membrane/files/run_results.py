@@ -6,6 +6,7 @@ from ..results.states import StageResults
 from .archive import load_results
 
 RESULTS = "results.fxm"  # archive in the folder of a run
+CHECKPOINT = "checkpoint.sqlite"  # its increments, from the first on
 
 
 def results_of(place: Path) -> StageResults:
@@ -21,6 +22,8 @@ def results_of(place: Path) -> StageResults:
     if file != place and not file.exists():
         there = sorted(entry.name for entry in place.glob("*.fxm"))
         hint = f"it has {', '.join(there)}" if there else "run a case first: fx-membrane run CASE"
+        if (place / CHECKPOINT).exists():
+            hint = "its run has not ended: `fx-membrane run CASE --resume` goes on, --overwrite begins anew"
         raise ValueError(f"The folder {place} has no {RESULTS}; {hint}.")
     found = load_results(file)
     if not isinstance(found, StageResults):

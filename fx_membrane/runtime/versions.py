@@ -2,9 +2,24 @@
 
 import importlib
 import importlib.metadata
+import importlib.util
 import platform
 import sys
 from collections.abc import Callable
+
+OPTIONAL = {  # by module, the use of a package that need not be there
+    "pydantic": "case files",
+    "pint": "case files",
+    "gmsh": "msh files, sails and new meshes",
+    "ezdxf": "DXF files",
+    "plotly": "scenes for browsers",
+    "jinja2": "reports",
+    "weasyprint": "reports as PDF",
+    "pandas": "tables as data frames",
+    "imageio_ffmpeg": "animations as MP4",
+    "slepc4py": "frequencies and eigenvalues",
+}
+DISTRIBUTIONS = {"imageio_ffmpeg": "imageio-ffmpeg"}
 
 
 def versions() -> dict[str, str]:
@@ -22,7 +37,17 @@ def versions() -> dict[str, str]:
         "pyvista": lambda: _version("pyvista"),
         "vtk": lambda: _version("vtkmodules"),  # Debian's package of VTK has no metadata
     }
-    return {name: _told(version) for name, version in rows.items()}
+    found = {name: _told(version) for name, version in rows.items()}
+    return found | {name: _optional(name, use) for name, use in OPTIONAL.items()}
+
+
+def _optional(name: str, use: str) -> str:
+    """Version of a distribution that only some commands need; it is not imported, as that may take a second."""
+    try:
+        return importlib.metadata.version(DISTRIBUTIONS.get(name, name))
+    except importlib.metadata.PackageNotFoundError:
+        missing = importlib.util.find_spec(name) is None
+    return f"not installed: needed for {use}" if missing else "installed, of unknown version"
 
 
 def _version(module: str) -> str:

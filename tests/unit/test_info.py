@@ -1,5 +1,6 @@
 """The command `fx-membrane info` reports the versions in use, and missing modules."""
 
+import importlib.metadata
 import subprocess
 import sys
 import types
@@ -14,7 +15,7 @@ def info():
     """Rows of the report by name."""
     done = CliRunner().invoke(main, ["info"], catch_exceptions=False)
     assert done.exit_code == 0
-    return {line[:12].strip(): line[12:].strip() for line in done.output.splitlines()}
+    return {line[:14].strip(): line[14:].strip() for line in done.output.splitlines()}
 
 
 def test_all_that_computes_is_listed():
@@ -49,3 +50,19 @@ def test_module_that_does_not_load_is_reported(monkeypatch, tmp_path):
     monkeypatch.syspath_prepend(tmp_path)
     monkeypatch.delitem(sys.modules, "pyvista", raising=False)
     assert "vtkCapsuleSource" in info()["pyvista"]
+
+
+def test_optional_packages_are_listed_with_their_use(monkeypatch):
+    optional = {"pydantic", "pint", "gmsh", "ezdxf", "plotly", "jinja2", "weasyprint", "pandas"}
+    assert optional <= set(info())
+
+    def missing(name):
+        raise importlib.metadata.PackageNotFoundError(name)
+
+    monkeypatch.setattr("importlib.metadata.version", missing)
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    rows = info()
+    assert {name: rows[name] for name in ("ezdxf", "pint")} == {
+        "ezdxf": "not installed: needed for DXF files",
+        "pint": "not installed: needed for case files",
+    }

@@ -15,12 +15,15 @@ from ...solvers.base import Solver
 from ...solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
 from ...solvers.newton import Newton
 from .case import Case
-from .choices import Outline, given
-from .faults import Fault, case_error, faults_of_validation
+from .choices import Outline, given, sound
+from .faults import Fault, Faults, case_error, faults_of_validation
 from .form_schema import NewMesh
+from .kinds import with_kinds
+from .making import make
 from .model import Builder
 from .schema import CaseModel, keys
-from .structure_schema import BROKEN, FileGeometry, UnitNames
+from .structure_schema import FileGeometry, UnitNames
+from .table import BROKEN, is_whole
 from .units import Units
 
 SOLVERS: dict[str, Any] = {
@@ -49,12 +52,10 @@ def assembled(file: Path, text: str, data: Mapping[str, Any], partial: bool) -> 
         return None, [fault for fault in faults if not (partial and fault.missing)]
     builder = Builder(tables, file.parent)
     structure = builder.structure()
-    stages, steps, outline = list[Stage](), list[Any](), None
-    if structure:
-        steps, outline = builder.form_finding(structure)
-        stages = builder.stages(outline)
+    steps, outline = builder.form_finding(structure)
+    stages = builder.stages(outline)
     solver, work = _solver(builder, tables), _work(builder, tables)
-    limits = _limits(builder, tables, outline.structure if outline else None)
+    limits = _limits(builder, tables, outline.structure)
     faults += _independent(in_file(builder.faults, data), faults)
     if structure is None or faults:
         return None, faults
@@ -108,14 +109,16 @@ def _validated(data: Mapping[str, Any], units: Units | None) -> tuple[CaseModel 
         return CaseModel.model_validate(data, context={"units": units}), []
     except ValidationError as error:
         faults = faults_of_validation(error, data, keys())
-    known = {name: table for name, table in data.items() if name in CaseModel.model_fields} | {"format": 1}
-    known.pop("units", None)
+    guessed = with_kinds(data, units)
     try:
-        context = {"units": units or Units(), "lenient": True}
-        tables = CaseModel.model_validate(known, context=context)
-        return tables.model_copy(update={"units": _names(data)}), faults
-    except ValidationError:
-        return None, faults
+        CaseModel.model_validate(guessed, context={"units": units})
+    except ValidationError as error:
+        told = {fault.path for fault in faults}
+        faults += [fault for fault in faults_of_validation(error, guessed, keys()) if fault.path not in told]
+    tables = CaseModel.model_validate(
+        {**guessed, "format": 1, "units": None}, context={"units": units or Units(), "lenient": True}
+    )
+    return tables.model_copy(update={"units": _names(data)}), faults
 
 
 def _names(data: Mapping[str, Any]) -> UnitNames | None:
@@ -130,18 +133,21 @@ def _units(data: Mapping[str, Any]) -> tuple[Units | None, list[Fault]]:
     names = data.get("units")
     if not isinstance(names, dict):
         return None, []
-    try:
-        given = {name: names[name] for name in ("force", "length") if isinstance(names.get(name), str)}
-        return Units(**given), []
-    except ValueError as error:
-        return Units(), [Fault(("units",), str(error))]
+    good, faults = dict[str, str](), Faults()
+    for name in ("force", "length"):
+        if isinstance(names.get(name), str):
+            with faults.at("units", name):
+                Units(**{name: names[name]})
+                good[name] = names[name]
+    return Units(**good), list(faults)
 
 
 def _solver(builder: Builder, tables: CaseModel) -> Solver:
     found: Solver = Newton()
     with builder.faults.at("solver"):
         if tables.solver is not None and tables.solver is not BROKEN:
-            found = SOLVERS[tables.solver.method](**given(tables.solver, "method"))
+            maker = SOLVERS[tables.solver.method]
+            found = make(builder.faults, ("solver",), maker, given(tables.solver, "method"), {})
     return found
 
 
@@ -149,19 +155,21 @@ def _work(builder: Builder, tables: CaseModel) -> WorkLimit:
     found = WorkLimit()
     with builder.faults.at("work"):
         if tables.work is not None and tables.work is not BROKEN:
-            found = WorkLimit(**given(tables.work))
+            found = make(builder.faults, ("work",), WorkLimit, given(tables.work), {})
     return found
 
 
 def _limits(builder: Builder, tables: CaseModel, structure: Structure | None) -> Limits:
-    found = Limits()
-    with builder.faults.at("limits"):
-        if tables.limits is not None and tables.limits is not BROKEN:
-            found = Limits(**given(tables.limits))
-    if structure is None:
-        return found
+    if tables.limits is None or tables.limits is BROKEN:
+        return Limits()
+    faults, count = builder.faults, len(builder.faults)
+    with faults.at("limits", "displacement"):
+        if tables.limits.displacement not in (None, BROKEN):
+            Limits(displacement=tables.limits.displacement)
     for kind, dimension in (("stress", 2), ("force", 1)):
-        for name in getattr(found, kind):
-            with builder.faults.at("limits", kind, name):
+        for name, value in sound(getattr(tables.limits, kind)):
+            with faults.at("limits", kind, name):
+                Limits(**{kind: {name: value}})  # type: ignore[arg-type]  # not the displacement
+            with faults.at("limits", kind, name):
                 builder.check_part(structure, name, dimension)
-    return found
+    return Limits() if len(faults) > count or not is_whole(tables.limits) else Limits(**given(tables.limits))

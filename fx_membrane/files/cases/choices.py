@@ -1,6 +1,7 @@
 """Nodes and cells that tables of a case choose: by number, by group of the geometry, by place, or by a rim."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -12,9 +13,10 @@ from ...geometry.topology import boundary_edges
 from ...model.parts import Membrane
 from ...model.structure import Structure
 from ..drawing import Drawing, nodes_of, triangles_of
-from .faults import Unknown, nearest
+from .faults import Unknown, Wrong, nearest
 from .load_schema import CellChoice
-from .structure_schema import BROKEN, Box, Model, NodeChoice
+from .structure_schema import Box, NodeChoice
+from .table import BROKEN, Model, is_whole
 
 Nodes = NDArray[np.int64]
 CHOICES = ("nodes", "group", "where", "rim_of")
@@ -26,12 +28,12 @@ class Outline(NamedTuple):
     """A structure between the steps of form finding.
 
     Attributes:
-        structure: The structure.
+        structure: The structure; None if it is not known.
         form: The form that it has; None before the first.
         renumbered: True after a new mesh, whose nodes and cells have other numbers than the file knows.
     """
 
-    structure: Structure
+    structure: Any
     form: Form | None = None
     renumbered: bool = False
 
@@ -40,18 +42,22 @@ class Choices:
     """Choices of nodes and cells.
 
     Args:
-        drawing: Content of the geometry.
-        names: Names of the parts that the file has; those with faults may be missing in the structure.
+        drawing: Content of the geometry; None if that has a fault.
+        kinds: Dimension of each part that the file has, None for an unknown one; None if parts have a fault. Those
+            with faults may be missing in the structure.
 
     Attributes:
         rows: Node of the structure for each point of the drawing, -1 for a point of no part, shape (points,).
+        drawn: False if the geometry has a fault.
         whole: False if some part has a fault, so that numbers of nodes are not known.
+        formed: False if some step of form finding has a fault, so that its bars may be missing.
     """
 
-    def __init__(self, drawing: Drawing, names: set[str]):
-        self.drawing, self._names = drawing, names
+    def __init__(self, drawing: Drawing | None, kinds: Mapping[str, int | None] | None):
+        self.drawn, self._kinds = drawing is not None, kinds
+        self.drawing = drawing = drawing or Drawing("the geometry", "group", np.zeros((0, 3)))
         self.rows = np.full(len(drawing.points), -1)
-        self.whole = True
+        self.whole, self.formed = self.drawn, True
         self._room = NEAR * float(np.ptp(drawing.points, axis=0).max(initial=0.0)) if len(drawing.points) else 0.0
 
     def nodes(self, outline: Outline, table: NodeChoice) -> Nodes:
@@ -61,26 +67,31 @@ class Choices:
             ValueError: Not one way of the four is given; a group, a membrane or a node does not exist.
             Unknown: It depends on a table that has a fault.
         """
-        one_of(table, *CHOICES, needed=True)
+        if table is BROKEN:
+            raise Unknown
+        key = one_of(table, *CHOICES, needed=True)
         structure = outline.structure
-        if outline.renumbered and (table.nodes is not None or table.group is not None):
-            raise ValueError(NUMBERED)
+        if table.rim_of is not None:
+            self.check_part(structure, table.rim_of, 2, "rim_of")
+        if structure is None or not is_whole(getattr(table, key)):
+            raise Unknown
+        if outline.renumbered and key in ("nodes", "group"):
+            raise Wrong(NUMBERED, key)
         if table.nodes is not None:
             if not self.whole:
                 raise Unknown
-            numbers = [self.node(entry, self.rows) for entry in table.nodes]
-            return self._numbers(numbers, len(structure.points), "nodes")
+            return self.numbers(self.named(table.nodes, self.rows), len(structure.points), "nodes")
         if table.group is not None:
-            rows = self.rows[nodes_of(self.drawing, table.group)]
-            return self.needed(rows[rows >= 0], f"no part uses a node of group {table.group!r}")
+            with at_key("group"):
+                rows = self.rows[nodes_of(self.drawing, table.group)]
+            return self.needed(rows[rows >= 0], "group", f"no part uses a node of group {table.group!r}")
         if table.rim_of is not None:
-            self.check_part(structure, table.rim_of)
             return np.unique(boundary_edges(structure.part(table.rim_of, Membrane).cells))
         found = np.flatnonzero(self.inside(table.where, structure.points) & structure.used)
-        return self.needed(found, "no node is in the range of where; correct it")
+        return self.needed(found, "where", "no node is in the range of where; correct it")
 
-    def cells(self, outline: Outline, table: CellChoice) -> Nodes | None:
-        """Choose cells of a part; None for all.
+    def cells(self, outline: Outline, table: CellChoice, wanted: int) -> Nodes | None:
+        """Choose cells of a part of a wanted dimension; None for all.
 
         Raises:
             ValueError: Two ways are given; there is no such part, or no cell.
@@ -88,16 +99,18 @@ class Choices:
         """
         one_of(table, "cells", "where")
         structure = outline.structure
-        self.check_part(structure, table.part)
+        self.check_part(structure, table.part, wanted)
+        if structure is None or not is_whole((table.cells, table.where)):
+            raise Unknown
         if table.cells is not None:
             if outline.renumbered:
-                raise ValueError(NUMBERED)
-            return self._numbers(table.cells, len(structure.parts[table.part].cells), "cells")
+                raise Wrong(NUMBERED, "cells")
+            return self.numbers(table.cells, len(structure.parts[table.part].cells), "cells")
         if table.where is None:
             return None
         centres = structure.points[structure.parts[table.part].cells].mean(axis=1)
         found = np.flatnonzero(self.inside(table.where, centres))
-        return self.needed(found, "no cell has its centroid in the range of where; correct it")
+        return self.needed(found, "where", "no cell has its centroid in the range of where; correct it")
 
     def lines(self, outline: Outline, table: Any) -> Nodes:
         """Lines as pairs of nodes of the structure, by group of the geometry, or by numbers of nodes, shape (n, 2).
@@ -107,7 +120,7 @@ class Choices:
         """
         if outline.renumbered:
             raise ValueError(NUMBERED)
-        if not self.whole:
+        if not (self.whole and is_whole((table.group, table.cells, table.lines))):
             raise Unknown
         if table.group is None:
             return self.by_hand(table, self.rows)
@@ -133,12 +146,28 @@ class Choices:
             return entry
         if names and entry in names:
             return names[entry]
+        if not self.drawn:
+            raise Unknown
         found = rows[nodes_of(self.drawing, entry)]
         if len(found) != 1:
             raise ValueError(f"{entry!r} is the name of {len(found)} nodes; name a single one, or give the group")
         if found[0] < 0:
             raise ValueError(f"{entry!r} is a node that no part uses; name another")
         return int(found[0])
+
+    def named(
+        self, entries: list[int | str], rows: Nodes, names: Mapping[str, int] | None = None, *keys: str | int
+    ) -> list[int]:
+        """Find the numbers of several nodes, see `node`; keys lead to them in the table, "nodes" if none are given."""
+        found, wrong = [], list[Wrong]()
+        for number, entry in enumerate(entries):
+            try:
+                found.append(self.node(entry, rows, names))
+            except ValueError as error:
+                wrong.append(Wrong(str(error), *(keys or ("nodes",)), number))
+        if wrong:
+            raise wrong[0].beside(wrong[1:])
+        return found
 
     def by_hand(self, table: Any, rows: Nodes, names: Mapping[str, int] | None = None) -> Nodes:
         """Rows of nodes of a table that gives them as cells, or as lines of nodes.
@@ -151,14 +180,16 @@ class Choices:
         Raises:
             ValueError: Rows are empty or of different lengths; a name is that of no node.
         """
-        given_rows = table.lines if table.lines is not None else table.cells or []
-        found = [[self.node(entry, rows, names) for entry in row] for row in given_rows]
-        if table.lines is not None:
+        key = "cells" if table.lines is None else "lines"
+        if not is_whole(getattr(table, key)):
+            raise Unknown
+        found = [self.named(row, rows, names, key, number) for number, row in enumerate(getattr(table, key) or [])]
+        if key == "lines":
             found = [list(pair) for line in found for pair in pairwise(line)]
             if not found:
-                raise ValueError("lines are rows of at least two nodes; correct them")
+                raise Wrong("lines are rows of at least two nodes; correct them", key)
         if not found or len(set(map(len, found))) != 1 or not found[0]:
-            raise ValueError("cells are rows of nodes, all of one length; correct them")
+            raise Wrong("cells are rows of nodes, all of one length; correct them", key)
         return np.array(found, dtype=np.int64)
 
     def of_groups(self, names: str | list[str], split: bool) -> Nodes:
@@ -180,35 +211,66 @@ class Choices:
                 found &= (points[:, axis] >= ends[0] - self._room) & (points[:, axis] <= ends[1] + self._room)
         return found
 
-    def check_part(self, structure: Structure, name: str) -> None:
-        """Refuse a part that does not exist.
+    def check_part(self, structure: Structure | None, name: Any, wanted: int = 0, key: str = "part") -> None:
+        """Refuse a part that does not exist, or of another dimension.
+
+        Args:
+            structure: The structure; None if it is not known.
+            name: Name of the part.
+            wanted: Dimension that it must have; 0 for any.
+            key: Key of the table that names it; empty for the table itself.
 
         Raises:
-            ValueError: The file has no part of that name.
+            ValueError: The file has no part of that name, or one of another dimension, or one that is made later.
             Unknown: It has one, with a fault.
         """
-        if name not in structure.parts:
-            if name in self._names:
-                raise Unknown
-            raise ValueError(f"there is no part {name!r}{nearest(name, structure.parts)}")
+        keys = (key,) if key else ()
+        if name is BROKEN or self._kinds is None:
+            raise Unknown
+        if name not in self._kinds:
+            raise Wrong(f"there is no part {name!r}{nearest(name, self._kinds)}", *keys)
+        if wanted and self._kinds[name] not in (None, wanted):
+            raise Wrong(f"part {name!r} is {'no membrane' if wanted == 2 else 'no cable or mast'}; name one", *keys)
+        if structure is None or name not in structure.parts:
+            if structure is not None and self.whole and self.formed:
+                raise Wrong(f"part {name!r} comes with a later step of form finding; name another", *keys)
+            raise Unknown
 
     @staticmethod
-    def _numbers(given: list[int], count: int, what: str) -> Nodes:
-        wrong = [number for number in given if not 0 <= number < count]
+    def numbers(given: list[int], count: int, key: str) -> Nodes:
+        """Refuse numbers that are not there.
+
+        Raises:
+            ValueError: One is not.
+        """
+        wrong = [
+            Wrong(f"{number} is not there; the numbers go from 0 to {count - 1}", key, row)
+            for row, number in enumerate(given)
+            if not 0 <= number < count
+        ]
         if wrong:
-            raise ValueError(f"{what} has {wrong[0]}; the numbers go from 0 to {count - 1}")
+            raise wrong[0].beside(wrong[1:])
         return np.array(given, dtype=np.int64)
 
-    @staticmethod
-    def needed(found: Nodes, words: str) -> Nodes:
+    def needed(self, found: Nodes, key: str, words: str) -> Nodes:
         """Refuse an empty choice.
 
         Raises:
             ValueError: It is empty.
+            Unknown: It is, and so may be because a part has a fault.
         """
         if not len(found):
-            raise ValueError(words)
+            raise Wrong(words, key) if self.whole else Unknown
         return found
+
+
+@contextmanager
+def at_key(*keys: str | int) -> Iterator[None]:
+    """Name the key of an error."""
+    try:
+        yield
+    except ValueError as error:
+        raise Wrong(str(error), *keys) from None
 
 
 def given(table: Model, *without: str) -> dict[str, Any]:
@@ -216,8 +278,8 @@ def given(table: Model, *without: str) -> dict[str, Any]:
     return {name: getattr(table, name) for name in table.model_fields_set if name not in without}
 
 
-def one_of(table: Any, *keys: str, needed: bool = False) -> None:
-    """Refuse a table that gives several of some keys, or none.
+def one_of(table: Any, *keys: str, needed: bool = False) -> str:
+    """Refuse a table that gives several of some keys, or none; return the one given, empty for none.
 
     Raises:
         ValueError: It does.
@@ -225,9 +287,12 @@ def one_of(table: Any, *keys: str, needed: bool = False) -> None:
     found = [key for key in keys if getattr(table, key) is not None]
     if len(found) > 1 or (needed and not found):
         raise ValueError(f"give one of {', '.join(keys)}" + (f", not {' and '.join(found)}" if found else ""))
+    return found[0] if found else ""
 
 
 def sound(tables: Any) -> Any:
     """Entries of a dictionary, or numbered ones of a list, that have no fault of their own."""
+    if tables is BROKEN:
+        return []
     items = tables.items() if isinstance(tables, dict) else enumerate(tables)
     return [(name, table) for name, table in items if table is not BROKEN]

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 from ...checks.values import short_repr
 from .lines import line_of
+from .wording import in_words_of_files
 
 BARE = re.compile(r"[A-Za-z0-9_-]+")
 
@@ -43,6 +44,24 @@ class Fault(NamedTuple):
     missing: bool = False
 
 
+class Wrong(ValueError):  # noqa: N818  (a fault, kept as one)
+    """One key of a table has a fault.
+
+    Attributes:
+        keys: The key, and those below it, from the table.
+    """
+
+    def __init__(self, words: str, *keys: str | int):
+        super().__init__(words)
+        self.keys = keys
+        self.others: Sequence[Wrong] = ()
+
+    def beside(self, others: Sequence["Wrong"]) -> "Wrong":
+        """Add others of the same table."""
+        self.others = others
+        return self
+
+
 class Unknown(Exception):  # noqa: N818  (no error of its own: the other table has one)
     """An object depends on a table that has a fault, so that nothing can be said about it."""
 
@@ -58,7 +77,8 @@ class Faults(list[Fault]):
         except Unknown:
             pass
         except (ValueError, TypeError, OSError, ImportError) as error:
-            self.append(Fault(trail, str(error)))
+            for entry in (error, *getattr(error, "others", ())):
+                self.append(Fault((*trail, *getattr(entry, "keys", ())), in_words_of_files(str(entry))))
 
 
 class CaseError(ValueError):
@@ -96,7 +116,7 @@ def nearest(word: Any, known: Iterable[str]) -> str:
 
 
 def _told(entry: dict[str, Any], data: Any, keys: Sequence[str]) -> tuple[tuple[str | int, ...], str]:
-    path = _without_tags(entry["loc"], data, entry["type"] == "missing")
+    path = without_tags(entry["loc"], data, entry["type"] == "missing")
     kind, context = entry["type"], entry.get("ctx", {})
     tag = context.get("discriminator", "").strip("'")
     if kind == "extra_forbidden":
@@ -109,7 +129,7 @@ def _told(entry: dict[str, Any], data: Any, keys: Sequence[str]) -> tuple[tuple[
         expected = context["expected_tags"].replace("'", "").split(", ")
         words = f"{context['tag']!r} is not one of {', '.join(map(repr, expected))}"
         return (*path, tag), words + nearest(context["tag"], expected)
-    return path, f"{short_repr(entry['input'])}: {_asked(entry, context)}"
+    return path, f"{in_words_of_files(short_repr(entry['input']))}: {_asked(entry, context)}"
 
 
 def _asked(entry: dict[str, Any], context: dict[str, Any]) -> str:
@@ -125,7 +145,7 @@ def _asked(entry: dict[str, Any], context: dict[str, Any]) -> str:
     return f"{entry['msg'][0].lower()}{entry['msg'][1:]}"
 
 
-def _without_tags(loc: Sequence[str | int], data: Any, missing: bool) -> tuple[str | int, ...]:
+def without_tags(loc: Sequence[str | int], data: Any, missing: bool) -> tuple[str | int, ...]:
     """Path in the file: pydantic puts the kind of a union after its key; only a missing key is not in the file."""
     path: list[str | int] = []
     fresh = True  # at a table whose tag has not been passed

@@ -6,7 +6,8 @@ from pydantic import BeforeValidator, Discriminator, Field, Tag
 
 from .fields import Densities, Direction, Directions, Force, ForcePerLength, Length, Node, Number, Point, Stress, Truth
 from .load_schema import CellChoice, Load
-from .structure_schema import CablePart, Kept, MastPart, Model, Names, NodeChoice, SupportModel, shape_of
+from .structure_schema import CablePart, MastPart, Names, NodeChoice, SupportModel, shape_of
+from .table import Kept, Model
 
 
 class CableForceModel(CellChoice):
@@ -106,8 +107,8 @@ class ProjectedStress(MethodModel):
     """See `projected_stress`."""
 
     method: Literal["projected stress"]
-    stress: dict[str, StressModel] = {}
-    cables: Literal["horizontal force", "force", "force density"] | None = None
+    stress: dict[str, Annotated[StressModel, Kept]] = {}
+    cables: Literal["horizontal force", "balanced force", "force", "force density"] | None = None
     direction: Direction | None = None
     tolerance: Number | None = None
     max_iterations: int | None = None
@@ -125,7 +126,7 @@ class PrescribedStress(MethodModel):
     """See `prescribed_stress`; a warp about an axis is taken anew where cells are."""
 
     method: Literal["prescribed stress"]
-    stress: dict[str, StressModel] = {}
+    stress: dict[str, Annotated[StressModel, Kept]] = {}
     tolerance: Number | None = None
     max_iterations: int | None = None
 

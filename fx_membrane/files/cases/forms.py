@@ -20,12 +20,11 @@ from ... import (
     updated_reference,
 )
 from ...checks import validation
-from ...model.parts import Membrane
-from ...model.structure import Structure
 from ...model.supports import Support
-from .choices import Nodes, Outline, given
-from .faults import nearest
+from .choices import Nodes, Outline, at_key, given
+from .faults import Faults, Unknown, Wrong
 from .form_schema import NewMesh, StressModel
+from .table import BROKEN, is_whole
 
 METHODS: dict[str, Callable[..., Form]] = {
     "force density": force_density,
@@ -38,6 +37,7 @@ CHECKS: dict[str, Callable[..., Any]] = {
     "tolerance": validation.positive,
     "max_iterations": validation.positive_integer,
     "iterations": validation.positive_integer,
+    "direction": validation.direction,
 }
 Step = Callable[[Outline], Outline]
 
@@ -60,30 +60,32 @@ class RadialStress:
         return np.asarray(sum(np.multiply.outer((distance / at) ** power, values) for values, at, power in self.terms))
 
 
+def check_options(faults: Faults, trail: tuple[str | int, ...], table: Any) -> None:
+    """Check the options of a method, each apart."""
+    for name, value in given(table).items():
+        if name in CHECKS and value is not BROKEN:
+            with faults.at(*trail, name):
+                CHECKS[name](name, value)
+
+
 def method_step(
-    table: Any, structure: Structure, loads: Sequence[Any], constraints: Sequence[Any], axes: Mapping[str, Any]
+    table: Any, loads: Sequence[Any], constraints: Sequence[Any], stress: Mapping[str, Any], axes: Mapping[str, Any]
 ) -> Step:
     """Prepare a method on the whole structure.
 
     Args:
         table: Its table.
-        structure: The structure, for its names.
         loads: Its loads.
         constraints: Its constraints.
+        stress: By membrane, its stress as a function of place.
         axes: By membrane, the axis of its radial warp.
-
-    Raises:
-        ValueError: The method takes no constraints; an option is out of range; a name is that of no membrane.
     """
     method = METHODS[table.method]
     options = given(table, "method", "loads", "constraints", "stress", "net", "supports")
-    for name in options.keys() & CHECKS.keys():
-        CHECKS[name](name, options[name])
-    check_constraints(table)
     if constraints:
         options["constraints"] = list(constraints)
-    if getattr(table, "stress", None):
-        options["stress"] = {name: _stress(name, entry, structure) for name, entry in table.stress.items()}
+    if stress:
+        options["stress"] = dict(stress)
     if axes and "warp" in inspect.signature(method).parameters:
         options["warp"] = dict(axes)
 
@@ -113,17 +115,18 @@ def density_step(
     """Prepare a net of force densities.
 
     Args:
-        branches: Name of the part, empty for lines that make none; pairs of nodes, shape (n, 2); force densities.
+        branches: Name of the part, empty for lines that make none; pairs of nodes, shape (n, 2); force
+            densities, shape (n,).
         supports: Held nodes.
         loads: Loads on the nodes, shape (nodes, 3) [N].
 
     Raises:
-        ValueError: There is no branch, or the force densities of one are not as many as its cells.
+        ValueError: There is no branch.
     """
     if not branches:
-        raise ValueError("net is empty; add branches")
+        raise Wrong("it is empty; add branches", "net")
     pairs = np.vstack([cells for _, cells, _ in branches])
-    densities = np.concatenate([_densities(values, len(cells)) for _, cells, values in branches])
+    densities = np.concatenate([values for *_, values in branches])
     used = np.unique(pairs)
 
     def act(outline: Outline) -> Outline:
@@ -174,18 +177,32 @@ def mesh_step(table: NewMesh, keep: Nodes) -> Step:
     return act
 
 
-def _stress(name: str, table: StressModel, structure: Structure) -> RadialStress:
-    membranes = structure.parts_of(Membrane)
-    if name not in membranes:
-        raise ValueError(f"stress names {name!r}, which is no membrane{nearest(name, membranes)}")
+def stress_of(table: StressModel) -> RadialStress:
+    """Make a stress.
+
+    Raises:
+        ValueError: It has no term, or a distance that is not positive.
+        Unknown: It has a fault.
+    """
+    if not is_whole(table):
+        raise Unknown
     if not table.terms:
-        raise ValueError(f"stress of {name!r} has no terms; add one")
-    terms = tuple((term.values, validation.positive("at", term.at), term.power) for term in table.terms)
-    return RadialStress(RadialDirection(table.origin, table.axis), terms)
+        raise Wrong("terms is empty; add one", "terms")
+    for row, term in enumerate(table.terms):
+        with at_key("terms", row, "at"):
+            validation.positive("at", term.at)
+    with at_key("axis"):
+        direction = RadialDirection(table.origin, table.axis)
+    return RadialStress(direction, tuple((term.values, term.at, term.power) for term in table.terms))
 
 
-def _densities(values: Any, count: int) -> NDArray[np.float64]:
+def densities_of(values: Any, count: int) -> NDArray[np.float64]:
+    """Force densities of some branches, shape (count,) [N/m].
+
+    Raises:
+        ValueError: They are not as many.
+    """
     found = np.asarray(values, dtype=np.float64)
     if found.shape not in ((), (count,)):
-        raise ValueError(f"density has shape {found.shape}; give a number, or one for each of the {count} branches")
+        raise ValueError(f"it has shape {found.shape}; give a number, or one for each of the {count} branches")
     return np.broadcast_to(found, count)

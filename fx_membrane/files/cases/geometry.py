@@ -11,30 +11,46 @@ from ...surfaces.round_hole import RoundHole
 from ...surfaces.sail import sail_mesh
 from ..drawing import Drawing
 from ..mesh_files import drawing_of
-from .choices import given
+from .choices import at_key, given
+from .faults import Faults, Unknown
+from .making import make
 from .structure_schema import FileGeometry, GridGeometry, HoleModel, SailGeometry, UnitNames
+from .table import BROKEN, is_whole
 
 
-def drawing_from(table: Any, folder: Path, units: UnitNames | None) -> Drawing:
+def drawing_from(faults: Faults, table: Any, folder: Path, units: UnitNames | None) -> Drawing:
     """Points and groups of the geometry.
 
     Args:
+        faults: Faults found so far.
         table: The table of the geometry.
         folder: Folder from which names of files are taken.
         units: Units of the case; None if it names none.
 
     Raises:
         ValueError: The geometry has a fault.
+        Unknown: Some of its keys have a fault.
         ImportError: A package that it needs is not installed.
     """
     if isinstance(table, FileGeometry):
         unit = units.length if units else None
-        weld = None if table.weld is None else validation.positive("weld", table.weld)
-        return drawing_of(folder / table.file, weld, unit, 'units = { length = "m" } converts it')
+        weld, count = table.weld, len(faults)
+        with faults.at("geometry", "weld"):
+            weld = None if weld in (None, BROKEN) else validation.positive("weld", weld)
+        if table.file is BROKEN:
+            raise Unknown
+        with at_key("file"):
+            found = drawing_of(folder / table.file, weld, unit, 'units = { length = "m" } converts it')
+        if len(faults) > count or not is_whole(table):
+            raise Unknown
+        return found
     drawing = Drawing("the geometry", "group", np.zeros((0, 3)))
     if isinstance(table, GridGeometry):
-        drawing.points, triangles = rectangle(**given(table, "kind"))
+        sound = {"width": 1.0, "height": 1.0, "columns": 1, "rows": 1}
+        drawing.points, triangles = make(faults, ("geometry",), rectangle, given(table, "kind"), sound)
         drawing.add("grid", triangles)
+    elif not is_whole(table):
+        raise Unknown
     elif isinstance(table, SailGeometry):
         _draw_sail(drawing, table)
     else:

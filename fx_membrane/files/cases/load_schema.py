@@ -5,7 +5,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from .fields import AreaLoad, ForceVector, LineLoad, Places, Pressure
-from .structure_schema import Box, Kept, Model, NodeChoice
+from .structure_schema import Box, NodeChoice
+from .table import Kept, Model
 
 
 class PointLoadModel(NodeChoice):

@@ -5,58 +5,108 @@ from typing import Any
 from ... import CableDensity, CableForce, CableLength, CableSag, EdgeAngle, RigidBody, Ring, Slide
 from ...model.loads import DistributedLoad, OwnLoad, PlanLoad, PointLoad, Pressure
 from ...model.stages import PrescribedDisplacement
+from ...model.supports import Support
 from .choices import CHOICES, Choices, Outline, given
-from .load_schema import DisplacementModel, LineLoadModel, PlanLoadModel, PointLoadModel, PressureModel
+from .faults import Faults
+from .load_schema import DisplacementModel, PointLoadModel
+from .making import make
+from .structure_schema import SupportModel
+from .table import BROKEN
 
-OF_CABLES: dict[str, Any] = {
-    "cable force": CableForce,
-    "cable density": CableDensity,
-    "cable length": CableLength,
-    "cable sag": CableSag,
-    "edge angle": EdgeAngle,
+OF_CABLES: dict[str, tuple[Any, str]] = {
+    "cable force": (CableForce, "force"),
+    "cable density": (CableDensity, "density"),
+    "cable length": (CableLength, "length"),
+    "cable sag": (CableSag, "sag"),
+    "edge angle": (EdgeAngle, "angle"),
 }
+LOADS: dict[str, tuple[int, Any, dict[str, Any]]] = {  # dimension of the part, class, sound values
+    "area": (2, DistributedLoad, {"load": (0.0, 0.0, 0.0)}),
+    "line": (1, DistributedLoad, {"load": (0.0, 0.0, 0.0)}),
+    "plan": (2, PlanLoad, {"load": (0.0, 0.0, 0.0)}),
+    "pressure": (2, Pressure, {"pressure": 0.0}),
+}
+Trail = tuple[str | int, ...]
 OF_NODES: dict[str, Any] = {"slide": Slide, "ring": Ring, "rigid body": RigidBody}
 
 
-def load_of(choices: Choices, outline: Outline, table: Any) -> OwnLoad:
+def load_of(faults: Faults, trail: Trail, choices: Choices, outline: Outline, table: Any) -> OwnLoad:
     """Make a load.
 
     Raises:
-        ValueError: Its place does not exist, or is of another kind; its numbers are out of range.
-        Unknown: Its place has a fault.
+        ValueError: Its numbers do not fit together.
+        Unknown: It has a fault, or its place has one.
     """
     if isinstance(table, PointLoadModel):
-        return PointLoad(choices.nodes(outline, table), table.force)
-    cells = choices.cells(outline, table)
-    if isinstance(table, PressureModel):
-        return Pressure(table.pressure, table.part, cells)
-    wanted = 1 if isinstance(table, LineLoadModel) else 2
-    if outline.structure.parts[table.part].dimension != wanted:
-        raise ValueError(f"a load of kind {table.kind!r} does not act on part {table.part!r}; give another kind")
-    kind = PlanLoad if isinstance(table, PlanLoadModel) else DistributedLoad
-    return kind(table.load, table.part, cells)
+        return _on_nodes(faults, trail, choices, outline, table, PointLoad, {"force": (0.0, 0.0, 0.0)})
+    wanted, kind, sound = LOADS[table.kind]
+    cells: Any = BROKEN
+    with faults.at(*trail):
+        cells = choices.cells(outline, table, wanted)
+    values = given(table, "kind", "where") | {"cells": cells}
+    return make(faults, trail, kind, values, {"part": "part", "cells": None, **sound}, _names(table))
 
 
-def displacement_of(choices: Choices, outline: Outline, table: DisplacementModel) -> PrescribedDisplacement:
+def displacement_of(
+    faults: Faults, trail: Trail, choices: Choices, outline: Outline, table: DisplacementModel
+) -> PrescribedDisplacement:
     """Make a prescribed displacement.
 
     Raises:
-        ValueError: Its nodes do not exist, or its numbers do not fit them.
-        Unknown: Its place has a fault.
+        ValueError: Its numbers do not fit its nodes.
+        Unknown: It has a fault, or its place has one.
     """
-    return PrescribedDisplacement(choices.nodes(outline, table), **given(table, *CHOICES))
+    sound = {"displacement": (0.0, 0.0, 0.0)}
+    return _on_nodes(faults, trail, choices, outline, table, PrescribedDisplacement, sound)
 
 
-def constraint_of(choices: Choices, outline: Outline, table: Any) -> Any:
+def support_of(faults: Faults, trail: Trail, choices: Choices, outline: Outline, table: SupportModel) -> Support:
+    """Make a support.
+
+    Raises:
+        ValueError: It is of no node.
+        Unknown: It has a fault, or its place has one.
+    """
+    return _on_nodes(faults, trail, choices, outline, table, Support, {})
+
+
+def constraint_of(faults: Faults, trail: Trail, choices: Choices, outline: Outline, table: Any) -> Any:
     """Make a constraint of form finding.
 
     Raises:
-        ValueError: Its place does not exist, or its numbers are out of range.
-        Unknown: Its place has a fault.
+        ValueError: Its numbers do not fit together.
+        Unknown: It has a fault, or its place has one.
     """
     if table.kind in OF_NODES:
-        return OF_NODES[table.kind](choices.nodes(outline, table), **given(table, *CHOICES, "kind"))
-    cells = choices.cells(outline, table)
-    if outline.structure.parts[table.part].dimension != 1:
-        raise ValueError(f"part {table.part!r} is no cable; name one")
-    return OF_CABLES[table.kind](cells=cells, **given(table, "kind", "cells", "where"))
+        key = "normal" if getattr(table, "normal", None) is not None else "direction"
+        sound = {key: (0.0, 0.0, 1.0)} if table.kind == "slide" else {}
+        return _on_nodes(faults, trail, choices, outline, table, OF_NODES[table.kind], sound)
+    cells: Any = BROKEN
+    with faults.at(*trail):
+        cells = choices.cells(outline, table, 1)
+    kind, key = OF_CABLES[table.kind]
+    values = given(table, "kind", "where") | {"cells": cells}
+    return make(faults, trail, kind, values, {"part": "part", key: 1.0}, _names(table))
+
+
+def _on_nodes(
+    faults: Faults, trail: Trail, choices: Choices, outline: Outline, table: Any, kind: Any, sound: dict[str, Any]
+) -> Any:
+    nodes: Any = BROKEN
+    with faults.at(*trail):
+        nodes = choices.nodes(outline, table)
+    values = given(table, *CHOICES, "kind") | {"nodes": nodes}
+    if nodes is BROKEN:  # what may be one for each node is not known to fit
+        values = {key: BROKEN if _nested(value) else value for key, value in values.items()}
+    known = nodes if nodes is not BROKEN and any(map(_nested, values.values())) else [0, 1, 2]
+    return make(faults, trail, kind, values, {"nodes": known, **sound}, _names(table))
+
+
+def _nested(value: Any) -> bool:
+    return isinstance(value, list | tuple) and any(isinstance(entry, list | tuple) for entry in value)
+
+
+def _names(table: Any) -> dict[str, str]:
+    """Keys by which a table chooses nodes or cells."""
+    keys = [key for key in (*CHOICES, "cells") if getattr(table, key, None) is not None]
+    return dict.fromkeys(("nodes", "cells"), keys[0]) if keys else {"cells": "part"}

@@ -1,19 +1,23 @@
 """Materials and parts of a case."""
 
 from collections.abc import Mapping
+from contextlib import nullcontext
 from typing import Any
 
 import numpy as np
 
 from ... import RadialDirection
+from ...checks import validation
 from ...geometry.edges import edges_where
 from ...geometry.topology import boundary_edges
 from ...model.laws import Law
 from ...model.materials import Fabric, MooneyRivlin, NeoHooke, OrthotropicFabric
 from ...model.parts import Cable, Mast, Membrane, Part
-from .choices import Choices, Nodes, given, one_of
-from .faults import Unknown, nearest
-from .structure_schema import BROKEN, AxisModel, BarPart, PartModel
+from .choices import Choices, Nodes, at_key, given, one_of
+from .faults import Fault, Faults, Unknown, Wrong, nearest
+from .making import make
+from .structure_schema import AxisModel, BarPart, PartModel
+from .table import BROKEN, is_whole
 
 MATERIALS: dict[str, Any] = {
     "fabric": Fabric,
@@ -22,6 +26,13 @@ MATERIALS: dict[str, Any] = {
     "mooney-rivlin": MooneyRivlin,
 }
 KINDS: dict[str, Any] = {"membrane": Membrane, "cable": Cable, "mast": Mast}
+SOUND: dict[str, dict[str, float]] = {
+    "fabric": {"nu": 0.3},
+    "woven": {"Et_warp": 1.0, "Et_weft": 1.0, "nu": 0.3, "Gt": 1.0},
+    "neo-hooke": {},
+    "mooney-rivlin": {},
+}
+Trail = tuple[str | int, ...]
 PER_WIDTH = {  # numbers per width of the material, or others with a thickness
     "fabric": (("Et",), ("E", "thickness")),
     "neo-hooke": (("Gt",), ("E", "thickness")),
@@ -29,54 +40,99 @@ PER_WIDTH = {  # numbers per width of the material, or others with a thickness
 }
 
 
-def material_of(table: Any) -> Law:
+def material_of(faults: Faults, trail: Trail, table: Any) -> Law:
     """Make a material.
 
     Raises:
-        ValueError: Its numbers are not complete, or out of range.
+        ValueError: Its numbers are not complete, or do not fit together.
+        Unknown: Some of them have a fault.
     """
-    values = given(table, "kind")
-    maker = MATERIALS[table.kind]
-    if table.kind in PER_WIDTH:
-        per_width, others = PER_WIDTH[table.kind]
-        if _alternative(values, per_width, others):
-            maker = maker.from_moduli if table.kind == "mooney-rivlin" else maker.from_modulus
-    law: Law = maker(**values)
-    return law
+    values, maker = given(table, "kind"), MATERIALS[table.kind]
+    if table.kind not in PER_WIDTH:
+        return make(faults, trail, maker, values, SOUND[table.kind])
+    usual, others = PER_WIDTH[table.kind]
+    from_others = maker.from_moduli if table.kind == "mooney-rivlin" else maker.from_modulus
+    common = {key: value for key, value in values.items() if key not in (*usual, *others)}
+    makers = {usual: maker, others: from_others}
+    with faults.at(*trail):
+        keys = others if _alternative(values, usual, others) else usual
+        return make(faults, trail, makers[keys], values, SOUND[table.kind] | dict.fromkeys(keys, 1.0))
+    for keys, act in makers.items():  # each number alone
+        sound = {key: 0.3 if key == "nu" else 1.0 for key in (*keys, *SOUND[table.kind])}
+        for key, value in values.items():
+            if is_whole(value) and (key in keys or (key in common and keys is usual)):
+                with faults.at(*trail, key):
+                    act(**{**sound, key: value})
+    raise Unknown
 
 
-def bar_of(table: BarPart, cells: Nodes) -> Cable | Mast:
-    """Make cables or masts of some cells.
+def bar_of(faults: Faults, trail: Trail, table: BarPart, cells: Any) -> Cable | Mast:
+    """Make cables or masts of some cells, BROKEN for unknown ones.
 
     Raises:
-        ValueError: Their numbers are not complete, or out of range.
+        ValueError: Their numbers are not complete, or do not fit together.
+        Unknown: Some of them have a fault.
     """
-    values = given(table, *PLACES, "kind", "E", "area")
-    if _alternative(given(table), ("axial_stiffness",), ("E", "area")):
-        assert table.E is not None
-        assert table.area is not None
-        values["axial_stiffness"] = table.E * table.area
-    bar: Cable | Mast = KINDS[table.kind](cells, **values)  # type: ignore[attr-defined]  # of the derived tables
+    values = given(table, *PLACES, "kind", "E", "area") | {"cells": cells}
+    for key in ("E", "area"):
+        value = getattr(table, key)
+        if value is not None:
+            with faults.at(*trail, key):
+                if is_whole(value):
+                    validation.positive(key, value)
+    with faults.at(*trail):
+        if _alternative(given(table), ("axial_stiffness",), ("E", "area")):
+            E, area = table.E, table.area
+            known = is_whole((E, area)) and E is not None and area is not None and min(E, area) > 0
+            values["axial_stiffness"] = E * area if known else BROKEN  # type: ignore[operator]
+    sound = {"cells": cells if is_whole(cells) else [[0, 1]], "axial_stiffness": 1.0}
+    bar: Cable | Mast = make(faults, trail, KINDS[table.kind], _of_cells(values), sound, _names(table))  # type: ignore[attr-defined]
     return bar
 
 
-def part_of(table: Any, cells: Nodes, materials: Mapping[str, Any], points: Any) -> Part:
-    """Make a part of some cells.
+def part_of(faults: Faults, trail: Trail, table: Any, cells: Any, materials: Any, points: Any) -> Part:
+    """Make a part of some cells, BROKEN for unknown ones.
 
     Raises:
-        ValueError: It has no material, or its numbers are not complete or out of range.
-        Unknown: Its material has a fault.
+        ValueError: Its numbers do not fit together.
+        Unknown: It has a fault, or its material has one.
     """
     if table.kind != "membrane":
-        return bar_of(table, cells)
-    values = given(table, *PLACES, "kind", "material")
-    if table.material not in materials:
-        raise ValueError(f"its material {table.material!r} is not among materials{nearest(table.material, materials)}")
-    if materials[table.material] is BROKEN:
-        raise Unknown
+        return bar_of(faults, trail, table, cells)
+    values = given(table, *PLACES, "kind") | {"cells": cells}
+    if materials is BROKEN or table.material is BROKEN:
+        values["material"] = BROKEN
+    else:
+        if table.material not in materials:
+            near = nearest(table.material, materials)
+            faults.append(Fault((*trail, "material"), f"{table.material!r} is not among materials{near}"))
+        values["material"] = materials.get(table.material, BROKEN)
     if isinstance(table.warp, AxisModel):
-        values["warp"] = RadialDirection(**given(table.warp))(points[cells].mean(axis=1).T)
-    return Membrane(cells, materials[table.material], **values)
+        values["warp"] = BROKEN
+        with faults.at(*trail, "warp"):
+            if is_whole(table.warp):
+                axis = RadialDirection(**given(table.warp))
+                values["warp"] = axis(points[cells].mean(axis=1).T) if is_whole(cells) else (1.0, 0.0, 0.0)
+    sound = {"cells": cells if is_whole(cells) else [[0, 1, 2]], "material": Fabric(1.0, 0.3), "warp": (1.0, 0.0, 0.0)}
+    return make(faults, trail, Membrane, _of_cells(values), sound, _names(table))
+
+
+def _names(table: PartModel) -> dict[str, str]:
+    """Key by which a part chooses its cells."""
+    return {"cells": next((key for key in PLACES[:-1] if getattr(table, key) is not None), "")}
+
+
+def _of_cells(values: dict[str, Any]) -> dict[str, Any]:
+    """Leave out what may be one for each cell, where these are not known."""
+    if is_whole(values["cells"]):
+        return values
+    one = {"prestress": (float, int), "warp": (tuple, list)}
+    return {key: BROKEN if key in one and not _is_one(value) else value for key, value in values.items()}
+
+
+def _is_one(value: Any) -> bool:
+    """Tell if a value is of one cell for sure: a number, or three of a vector."""
+    return isinstance(value, float) or (isinstance(value, list | tuple) and np.shape(value) == (3,))
 
 
 PLACES = ("group", "cells", "lines", "edges_of", "where")
@@ -94,28 +150,35 @@ def cells_of(name: str, table: PartModel, cells: Mapping[str, Any], choices: Cho
 
     Raises:
         ValueError: They are not given in one way, or do not exist.
-        Unknown: They are edges of a part that has a fault.
+        Unknown: They are edges of a part that has a fault, or the geometry has one.
     """
-    one_of(table, "group", "cells", "lines", "edges_of")
+    key = one_of(table, "group", "cells", "lines", "edges_of")
+    if key == "edges_of":
+        choices.check_part(
+            None, table.edges_of, 2, "edges_of"
+        ) if table.edges_of not in cells or not choices.drawn else None
+    if not choices.drawn or not is_whole((getattr(table, key or "group"), table.where)):
+        raise Unknown
     points = choices.drawing.points
-    if table.cells is not None or table.lines is not None:
+    if key in ("cells", "lines"):
         rows = choices.by_hand(table, np.arange(len(points)))
-        if rows.min() < 0 or rows.max() >= len(points):
-            raise ValueError(f"cells are rows of nodes from 0 to {len(points) - 1}; correct them")
+        wrong = np.flatnonzero(((rows < 0) | (rows >= len(points))).any(axis=1))
+        if len(wrong):
+            row = (int(wrong[0]),) if key == "cells" else ()
+            raise Wrong(f"cells are rows of nodes from 0 to {len(points) - 1}; correct them", key, *row)
         return rows
-    if table.edges_of is None:
-        return choices.of_groups(table.group or name, split)
-    if table.edges_of not in cells:
-        near = nearest(table.edges_of, cells)
-        raise ValueError(f"edges_of names {table.edges_of!r}, which is no membrane with cells{near}")
-    triangles = cells[table.edges_of]
+    if key != "edges_of":
+        with at_key("group") if key else nullcontext():
+            return choices.of_groups(table.group or name, split)
+    triangles = cells[str(table.edges_of)]
     if triangles is BROKEN:
         raise Unknown
     if np.shape(triangles)[1] != 3:
-        raise ValueError(f"edges_of names {table.edges_of!r}, which is no membrane; name one")
+        raise Wrong(f"part {table.edges_of!r} is no membrane; name one", "edges_of")
     if table.where is None:
         return boundary_edges(triangles)
-    return edges_where(points, triangles, lambda x: choices.inside(table.where, x.T))
+    with at_key("where"):
+        return edges_where(points, triangles, lambda x: choices.inside(table.where, x.T))
 
 
 def _alternative(values: Mapping[str, Any], usual: tuple[str, ...], others: tuple[str, ...]) -> bool:

@@ -23,13 +23,13 @@ from ...solvers.progress import Pulse
 from ..archive import load_results, save_results
 from ..mesh_writer import write_mesh
 from ..paraview import ParaViewSeries
-from ..run_results import RESULTS
+from ..run_results import CHECKPOINT, RESULTS
 from ..tables import write_tables
 from ..whole_file import writing
 from .case import Case
 from .pictures import check_drawing, drawings, safe_name
 
-CHECKPOINT, FORM, FORM_KEY = "checkpoint.sqlite", "form.fxm", "form.sha256"
+FORM, FORM_KEY = "form.fxm", "form.sha256"
 
 
 def folder_of(case: Case) -> Path:
@@ -44,8 +44,8 @@ def run_case(case: Case, *, resume: bool = False, overwrite: bool = False, progr
 
     Args:
         case: The case.
-        resume: Go on from the checkpoint of an earlier run.
-        overwrite: Replace the results of an earlier run.
+        resume: Go on from the checkpoint of an earlier run; begin if there is none.
+        overwrite: Delete the checkpoint and the results of an earlier run, and begin anew.
         progress: Report the progress on stderr.
 
     Raises:
@@ -90,9 +90,10 @@ def _prepare(folder: Path, resume: bool, overwrite: bool) -> None:
     paths.check_writable("folder", folder / CHECKPOINT)
     there = [name for name in (CHECKPOINT, RESULTS, FORM) if (folder / name).exists()]
     if there and not (resume or overwrite):
+        run = "the results of an earlier run" if RESULTS in there else "an earlier run that has not ended"
         raise ValueError(
-            f"{folder} has results of an earlier run ({', '.join(there)}); give --resume to go on with them, or "
-            "--overwrite."
+            f"{folder} has {run} ({', '.join(there)}); give --resume to go on with it, or --overwrite to delete it and "
+            "begin anew."
         )
     if overwrite and not resume:
         for name in (CHECKPOINT, CHECKPOINT + "-journal", RESULTS, FORM, FORM_KEY):

@@ -7,7 +7,8 @@ from pydantic import Field
 from .fields import Force, ForcePerLength, Length, Number, Time, Truth
 from .form_schema import Steps
 from .load_schema import Displacement, Load
-from .structure_schema import Geometry, Kept, Material, Model, Part, SupportModel, UnitNames
+from .structure_schema import Geometry, Material, Part, SupportModel, UnitNames
+from .table import Kept, Model
 
 PictureName = Literal["displacement", "principal stress I", "principal stress II", "axial force", "state"]
 
@@ -49,8 +50,8 @@ class LimitsModel(Model):
     """Limits of the checks: largest displacement; by part, strength over safety, stress of membranes, force of bars."""
 
     displacement: Length | None = None
-    stress: dict[str, ForcePerLength] = {}
-    force: dict[str, Force] = {}
+    stress: dict[str, Annotated[ForcePerLength, Kept]] = {}
+    force: dict[str, Annotated[Force, Kept]] = {}
 
 
 class WorkModel(Model):

@@ -2,18 +2,7 @@
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import (
-    BaseModel,
-    ConfigDict,
-    Discriminator,
-    Field,
-    Tag,
-    ValidationError,
-    ValidationInfo,
-    ValidatorFunctionWrapHandler,
-    WrapValidator,
-    model_validator,
-)
+from pydantic import Discriminator, Field, Tag, model_validator
 
 from .fields import (
     Area,
@@ -36,35 +25,7 @@ from .fields import (
     Stress,
     Truth,
 )
-
-
-class Broken:
-    """Stands for a table that has faults of its own, so that the others can be checked."""
-
-
-BROKEN: Any = Broken()
-
-
-def _kept(value: Any, handler: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
-    try:
-        return handler(value)
-    except ValidationError as error:
-        if not (info.context and info.context.get("lenient")):
-            raise
-        faulty = {key for entry in error.errors(include_url=False) for key in entry["loc"][:2]}
-    try:
-        return handler({key: entry for key, entry in value.items() if key not in faulty})
-    except (ValidationError, AttributeError):
-        return BROKEN
-
-
-Kept = WrapValidator(_kept)  # with context["lenient"] a table goes on without its faulty keys, or becomes BROKEN
-
-
-class Model(BaseModel):
-    """A table of a case file: keys that it does not know are refused."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
+from .table import Kept, Model
 
 
 class UnitNames(Model):

@@ -11,6 +11,32 @@ from typing import Any
 
 NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
 UNIT = re.compile(r"[A-Za-zµ23*/^()·²³ ]{1,40}")
+KNOWN = (
+    *(
+        "N",
+        "daN",
+        "kN",
+        "MN",
+        "GN",
+        "kp",
+        "lbf",
+        "kip",
+        "m",
+        "cm",
+        "mm",
+        "km",
+        "in",
+        "ft",
+        "s",
+        "min",
+        "h",
+        "g",
+        "kg",
+        "t",
+    ),
+    *("Pa", "hPa", "kPa", "MPa", "GPa", "bar", "psi", "ksi", "psf", "plf"),
+)
+EXAMPLE = "give one as 'kN/m2'"
 EXAMPLES = {
     "F": "12 kN",
     "L": "3.5 m",
@@ -71,7 +97,9 @@ class Units:
             raise ValueError("it has no unit; give the number alone")
         unit, target = _unit(name), self._unit_of(dimension)
         if not unit.is_compatible_with(target):
-            raise ValueError(f"{name!r} is no unit of this quantity; give one as {example!r}")
+            raise ValueError(
+                f"{name!r} is no unit of this quantity; {_spelled(name, target) or f'give one as {example!r}'}"
+            )
         return _finite(float(_registry().Quantity(number, unit).to(target).magnitude))
 
     def _unit_of(self, dimension: str) -> Any:
@@ -108,7 +136,20 @@ def _unit(name: str) -> Any:
     try:
         return _registry().parse_units(name)
     except Exception:  # pint's errors, and those of its tokenizer, which are others in each version
-        raise ValueError(f"{name!r} is no known unit; give one as 'kN/m2'") from None
+        raise ValueError(f"{name!r} is no known unit; {_spelled(name) or EXAMPLE}") from None
+
+
+def _spelled(name: str, target: Any = None) -> str:
+    """Clause that spells a unit rightly where its capital letters are wrong; empty if it is no unit then, either."""
+    words = {unit.lower(): unit for unit in KNOWN}
+    found = re.sub(r"[A-Za-zµ]+", lambda word: words.get(word[0].lower(), word[0]), name)
+    if found == name:
+        return ""
+    try:
+        unit = _registry().parse_units(found)
+    except Exception:
+        return ""
+    return f"{found!r} may be meant" if target is None or unit.is_compatible_with(target) else ""
 
 
 def _finite(number: float) -> float:

@@ -168,3 +168,11 @@ def test_module_of_the_command_runs_it(tmp_path):
     ended = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
     assert ended.returncode == 2
     assert "none.toml" in ended.stderr
+
+
+def test_files_to_begin_with_are_written_once_by_several_processes(tmp_path):
+    code, words, _ = run(tmp_path, "init", "a.toml", processes=2)
+    assert (code, words.count("Wrote a.toml")) == (0, 1)
+    assert "a.toml exists" in run(tmp_path, "init", "a.toml", processes=2)[2]
+    code, words, _ = run(tmp_path, "demo", "tilted_masts", processes=2)
+    assert (code, words.count("Wrote tilted_masts.toml, tilted_masts.obj")) == (0, 1)

@@ -37,7 +37,8 @@ def test_faults_of_schema_units_names_and_model_come_together(tmp_path):
         ('components = "z"', 'components = "q"'),
     )
     assert [key for _, key, _ in found] == [
-        "supports.0", "supports.2", "solver", "stages.1.increments", "stages.1.loads.0", "stages.1.loads.1.pressure",
+        "supports.0.components", "supports.2.nodes.1", "solver.rtol", "stages.1.increments", "stages.1.loads.0.part",
+        "stages.1.loads.1.pressure",
     ]  # fmt: skip
     assert [line for line, *_ in found] == sorted(line for line, *_ in found)
 
@@ -45,13 +46,13 @@ def test_faults_of_schema_units_names_and_model_come_together(tmp_path):
 def test_what_depends_on_a_fault_is_not_told(tmp_path):
     """A part of a faulty material, the loads on it, its edges and its rim are not called unknown."""
     found = faults(tmp_path, ("nu = 0.3", "nu = 3"))
-    assert [key for _, key, _ in found] == ["materials.pvc"]
+    assert [key for _, key, _ in found] == ["materials.pvc.nu"]
     found = faults(tmp_path, ('Et = "500 kN/m"', 'Et = "500 kN"'))
     assert [key for _, key, _ in found] == ["materials.pvc.Et"]
     found = faults(tmp_path, ('group = "grid"', 'group = "grit"'))
-    assert [key for _, key, _ in found] == ["parts.roof"]
+    assert [key for _, key, _ in found] == ["parts.roof.group"]
     found = faults(tmp_path, ("columns = 4", "columns = 0"))
-    assert [key for _, key, _ in found] == ["geometry"]
+    assert [key for _, key, _ in found] == ["geometry.columns"]
     found = faults(tmp_path, ('kind = "cable"', 'kind = "cabel"'))
     assert [key for _, key, _ in found] == ['parts."edge, left".kind']
 
@@ -65,7 +66,13 @@ def test_names_are_checked_without_a_geometry(tmp_path):
         ('part = "roof"\n  pressure', 'part = "rof"\n  pressure'),
         ("rtol = 1e-11", "rtol = -1"),
     )
-    assert [key for _, key, _ in found] == ["geometry", "parts.roof", "solver", "stages.1", "stages.1.loads.1"]
+    assert [key for _, key, _ in found] == [
+        "geometry.columns",
+        "parts.roof.material",
+        "solver.rtol",
+        "stages.1.after",
+        "stages.1.loads.1.part",
+    ]
 
 
 def test_lines_that_are_no_toml_are_told_with_the_faults_of_the_others(tmp_path):

@@ -199,3 +199,19 @@ def test_limits_of_a_case_are_in_the_table_in_its_archive_and_in_the_report(roof
     code, words = said("check", "roof.toml")
     assert code == 2
     assert "limits.stress.rof: there is no part 'rof'; 'roof' may be meant" in words
+
+
+def test_run_that_was_killed_early_is_told_with_its_remedies(roof):
+    assert said("run", "roof.toml", "--quiet")[0] == 0
+    code, words = said("run", "roof.toml")
+    assert code == 2
+    assert "has the results of an earlier run" in words
+    (roof / "out" / "results.fxm").unlink()  # as after a kill in the first stage
+    for command in (["run", "roof.toml"], ["show", "out"], ["report", "out", "a.html"]):
+        code, words = said(*command)
+        assert code == 2
+        assert "has not ended" in words
+        assert "--resume" in words
+        assert "--overwrite" in words
+    assert said("run", "roof.toml", "--resume", "--quiet")[0] == 0
+    assert (roof / "out" / "results.fxm").exists()

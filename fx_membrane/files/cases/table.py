@@ -1,0 +1,95 @@
+"""Tables of case files: keys that are not known are refused, and those with a fault leave the others to be checked."""
+
+from functools import cache
+from typing import Annotated, Any, Self
+
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    ModelWrapValidatorHandler,
+    TypeAdapter,
+    ValidationError,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+    model_validator,
+)
+
+
+class Broken:
+    """Stands for a table, or for the value of a key, that has a fault of its own, so that the others can be checked."""
+
+    def __repr__(self) -> str:
+        return "BROKEN"
+
+
+BROKEN: Any = Broken()
+
+
+def _lenient(info: ValidationInfo) -> bool:
+    return bool(info.context and info.context.get("lenient"))
+
+
+def _kept(value: Any, handler: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
+    if value is BROKEN:
+        return BROKEN
+    try:
+        return handler(value)
+    except ValidationError:
+        if not _lenient(info):
+            raise
+        return BROKEN
+
+
+Kept = WrapValidator(_kept)  # with context["lenient"] a table with a fault becomes BROKEN
+
+
+class Model(BaseModel):
+    """A table of a case file: keys that it does not know are refused.
+
+    With context["lenient"] these are left out, and values with a fault are BROKEN, as those of missing keys.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _without_faults(cls, data: Any, handler: ModelWrapValidatorHandler[Self], info: ValidationInfo) -> Self:
+        try:
+            return handler(data)
+        except ValidationError:
+            if not _lenient(info) or not isinstance(data, dict):
+                raise
+        asked = [name for name, field in cls.model_fields.items() if name in data or field.is_required()]
+        return cls.model_construct(**{name: cls._value(name, data.get(name, BROKEN), info.context) for name in asked})
+
+    @classmethod
+    def _value(cls, name: str, value: Any, context: Any) -> Any:
+        if value is BROKEN:
+            return BROKEN
+        try:
+            return _adapter(cls, name).validate_python(value, context=context)
+        except ValidationError:
+            return BROKEN
+
+
+@cache
+def _adapter(model: type[Model], name: str) -> TypeAdapter[Any]:
+    """Make the validator of the value of one key."""
+    field = model.model_fields[name]
+    kind: Any = field.annotation
+    if field.discriminator:
+        kind = Annotated[kind, Field(discriminator=field.discriminator)]
+    for entry in field.metadata:
+        kind = Annotated[kind, entry]
+    return TypeAdapter(kind)
+
+
+def is_whole(value: Any) -> bool:
+    """Tell if nothing of a value, table or list is BROKEN."""
+    if isinstance(value, Model):
+        return all(is_whole(getattr(value, name)) for name in value.model_fields_set)
+    if isinstance(value, dict):
+        return all(map(is_whole, value.values()))
+    return all(map(is_whole, value)) if isinstance(value, list | tuple) else value is not BROKEN
