@@ -10,8 +10,8 @@ from ... import RadialDirection
 from ...checks import validation
 from ...model.structure import Structure
 from ...model.supports import Support
-from .choices import CHOICES, NUMBERED, Choices, Nodes, Outline, at_key, given, one_of, sound
-from .faults import Fault, Faults, Unknown
+from .choices import CHOICES, NUMBERED, Choices, Nodes, Outline, given, one_of, sound
+from .faults import Fault, Faults, Unknown, at_key
 from .form_schema import ForceDensity, MastsAndStays, MethodModel, NewMesh
 from .forms import (
     Step,
@@ -141,7 +141,7 @@ class FormSteps:
                     one_of(entry, "cells", "lines", needed=True)
                     if outline.renumbered:
                         raise ValueError(NUMBERED)
-                    if known and table.points is not BROKEN:
+                    if table.points is not BROKEN:
                         cells = self._choices.by_hand(entry, self._choices.rows, names)
                 bars[name] = bar_of(self.faults, (*trail, "bars", name), entry, cells)
         if not known or table.points is BROKEN:

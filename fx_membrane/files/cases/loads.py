@@ -8,7 +8,7 @@ from ... import CableDensity, CableForce, CableLength, CableSag, EdgeAngle, Rigi
 from ...model.loads import DistributedLoad, OwnLoad, PlanLoad, PointLoad, Pressure, check_load
 from ...model.stages import PrescribedDisplacement
 from ...model.supports import Support
-from .choices import CHOICES, Choices, Outline, given, sound
+from .choices import CHOICES, Choices, Outline, given, one_of, sound
 from .faults import Faults
 from .load_schema import DisplacementModel, PointLoadModel
 from .making import make
@@ -102,6 +102,11 @@ def constraint_of(faults: Faults, trail: Trail, choices: Choices, outline: Outli
         Unknown: It has a fault, or its place has one.
     """
     if table.kind in OF_NODES:
+        if table.kind == "slide":
+            with faults.at(*trail):
+                one_of(table, "direction", "normal", needed=True)
+            if None not in (table.direction, table.normal) or table.direction is table.normal is None:
+                table = table.model_copy(update={"direction": BROKEN})
         key = "normal" if getattr(table, "normal", None) is not None else "direction"
         sound = {key: (0.0, 0.0, 1.0)} if table.kind == "slide" else {}
         return _on_nodes(faults, trail, choices, outline, table, OF_NODES[table.kind], sound)
