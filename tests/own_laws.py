@@ -6,6 +6,7 @@ from typing import Any
 import ufl
 
 from fx_membrane import Law, Membrane
+from fx_membrane.forms import wrinkling
 from models import TRIANGLES
 
 
@@ -32,3 +33,27 @@ def law(**members):
 
 def membrane(material, **data):
     return Membrane(TRIANGLES, material, **data)
+
+
+@dataclass(frozen=True)
+class Stiffening:
+    """Force EA E + k E^3, as of a rope."""
+
+    EA: float
+    k: float
+
+    def energy(self, E, sigma0, parameters):
+        e = E[0, 0]
+        return sigma0[0, 0] * e + parameters.EA * e**2 / 2 + parameters.k * e**4 / 4
+
+    @property
+    def stiffness(self):
+        return self.EA
+
+
+def foil(E, sigma0, parameters):
+    return ufl.inner(sigma0, E) + parameters.D * ufl.inner(E, E)
+
+
+def own_state(E, sigma0, parameters, state):
+    return wrinkling.Relaxed(wrinkling.isotropic(E, sigma0, 1.5 * parameters.D, 0.5).energy, state)

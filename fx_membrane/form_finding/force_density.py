@@ -15,6 +15,7 @@ from .balance.constrained_balance import continued
 from .constraints.kinds import Constraint, NodeConstraint
 from .form import Form
 from .net_balance import constrained_net
+from .reasons.few_supports import ALL_HELD, check_spread
 from .updated_reference import UnsettledFormWarning
 
 FAR = 1e3  # distance, in sizes of the fixed nodes, that counts as no shape
@@ -97,10 +98,13 @@ def force_density(
     constraints = validation.instances("constraints", constraints, Constraint)
     tolerance = validation.positive("tolerance", tolerance)
     max_iterations = validation.positive_integer("max_iterations", max_iterations)
+    if not constraints and densities.min(initial=1.0) > 0 and not force.any():
+        check_spread(points, held, [], [branches])
     if not constraints:
         shape, reactions = _balanced(points, branches, densities, held, force)
         lengths = np.linalg.norm(np.diff(shape[branches], axis=1)[:, 0], axis=1)
-        return Form(shape, {"net": densities * lengths}, reactions, supports=tuple(fixed))
+        remarks = ALL_HELD if held[branches].all() else ()
+        return Form(shape, {"net": densities * lengths}, reactions, supports=tuple(fixed), remarks=remarks)
     guided = held.copy()
     for constraint in constraints:
         if isinstance(constraint, NodeConstraint):

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from ..checks import validation
 from ..checks.values import counted
 from ..model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
-from ..model.parts import Membrane
 from ..model.structure import Structure
 from ..runtime.processes import together
 from ..solvers.progress import Pulse
@@ -77,9 +76,10 @@ def natural_force_density(
             shrinks to nothing, or the warp becomes normal to it.
 
     Warns:
-        UnsettledFormWarning: The stress is off by more than 10 %, or 50 % under loads other than pressure; it says
-            where, and names edge cables too weak or a ring too far. `Form.differences` has all. Or an iteration after
-            the first would collapse; the form is that of the one before it whose stress is nearest to the prestress.
+        UnsettledFormWarning: The stress is off by more than the tolerance; it says where. Above 10 %, or 50 % under
+            loads other than pressure, it names edge cables too weak or a ring too far. `Form.differences` has all. Or
+            an iteration after the first would collapse; the form is that of the one before it whose stress is nearest
+            to the prestress.
 
     Source:
         R. M. O. Pauletti, P. M. Pimenta, The natural force density method for the shape finding of taut structures,
@@ -101,7 +101,7 @@ def natural_force_density(
         iterations = validation.positive_integer("iterations", iterations)
         tolerance = validation.positive("tolerance", tolerance)
         check_bars(structure)
-        membranes = {name: part for name, part in structure.parts.items() if isinstance(part, Membrane)}
+        membranes = {name: part for name, part in structure.parts.items() if part.dimension == 2}
         for name, part in membranes.items():
             check_tension(name, part, structure.points, part.prestress_tensors())
     settings = {"loads": loads, "iterations": iterations, "tolerance": tolerance, "constraints": constraints}
@@ -125,8 +125,9 @@ def natural_force_density(
             "The form is in equilibrium with the stress it is handed over with, but it depends on the mesh. "
             f"{causes(lone)}"
         )
-    if collapse or form.steps[-1].stress_error > largest_stray(loads):
-        reason = "" if collapse else established(structure, structure.points, asked)
+    if not form.converged:
+        far = not collapse and form.steps[-1].stress_error > largest_stray(loads)
+        reason = established(structure, structure.points, asked) if far else ""
         warnings.warn(collapse or f"{_off(form)} {reason}".strip(), UnsettledFormWarning, stacklevel=2)
     return form
 

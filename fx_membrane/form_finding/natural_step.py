@@ -7,14 +7,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.measures import measures
-from ..model.parts import Membrane, Part
+from ..model.parts import Part
 from ..model.structure import Structure
 from ..solvers.progress import Pulse
 from .balance.constrained_balance import ConstrainedBalance, continued
 from .balance.membrane_balance import collapse_of, stressed
 from .cell_reference import reference_of, warp_at
-from .constraints.hand_over import handed_over, pulled_mast
+from .constraints.hand_over import failed_mast, handed_over
 from .form import Form, FormStep
+from .reasons.as_asked import Asked, as_asked
+from .reasons.no_form import established
 from .shape_change import STOPPED, change_of_shape, check_collapse
 
 Array = NDArray[np.float64]
@@ -42,19 +44,30 @@ def natural_steps(
     while len(steps) < most and not (steps and is_met(steps[-1])):
         number = len(steps) + 1
         pulse(f"step {number}")
-        found = natural_step(balance, balance.structure.points if form is None else form.points, densities, number)
+        try:
+            found = natural_step(balance, balance.structure.points if form is None else form.points, densities, number)
+        except RuntimeError as grown:
+            raise RuntimeError(f"{grown} {_reason(balance)}".strip()) from grown
         if isinstance(found, str):
             if nearest is None or form is None:
                 raise RuntimeError(f"Form finding has no form after its first step: {found}")
-            told = found if found.startswith(STOPPED) else f"Step {number} found none: {found}"
+            told = (
+                found if found.startswith(STOPPED) else f"Step {number} found none: {found} {_reason(balance)}".strip()
+            )
             return nearest, " ".join([abandoned(len(nearest.steps), told), *form.remarks])
         (form, densities), steps = found, (*steps, *found[0].steps)
         form = replace(form, steps=steps)
         if nearest is None or steps[-1].stress_error < nearest.steps[-1].stress_error:
             nearest = form
     assert form is not None
-    trouble = balance.motions.turned(form.points) or pulled_mast(balance.structure, balance.motions, form)
+    trouble = balance.motions.turned(form.points) or failed_mast(balance.structure, balance.motions, form)
     return form, f"The form is in equilibrium, but {continued(trouble)}" if trouble else ""
+
+
+def _reason(balance: ConstrainedBalance) -> str:
+    """Sentences on what rules tell of the first shape; empty without."""
+    structure = balance.structure
+    return established(structure, structure.points, as_asked(structure, balance))
 
 
 def abandoned(kept: int, collapse: str) -> str:
@@ -80,14 +93,14 @@ def natural_step(
         The form and its force densities, or the sentence.
     """
     structure = balance.structure
-    membranes = {name: part for name, part in structure.parts.items() if isinstance(part, Membrane)}
+    membranes = {name: part for name, part in structure.parts.items() if part.dimension == 2}
     plans = {
         name: reference_of(part.cells, reference, warp_at(name, part, reference), part.prestress_tensors())
         for name, part in membranes.items()
     }
     given = balance.targets.by_force(reference)
     start = balance.targets.mixed(given, before) if before else balance.start(plans)
-    found = balance.settled(reference, plans, start, number)
+    found = balance.settled(reference, plans, start, number, bool(balance.targets.given))
     if isinstance(found, str):
         return found
     points = found.points
@@ -105,7 +118,7 @@ def natural_step(
     return replace(form, wish=wish_of(asked), remarks=(*form.remarks, *([off] if off else []))), found.densities
 
 
-def collapse_of_step(structure: Structure, points: Array, number: int, asked: Structure | None = None) -> str:
+def collapse_of_step(structure: Structure, points: Array, number: int, asked: Asked | None = None) -> str:
     """Tell of the collapse of a shape in words; empty without one. See `check_collapse`."""
     try:
         check_collapse(structure, points, number, asked)
@@ -117,7 +130,7 @@ def collapse_of_step(structure: Structure, points: Array, number: int, asked: St
 def wish_of(parts: Mapping[str, Part]) -> dict[str, Array]:
     """Prestress of parts as the wish of a form: tensors of membranes, shape (cells, 2, 2), and forces, (cells,)."""
     return {
-        name: part.prestress_tensors() if isinstance(part, Membrane) else part.prestress_tensors().ravel()
+        name: part.prestress_tensors() if part.dimension == 2 else part.prestress_tensors().ravel()
         for name, part in parts.items()
     }
 

@@ -12,7 +12,7 @@ prescribed. Elsewhere the nodes move in plan, and the stress in plan changes wit
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from mpi4py import MPI
@@ -28,9 +28,10 @@ from ..runtime.processes import together
 from ..solvers.progress import Pulse
 from .balance.cable_forces import MEASURES, check_bars, difference
 from .balance.constrained_balance import ConstrainedBalance, continued, shortfall
+from .balance.edge_balance import with_balanced_forces
 from .balance.membrane_balance import collapse_of, stressed
 from .constraints.cable_targets import MET
-from .constraints.hand_over import handed_over, pulled_mast
+from .constraints.hand_over import failed_mast, handed_over
 from .constraints.kinds import Constraint
 from .form import Form, FormStep, refuse_terms
 from .form_loads import checked_form_loads
@@ -41,6 +42,8 @@ from .shape_change import change_of_shape
 from .updated_reference import STRAY, UnsettledFormWarning
 
 Array = NDArray[np.float64]
+
+BALANCED = "balanced force"  # a horizontal force that varies along a cable
 
 
 def projected_stress(
@@ -73,8 +76,10 @@ def projected_stress(
         stress: By membrane, its stress in plan as a function of place instead of its prestress: called with the
             centres of the cells in space, shape (3, cells) [m]. It returns numbers, shape (cells,), pairs along warp
             and weft, (cells, 2), or tensors in that frame, (cells, 2, 2) [N/m]. About an axis, let warp be radial.
-        cables: Meaning of the prestress of cables: "horizontal force", in projection on the plan [N]; "force" [N]; or
-            "force density", ratio of force to length [N/m].
+        cables: Meaning of the prestress of cables: "horizontal force", in projection on the plan [N]; "balanced force",
+            the mean of a horizontal force that varies along each line as the stress pulls along it; "force" [N]; or
+            "force density", ratio of force to length [N/m]. Unequal stress at a curved edge asks for a balanced force:
+            the force T of radius R balances T / R across the edge and dT/ds along it.
         direction: Normal of the plan, shape (3,), any length.
         tolerance: Accepted relative difference of cable forces from the prescribed ones [-].
         max_iterations: Maximum number of steps towards the cable forces; 1 is a single linear solve.
@@ -85,10 +90,11 @@ def projected_stress(
         the prescribed one, and the plan has no fold.
 
     Raises:
-        ValueError: The stress of a membrane is not positive, or that of a cable compressive; a cell has no area in
-            plan, or the plan folds over itself; a warp vanishes in plan; a cable has no length in plan; a part is tied
-            to no held node in some component; stresses differ too much for the number of digits; the loads do not fit
-            the structure; it has energy terms; a constraint does not fit it, or contradicts its supports.
+        ValueError: The stress of a membrane is not positive, or that of a cable compressive; the balanced force of a
+            cable is no tension somewhere; a cell has no area in plan, or the plan folds over itself; a warp vanishes in
+            plan; a cable has no length in plan; a part is tied to no held node in some component; stresses differ too
+            much for the number of digits; the loads do not fit the structure; it has energy terms; a constraint does
+            not fit it, or contradicts its supports.
         RuntimeError: The loads grow with the form faster than the stress can carry; in the first step a cell shrinks to
             nothing, or a cable of given horizontal force becomes upright.
 
@@ -126,7 +132,7 @@ def projected_stress(
         refuse_terms(structure)
         loads = checked_form_loads(structure, loads)
         fields = _checked_fields(structure, stress)
-        validation.choice("cables", cables, MEASURES, f"one of {list(MEASURES)}")
+        validation.choice("cables", cables, (*MEASURES, BALANCED), f"one of {[*MEASURES, BALANCED]}")
         axes = _axes(validation.direction("direction", direction))
         tolerance = validation.positive("tolerance", tolerance)
         max_iterations = validation.positive_integer("max_iterations", max_iterations)
@@ -140,14 +146,46 @@ def projected_stress(
         "constraints": constraints,
     }
     refuse_different_input(structure, settings, {"stress": fields})
-    balance = ConstrainedBalance(
-        structure, loads, constraints, axes, cables, lambda shape, _: collapse_of(structure, shape)
-    )
-
     membranes = structure.parts_of(Membrane)
     plans = {name: plan_of(name, part, structure.points, axes, fields.get(name)) for name, part in membranes.items()}
+    asked, measure = _measured(structure, plans, axes, cables)
+    balance = ConstrainedBalance(
+        asked, loads, constraints, axes, measure, lambda shape, _: collapse_of(structure, shape)
+    )
+    found = _settled(balance, plans, axes, tolerance, max_iterations)
+    problem = found.problem or _motion(plans, found.points, axes)
+    problem = reasons_in_plan(
+        structure, plans, axes, found.first, balance.targets.by_density(structure.points), problem, bool(constraints)
+    )
+    made = stressed(structure, found.points, plans, found.densities)
+    form = handed_over(structure, balance.motions, found.points, made, found.reactions, found.steps, True)
+    problem = failed_mast(structure, balance.motions, form) or problem or balance.motions.turned(found.points)
+    if problem:
+        warnings.warn(
+            f"The form is in equilibrium with the stress it is handed over with, but {continued(problem)}",
+            UnsettledFormWarning,
+            stacklevel=2,
+        )
+    return replace(form, converged=not problem)
+
+
+class _Settled(NamedTuple):
+    """Shape after the steps towards the forces of cables: points, reactions, force densities, the first of these."""
+
+    points: Array
+    reactions: Array
+    densities: dict[str, Array]
+    first: dict[str, Array]
+    steps: tuple[FormStep, ...]
+    problem: str
+
+
+def _settled(
+    balance: ConstrainedBalance, plans: Mapping[str, Plan], axes: Array, tolerance: float, max_iterations: int
+) -> _Settled:
+    """Take steps until the forces of cables are those asked for, or tell in words why they end."""
     pulse = Pulse("form finding", MPI.COMM_WORLD.rank == 0)
-    points, reactions, error, stray, steps = structure.points, np.zeros(0), np.inf, np.inf, list[FormStep]()
+    points, reactions, error, stray, steps = balance.structure.points, np.zeros(0), np.inf, np.inf, list[FormStep]()
     first = balance.start(plans)
     densities, following, kept = dict[str, Array](), first, None
     collapse, accelerated, miss, fold = "", balance.acceleration(), np.inf, ""
@@ -165,7 +203,7 @@ def projected_stress(
         following = accelerated(densities, found.wanted)
         stray = max([_stray(plan, points @ axes[:, :2]).max() for plan in plans.values()], default=0.0)
         area = float(sum(measures(points, plan.cells).sum() for plan in plans.values()))
-        change = change_of_shape(structure, before, points - before)
+        change = change_of_shape(balance.structure, before, points - before)
         steps.append(FormStep(float(area), float(change), float(max(error, stray))))
         fold = _fold(plans, points, axes)
         kept = (points, reactions, densities, len(steps)) if not fold else kept
@@ -174,18 +212,8 @@ def projected_stress(
     if fold and kept is not None:
         points, reactions, densities, count = kept
         fold, steps = f"it is that of step {count}, and in later ones {fold}", steps[:count]
-    problem = collapse or fold or shortfall(error, tolerance, len(steps), miss, words) or _motion(plans, points, axes)
-    problem = reasons_in_plan(structure, plans, axes, first, problem, bool(constraints))
-    made = stressed(structure, points, plans, densities)
-    form = handed_over(structure, balance.motions, points, made, reactions, tuple(steps), True)
-    problem = problem or balance.motions.turned(points) or pulled_mast(structure, balance.motions, form)
-    if problem:
-        warnings.warn(
-            f"The form is in equilibrium with the stress it is handed over with, but {continued(problem)}",
-            UnsettledFormWarning,
-            stacklevel=2,
-        )
-    return replace(form, converged=not problem)
+    problem = collapse or fold or shortfall(error, tolerance, len(steps), miss, words)
+    return _Settled(points, reactions, densities, first, tuple(steps), problem)
 
 
 def _axes(normal: Array) -> Array:
@@ -194,6 +222,13 @@ def _axes(normal: Array) -> Array:
     first = first - (first @ normal) * normal
     first /= np.linalg.norm(first)
     return np.stack([first, np.cross(normal, first), normal], axis=1)
+
+
+def _measured(structure: Structure, plans: Mapping[str, Plan], axes: Array, cables: str) -> tuple[Structure, str]:
+    """Structure with the force of each cell of its cables, and their meaning, one of `MEASURES`."""
+    if cables != BALANCED:
+        return structure, cables
+    return with_balanced_forces(structure, plans, axes), "horizontal force"
 
 
 def _checked_fields(structure: Structure, stress: Any) -> dict[str, Field]:

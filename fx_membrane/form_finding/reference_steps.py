@@ -26,8 +26,11 @@ from ..solvers.newton import Newton
 from ..solvers.progress import Pulse
 from .balance.membrane_balance import nodal_loads
 from .form import Form, FormStep
-from .masts.mast_balance import Step, balance_masts
+from .masts.bar_balance import fallen_mast
+from .masts.mast_balance import Balance, Step, balance_masts
 from .natural_step import abandoned, wish_of
+from .reasons.few_supports import all_held
+from .reasons.no_form import established
 from .shape_change import change_of_shape, check_collapse, collapse
 
 SAME = 1e-12  # relative change of the loads that counts as none
@@ -58,7 +61,7 @@ def steps_of_reference(
         RuntimeError: There is no form after the first step.
     """
     points, converged, searched, collapse_told = structure.points, False, False, ""
-    shape, nearest = None, None
+    shape, nearest, fallen = None, None, None
     steps: tuple[FormStep, ...] = ()
 
     def monitor(number: int, entry: Iteration) -> None:
@@ -98,10 +101,35 @@ def steps_of_reference(
         if nearest is None or entry.stress_error < nearest.steps[-1].stress_error:
             nearest = shape
         converged = is_settled(entry)
+        if converged and (words := fallen_mast(structure, points)):
+            fallen = (shape, f"The form is in equilibrium with the forces prescribed, but {words}")
+            found = None if searched else _standing(structure, stage, stepper, fits, pulse, comm, limit)
+            if found is None:
+                break
+            searched, points, steps, converged = True, found.points, (), False
+            step, limit = stepper(found.structure), found.steps
+    if fallen is not None and (not converged or shape is fallen[0]):
+        shape, collapse_told, converged = *fallen, False
     assert shape is not None
     made = replace(structure, points=shape.points, parts=shape.parts)
     form = Form(shape.points, shape.forces, shape.reactions, shape.steps, converged, made, wish_of(structure.parts))
-    return form, collapse_told
+    return replace(form, remarks=all_held(structure)), collapse_told
+
+
+def _standing(
+    structure: Structure,
+    stage: Stage,
+    stepper: Callable[[Structure], Step],
+    fits: Callable[[NDArray[np.float64], StageResult], bool],
+    pulse: Pulse,
+    comm: MPI.Intracomm,
+    limit: int,
+) -> Balance | None:
+    """Find a shape near the first one in which free masts stand, where the steps let them fall; None without one."""
+    try:
+        return balance_masts(structure, stage, stepper, fits, pulse, comm, limit, "")
+    except RuntimeError:
+        return None
 
 
 def _step(
@@ -152,9 +180,10 @@ def _equilibrium(
                 return None
             break
         shape, before = reference + problem.to_numpy(x), actions.loads
+    reason = established(problem.structure, problem.structure.points)
     raise RuntimeError(
         "Form finding found no shape for the distributed loads: they grow with the form faster than the "
-        "prestress can hold. Give a larger prestress or smaller loads."
+        f"prestress can hold. {reason} Give a larger prestress or smaller loads.".replace("  ", " ")
     )
 
 

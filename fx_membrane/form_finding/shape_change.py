@@ -6,8 +6,9 @@ from numpy.typing import NDArray
 from ..checks import validation
 from ..geometry.measures import measures, normals
 from ..geometry.topology import boundary_edges
-from ..model.parts import Bar, Membrane
+from ..model.parts import Bar
 from ..model.structure import Structure
+from .reasons.as_asked import Asked
 from .reasons.line_tangents import line_tangents, unit
 from .reasons.no_form import cause, established
 
@@ -53,9 +54,7 @@ def change_of_shape(structure: Structure, points: NDArray[np.float64], displacem
     return largest
 
 
-def check_collapse(
-    structure: Structure, points: NDArray[np.float64], step: int, asked: Structure | None = None
-) -> None:
+def check_collapse(structure: Structure, points: NDArray[np.float64], step: int, asked: Asked | None = None) -> None:
     """Refuse a shape with a collapsed cell, or with a cable or a mast that grows without bound.
 
     Args:
@@ -85,7 +84,7 @@ def check_collapse(
 
 
 def collapse(
-    structure: Structure, step: int, points: NDArray[np.float64] | None = None, asked: Structure | None = None
+    structure: Structure, step: int, points: NDArray[np.float64] | None = None, asked: Asked | None = None
 ) -> str:
     """Sentences on a shape without equilibrium; free masts, a possible cause, come first."""
     for name, part in structure.parts.items():
@@ -113,7 +112,7 @@ def _where(structure: Structure, points: NDArray[np.float64]) -> str:
     """Tell of the cell of a membrane that has shrunk most."""
     least, words = np.inf, ""
     for name, part in structure.parts.items():
-        if isinstance(part, Membrane) and np.isfinite(points).all():
+        if part.dimension == 2 and np.isfinite(points).all():
             share = measures(points, part.cells) / measures(structure.points, part.cells)
             cell = int(share.argmin())
             if share[cell] < least:
@@ -127,7 +126,7 @@ def _unbalanced(step: int, name: str, part: Bar, cell: int, force: float, first:
     fate = "shrinks to a point" if now < first else "grows without bound"
     remedy = "change its force, the forces that meet at its ends, or the loads; or hold its ends by supports."
     if kind == "mast":
-        remedy = HOLD
+        remedy = HOLD if force else f"give it a force as prestress, or {HOLD}"
     return (
         f"{STOPPED} {step}: the {kind} in cell {cell} of part {name!r}, with the force {force:g}, "
         f"{fate} (its length was {first:.4g} and is {now:.3g}): no length was found that balances the forces at its "

@@ -26,7 +26,6 @@ from mpi4py import MPI
 from ..checks import validation
 from ..model.fingerprints import of_settings
 from ..model.loads import DistributedLoad, Load, PlanLoad, PointLoad, Pressure
-from ..model.parts import Membrane
 from ..model.restraint import check_supports
 from ..model.stages import Stage
 from ..model.structure import Structure
@@ -37,9 +36,11 @@ from .cell_reference import check_tension
 from .constraints.kinds import CableConstraint, Constraint
 from .form import Form, FormStep, refuse_terms
 from .form_loads import checked_form_loads
-from .masts.bar_balance import fallen_mast
 from .natural_step import collapse_of_step, natural_steps
-from .reasons.as_asked import as_asked
+from .reasons.as_asked import Asked, as_asked
+from .reasons.few_supports import check_supports_of_form
+from .reasons.necks import neck
+from .reasons.no_form import established
 from .reference_steps import steps_of_reference
 
 STRAY = 0.1  # accepted error of the stress where it can settle, relative to the prescribed stress
@@ -116,6 +117,7 @@ def updated_reference(
         stage = Stage("form", checked_form_loads(structure, loads))
         constraints = tuple(validation.instances("constraints", constraints, Constraint))
         if not constraints:
+            check_supports_of_form(structure, stage.loads)
             check_supports(structure, structure.supported)
         _check_prestress(structure, any(isinstance(each, CableConstraint) for each in constraints))
     settings = {"loads": stage.loads, "tolerance": tolerance, "max_iterations": max_iterations}
@@ -126,18 +128,16 @@ def updated_reference(
     def is_settled(step: FormStep) -> bool:
         return step.change <= tolerance and step.stress_error <= stray
 
+    asked = None
     if constraints:
-        form, collapse = _constrained(structure, stage, constraints, is_settled, max_iterations, pulse)
+        form, collapse, asked = _constrained(structure, stage, constraints, is_settled, max_iterations, pulse)
     else:
         form, collapse = steps_of_reference(structure, stage, is_settled, max_iterations, pulse, comm)
-        if form.converged and (fallen := fallen_mast(structure, form.points)):
-            form = replace(form, converged=False)
-            collapse = f"The form is in equilibrium with the forces prescribed, but {fallen}"
     with together(comm):
         if collapse and comm.rank == 0:
             warnings.warn(collapse, UnsettledFormWarning, stacklevel=2)
         elif not form.converged and comm.rank == 0:
-            _warn_of_unsettled_form(form.steps, tolerance)
+            _warn_of_unsettled_form(structure, form, tolerance, asked)
     return form
 
 
@@ -153,10 +153,10 @@ def _constrained(
     is_settled: Callable[[FormStep], bool],
     most: int,
     pulse: Pulse,
-) -> tuple[Form, str]:
-    """Form under constraints, and the collapse in words that ended its steps; on each process alone."""
+) -> tuple[Form, str, Asked]:
+    """Form under constraints, the collapse in words that ended its steps, and what is asked for."""
     for name, part in structure.parts.items():
-        if isinstance(part, Membrane):
+        if part.dimension == 2:
             check_tension(name, part, structure.points, part.prestress_tensors())
     balance = ConstrainedBalance(
         structure,
@@ -168,16 +168,20 @@ def _constrained(
     )
     asked = as_asked(structure, balance)
     form, collapse = natural_steps(balance, most, is_settled, pulse)
-    return replace(form, converged=not collapse and is_settled(form.steps[-1])), collapse
+    return replace(form, converged=not collapse and is_settled(form.steps[-1])), collapse, asked
 
 
-def _warn_of_unsettled_form(steps: Sequence[FormStep], tolerance: float) -> None:
-    last = steps[-1]
+def _warn_of_unsettled_form(structure: Structure, form: Form, tolerance: float, asked: Asked | None) -> None:
+    last = form.steps[-1]
+    reason = established(structure, structure.points, asked) or neck(structure, form.points)
+    remedy = "Allow more steps (max_iterations=...) or a larger tolerance"
+    if reason:
+        remedy = f"{reason} Change the prestress or the supports, or allow more steps (max_iterations=...)"
     warnings.warn(
-        f"The form has not settled: step {len(steps)}, the last, changed it by {last.change:.3g} of the length of an "
-        f"edge, more than the tolerance {tolerance:g}, and its stress is off by {100 * last.stress_error:.3g} % of the "
-        "prescribed one; it is in equilibrium with the stress found. Allow more steps (max_iterations=...) or a larger "
-        "tolerance; where the change does not fall from step to step (form.steps), the prestress may have no form.",
+        f"The form has not settled: step {len(form.steps)}, the last, changed it by {last.change:.3g} of the length of "
+        f"an edge, more than the tolerance {tolerance:g}, and its stress is off by {100 * last.stress_error:.3g} % of "
+        f"the prescribed one; it is in equilibrium with the stress found. {remedy}; where the change does not fall "
+        "from step to step (form.steps), the prestress may have no form.",
         UnsettledFormWarning,
         stacklevel=3,
     )

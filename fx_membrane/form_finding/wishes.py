@@ -107,7 +107,7 @@ def wishes_of(structure: Structure, stress: Any, warp: Any) -> dict[str, Wish]:
     sizes, directions = _functions(structure, "stress", stress), _functions(structure, "warp", warp)
     found = {}
     for name, part in structure.parts.items():
-        if isinstance(part, Membrane):
+        if part.dimension == 2:
             direction, tensors = _direction(name, part, directions.get(name)), part.prestress_tensors()
             size = _size(name, part, direction is not None, sizes[name]) if name in sizes else lambda x, t=tensors: t
             found[name] = Wish(name, part, direction, size)
@@ -118,7 +118,7 @@ def wishes_of(structure: Structure, stress: Any, warp: Any) -> dict[str, Wish]:
 def _functions(structure: Structure, what: str, given: Any) -> dict[str, Field]:
     validation.instance(what, given, Mapping | None)
     for name, field in (given or {}).items():
-        if not isinstance(structure.parts.get(name) if isinstance(name, str) else None, Membrane):
+        if not (isinstance(name, str) and name in structure.parts_of(Membrane)):
             raise ValueError(f"{what} names {validation.short_repr(name)}, which is no membrane of the structure.")
         if shown := unfit(field, 1):
             raise ValueError(f"{what} of part {name!r} is {shown}; give a function of place, or the value in the part.")

@@ -2,12 +2,15 @@
 
 The stress of a soap film is constant, and is carried over exactly; the new nodes are on the film up to the third order,
 and both meshes have their forms within the second order of the film itself. The motion is that of a stage without
-loads, and of one more step of form finding. In the mean it is of second order; the largest one, where the new mesh is
-least regular, is so but for a logarithm, as that of linear elements is: R. Scott, Optimal L-infinity estimates for the
-finite element method on irregular meshes, Mathematics of Computation 30 (1976) 681-697.
+loads, and of one more step of form finding. In the mean it is of second order. The largest one is at single nodes where
+the new mesh is least regular, and falls more slowly: as h^2 log(1/h), that of linear elements on irregular meshes, R.
+Scott, Optimal L-infinity estimates for the finite element method on irregular meshes, Mathematics of Computation 30
+(1976) 681-697. Between 16 and 64 cells a side that is an order of 1.7. The same mesh with its nodes exactly on the film
+moves about as far, so it is not the carrying over that decides.
 """
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -56,20 +59,28 @@ def motion(structure):
     return [u.max() for u in found], [np.sqrt(np.mean(u**2)) for u in found]
 
 
+def scherk(x):
+    """Minimal surface over |x|, |y| < pi / 2."""
+    return np.log(np.cos(x[:, 0]) / np.cos(x[:, 1]))
+
+
 def test_soap_film(verified):
-    """Between held edges z = (x^2 - y^2) / 4, 4 m wide and 2 m high."""
-    found = []
+    """Between held edges on Scherk's surface, 2 m wide."""
+    found, exact = [], []
     for n in (16, 32, 64):
-        points, triangles = rectangle(4.0, 4.0, n, n)
-        points[:, 2] = (points[:, 0] ** 2 - points[:, 1] ** 2) / 4
+        points, triangles = rectangle(2.0, 2.0, n, n)
+        points[:, 2] = scherk(points)
         film = Membrane(triangles, FABRIC, 1e3)
         form = updated_reference(Structure(points, {"film": film}, [Support(np.unique(boundary_edges(triangles)))]))
-        found.append(motion(remeshed(form, 0.7 * 4.0 / n).structure))
+        new = remeshed(form, 0.7 * 2.0 / n).structure
+        found.append(motion(new))
+        exact.append(motion(replace(new, points=np.column_stack([new.points[:, :2], scherk(new.points)]))))
     (first, first_mean), (last, last_mean) = np.array(found[0]), np.array(found[-1])
-    assert (np.log2(first / last * np.log(64) / np.log(16)) / 2 > 1.7).all(), found
+    assert (np.log2(first / last) / 2 > 1.5).all(), found
     assert (np.log2(first_mean / last_mean) / 2 > 1.9).all(), found
-    assert last.max() < 4.0 * 2e-4, found
-    verified("displacement of a remeshed film over its size", 0.0, last[0] / 4.0)
+    assert (np.array(found[-1]) < 1.3 * np.array(exact[-1])).all(), (found, exact)
+    assert last.max() < 2.0 * 2e-4, found
+    verified("displacement of a remeshed film over its size", 0.0, last[0] / 2.0)
 
 
 def test_places_are_of_third_order_and_stress_of_second():

@@ -17,6 +17,9 @@ Claim: heights, vertical force and plan converge with second order; the hand-ove
 Tolerance: orders within 0.15 of 2 over the last refinement.
 """
 
+import warnings
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -29,6 +32,7 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
+    UnsettledFormWarning,
     boundary_edges,
     projected_stress,
     rectangle,
@@ -120,3 +124,59 @@ def test_canopy_between_arcs_keeps_its_plan():
         assert np.abs(Analysis(form.structure).run([Stage("form")])["form"].displacement).max() < 1e-12 * 12
     assert np.log2(moved[1] / moved[2]) == pytest.approx(2, abs=0.15)
     assert forces[-1] < 1e-3
+
+
+@pytest.mark.mpi
+def test_unequal_stress_balances_between_ellipses(verified):
+    """Stretched by A = diag(a, 1 / a), arcs of the stress n become ellipses of the stress diag(a^2, 1 / a^2) n."""
+    stress, force, a, errors = 2e3, 30e3, 1.25, []
+    for n in (16, 32, 64):
+        round_plan, stretch = arcs(n, stress, force), np.array([a, 1 / a, 1.0])
+        cells = round_plan.parts["edge"].cells
+        film = replace(round_plan.parts["film"], prestress=(a**2 * stress, stress / a**2), warp=(1, 0, 0))
+        way = np.diff(round_plan.points[cells, :2], axis=1)[:, 0]
+        exact = force * np.linalg.norm(way * stretch[:2], axis=1) / np.linalg.norm(way, axis=1)
+        lengths = np.linalg.norm(way * stretch[:2], axis=1)
+        upright = np.abs(way[:, 1]) > np.abs(way[:, 0])
+        mean = np.zeros(len(cells))
+        for side in (upright, ~upright):
+            mean[side] = exact[side] @ lengths[side] / lengths[side].sum()
+        parts = {"film": film, "edge": Cable(cells, 2e7, mean)}
+        plan = replace(round_plan, points=round_plan.points * stretch, parts=parts)
+        form = projected_stress(plan, cables="balanced force")
+        assert form.converged
+        way = np.diff(form.points[cells], axis=1)[:, 0]
+        flat = form.forces["edge"] * np.linalg.norm(way[:, :2], axis=1) / np.linalg.norm(way, axis=1)
+        errors.append([np.abs(form.points - plan.points)[:, :2].max(), np.abs(flat - exact).max()])
+        assert np.abs(Analysis(form.structure).run([Stage("form")])["form"].displacement).max() < 1e-12 * 12
+    assert np.ptp(exact) > 0.1 * force
+    assert errors[-1][0] < 1e-3 * 12, errors
+    orders = np.log2(np.array(errors)[1] / np.array(errors)[2])
+    assert (orders > 1.8).all(), errors
+    verified("least horizontal force of an edge [N]", exact.min(), flat.min(), orders[1])
+
+
+@pytest.mark.parametrize(("warp", "force"), [((1, 0, 0), 30e3), ((1, 1, 0), 30e3)])
+def test_remedy_named_for_unequal_stress_at_curved_edges_helps(warp, force):
+    structure = arcs(12, 2e3, force)
+    film = replace(structure.parts["film"], prestress=(3e3, 2e3), warp=warp)
+    structure = replace(structure, parts=structure.parts | {"film": film})
+    with pytest.warns(UnsettledFormWarning, match='no constant force balances .* Take cables="balanced force"'):
+        form = projected_stress(structure)
+    errors = []
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UnsettledFormWarning)
+        for _ in range(5):
+            form = projected_stress(replace(structure, points=form.points), cables="balanced force")
+            errors.append(form.steps[-1].stress_error)
+    assert form.converged
+    assert errors[-1] < 1e-2
+    assert np.diff(errors).max() < 0
+
+
+def test_balanced_force_without_tension_is_refused():
+    structure = arcs(8, 2e3, 30e3)
+    film, edge = replace(structure.parts["film"], prestress=(9e3, 2e3), warp=(1, 1, 0)), structure.parts["edge"]
+    weak = replace(structure, parts={"film": film, "edge": replace(edge, prestress=5e3)})
+    with pytest.raises(ValueError, match=r"Cable 'edge' has no tension in cell \d+ at .*; give more than"):
+        projected_stress(weak, cables="balanced force")

@@ -108,7 +108,7 @@ class ProjectedStress(MethodModel):
 
     method: Literal["projected stress"]
     stress: dict[str, Annotated[StressModel, Kept]] = {}
-    cables: Literal["horizontal force", "force", "force density"] | None = None
+    cables: Literal["horizontal force", "balanced force", "force", "force density"] | None = None
     direction: Direction | None = None
     tolerance: Number | None = None
     max_iterations: int | None = None

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.measures import measures
-from ...model.parts import Bar, Mast, Part
+from ...model.parts import Bar, Part
 from ...model.structure import Structure
 from ..plan import UPRIGHT, place
 
@@ -14,6 +14,7 @@ Array = NDArray[np.float64]
 Measures = NDArray[np.str_]
 
 MEASURES = ("horizontal force", "force", "force density")
+FARTHEST = 1e9  # factor on a force density, beyond which a step is not accelerated
 DEPTH = 8  # number of earlier steps that the next one takes into account
 
 
@@ -25,10 +26,10 @@ def check_bars(structure: Structure) -> None:
     """
     free = ~structure.supported.all(axis=1)
     for name, part in structure.parts.items():
-        if not isinstance(part, Bar):
+        if part.dimension != 1:
             continue
         force = part.prestress_tensors().ravel()
-        if isinstance(part, Mast):
+        if part.is_strut:
             unfit = np.flatnonzero((force != 0) & free[part.cells].any(axis=1))
             reason = (
                 "has an end that is not held; hold its head in form finding, and add the mast by masts_and_stays; give "
@@ -60,7 +61,7 @@ def densities_of(
     """
     found = {}
     for name, part in parts.items():
-        if isinstance(part, Bar):
+        if part.dimension == 1:
             force = part.prestress_tensors().ravel()
             given = measure if isinstance(measure, str) else measure[name]
             length = measured_lengths(name, part, points, axes, given, force != 0)
@@ -77,7 +78,7 @@ def measured_lengths(
         ValueError: A loaded cable of given horizontal force has no length in plan.
     """
     length = measures(points, part.cells)
-    if isinstance(part, Mast):
+    if part.is_strut:
         return length
     kinds = np.broadcast_to(np.asarray(measure), len(length))
     flat = measures(points @ axes[:, :2] @ axes[:, :2].T, part.cells)
@@ -136,6 +137,8 @@ class Acceleration:
             change = np.diff(self._steps, axis=0).T
             share = np.linalg.lstsq(change, self._steps[-1], rcond=1e-10)[0]
             following = then - (np.diff(self._points, axis=0).T + change) @ share
+            if not np.abs(following - now).max() < np.log(FARTHEST):  # no step at all towards a form that collapses
+                following = then
         if np.isfinite(self._largest):
             following = now + np.clip(following - now, -self._largest, self._largest)
         ends = np.cumsum([mask.sum() for mask in loaded.values()])[:-1]

@@ -53,6 +53,8 @@ def factorized(matrix: sparse.csr_matrix) -> Callable[[Array], Array]:
     """
     if not matrix.shape[0]:
         return lambda right: right
+    if not np.isfinite(matrix.data).all():
+        raise ValueError("A cell of the shape has no size, so its stress has no stiffness; hold nodes around it.")
     try:
         factors = splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
         least = np.abs(factors.U.diagonal()).min()

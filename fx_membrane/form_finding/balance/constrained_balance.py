@@ -12,6 +12,7 @@ from ..constraints.cable_targets import MET, CableTargets
 from ..constraints.kinds import CableConstraint, Constraint, NodeConstraint
 from ..constraints.motions import motions_of
 from ..plan import Plan
+from ..reasons.few_supports import check_supports_of_form
 from .cable_forces import Acceleration, difference
 from .membrane_balance import balanced, nodal_loads
 
@@ -19,7 +20,9 @@ Array = NDArray[np.float64]
 
 STEPS = 100  # maximum number of solves towards the geometry of cables
 LARGEST = 3.0  # factor on a force density in one step
+UNBOUNDED = 1e100  # force density that only a cable without length has [N/m]
 NEAR = 1e-6  # accepted relative change of a force towards a wanted geometry
+EXACT = 1e-8  # the same between steps of Newton, whose last ones are no larger
 
 
 def continued(words: str) -> str:
@@ -37,6 +40,17 @@ def shortfall(error: float, tolerance: float, steps: int, miss: float, words: st
         f"forces of cables are off by {100 * error:.3g} % of the prescribed ones after step {steps}, the last; allow "
         "more steps (max_iterations=...) or a larger tolerance."
     )
+
+
+def _unbounded(densities: Mapping[str, Array]) -> str:
+    """Tell of a cable whose force density grows without bound, in words; empty without one."""
+    for name, q in densities.items():
+        for cell in np.flatnonzero(~np.isfinite(q) | (np.abs(q) > UNBOUNDED))[:1]:
+            return (
+                f"the cable in cell {cell} of part {name!r} shrinks to nothing: its force pulls its ends together; "
+                "give it a smaller force, or hold nodes there."
+            )
+    return ""
 
 
 class Balance(NamedTuple):
@@ -82,6 +96,7 @@ class ConstrainedBalance:
         given = validation.instances("constraints", constraints, Constraint)
         self.structure, self.loads, self.collapse = structure, loads, collapse
         self.motions = motions_of(structure, [one for one in given if isinstance(one, NodeConstraint)])
+        check_supports_of_form(structure, loads, given)
         of_cables = [one for one in given if isinstance(one, CableConstraint)]
         self.targets = CableTargets(structure, of_cables, axes, measure, self.motions.guided)
 
@@ -124,7 +139,7 @@ class ConstrainedBalance:
         try:
             collapse = self.collapse(points, number) or self.targets.out_of_range(points, densities)
             wanted = {} if collapse else self.targets.wanted(points, densities, reference)
-            return collapse or Balance(points, reactions, wanted, densities)
+            return collapse or _unbounded(wanted) or Balance(points, reactions, wanted, densities)
         except ValueError as upright:
             return str(upright)
 
@@ -139,17 +154,19 @@ class ConstrainedBalance:
         """Solve as often as the geometry of cables asks for, with the other force densities given.
 
         A line of given geometry has one force for its lengths in the start. Args and Raises as for a call; with
-        `meets_forces` cables with a force as constraint have it in the shape found, too.
+        `meets_forces` it has one for those in the shape found, where cables with a force as constraint have it, too.
         """
-        accelerated, words = self.acceleration(), ""
+        accelerated, words, near = self.acceleration(), "", EXACT if meets_forces else NEAR
         reference = start
         for _ in range(STEPS):
             found = self(start, plans, densities, number, reference)
             if isinstance(found, str):
                 return found
+            if meets_forces:  # Newton's steps take the force of a line to be one in the shape that they start from
+                found = found._replace(wanted=self.targets.wanted(found.points, densities, found.points))
             miss, words = self.targets.miss(found.points, densities, found.wanted)
             wanted = self.targets.mixed(densities, found.wanted, meets_forces)
-            if miss <= MET and difference(densities, wanted) <= NEAR:
+            if miss <= MET and difference(densities, wanted) <= near:
                 return found
             densities, start = accelerated(densities, wanted), found.points
         return f"{words or 'a force does not settle'} after {STEPS} solves; give a value nearer to that."

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...geometry.measures import SLIVER, aspects, measures, normals
 from ...model.loads import PlanLoad, PointLoad, Pressure
-from ...model.parts import Membrane, Part
+from ...model.parts import Part
 from ...model.structure import Structure
 from ..constraints.motions import Motions
 from ..plan import Plan, cauchy, place
@@ -89,7 +89,7 @@ def stressed(
     parts: dict[str, Part] = {}
     forces: dict[str, Array] = {}
     for name, part in structure.parts.items():
-        if isinstance(part, Membrane):
+        if part.dimension == 2:
             forces[name], warp = cauchy(plans[name], points, (warps or {}).get(name))
             parts[name] = replace(part, prestress=forces[name], warp=warp)
         else:

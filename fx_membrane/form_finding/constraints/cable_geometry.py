@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...checks import validation
-from ...model.parts import Membrane
 from ...model.structure import Structure
 from .cable_lines import Line, lines_of
 from .kinds import CableLength, CableSag, EdgeAngle
@@ -41,7 +40,7 @@ def _lines(structure: Structure, name: str, cells: NDArray[np.int64], guided: ND
     supported, part = structure.supported, structure.parts[name]
     corners = supported.any(axis=1) | guided
     for other in structure.parts.values():
-        if other is not part and not isinstance(other, Membrane):
+        if other is not part and other.dimension != 2:
             corners[other.cells] = True
     lines = []
     for line in lines_of(part.cells, cells, supported.all(axis=1)):
@@ -95,7 +94,7 @@ def _least(structure: Structure, line: Line, constraint: Geometry) -> float:
     on_line, least = np.zeros(len(structure.points), dtype=bool), np.inf
     on_line[line.nodes] = True
     for part in structure.parts.values():
-        if isinstance(part, Membrane):
+        if part.dimension == 2:
             beside = part.prestress_tensors()[on_line[part.cells].sum(axis=1) > 1]
             least = min(least, float(np.linalg.eigvalsh(beside).min(initial=np.inf)))
     radius = line.chord(structure.points) / 2 / np.sin(np.radians(constraint.angle))

@@ -51,7 +51,7 @@ class CableTargets:
         measure: str,
         guided: NDArray[np.bool_],
     ) -> None:
-        bars = {name: part for name, part in structure.parts.items() if isinstance(part, Cable | Mast)}
+        bars = {name: part for name, part in structure.parts.items() if part.dimension == 1}
         forces = {name: part.prestress_tensors().ravel().copy() for name, part in bars.items()}
         self.kinds = {name: np.full(len(part.cells), measure, dtype=object) for name, part in bars.items()}
         self.axes, self.targets = axes, list[Target]()
@@ -198,6 +198,13 @@ class CableTargets:
     def by_force(self, points: Array) -> dict[str, Array]:
         """Force densities of given forces and densities in a shape, by part, shape (cells,) [N/m]."""
         return densities_of(self.bars, points, self.axes, self.kinds)
+
+    def by_density(self, points: Array) -> dict[str, Array]:
+        """Force densities of cells that are given by them, zero of others, by part, shape (cells,) [N/m]."""
+        found = self.by_force(points)
+        for name, line, *_ in self.targets:
+            found[name][line.cells] = 0.0
+        return {name: np.where(self.kinds[name] == "force density", q, 0.0) for name, q in found.items()}
 
 
 def _distinct(

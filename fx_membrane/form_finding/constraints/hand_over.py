@@ -7,10 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...checks.values import format_point
-from ...model.parts import Bar, Cable, Mast, Part
+from ...model.parts import Part
 from ...model.structure import Structure
 from ...model.supports import Support
 from ..form import Form, FormStep
+from ..masts.bar_balance import fallen_mast
+from ..reasons.few_supports import all_held
 from .motions import Body, Motions
 
 Array = NDArray[np.float64]
@@ -64,16 +66,20 @@ def handed_over(
     added = [Support(np.flatnonzero((extra == row).all(axis=1)), "".join(np.array(AXES)[row])) for row in patterns]
     made_of = replace(structure, points=points, parts=parts, supports=[*structure.supports, *added])
     told = [words(points) for body in motions.bodies for words in (body.turned, body.grown)]
-    remarks = tuple(filter(None, told))
+    remarks = (*filter(None, told), *all_held(structure))
     return Form(points, forces, reactions, steps, converged, made_of, remarks=remarks)
 
 
-def pulled_mast(structure: Structure, motions: Motions, form: Form) -> str:
-    """Tell of a mast that a rigid body keeps in length and that ends in tension, in words; empty without one."""
+def failed_mast(structure: Structure, motions: Motions, form: Form) -> str:
+    """Tell of a mast that has fallen, or that a rigid body keeps in length in tension, in words; empty without one."""
+    return fallen_mast(structure, form.points, motions.guided) or _pulled_mast(structure, motions, form)
+
+
+def _pulled_mast(structure: Structure, motions: Motions, form: Form) -> str:
     least = BALANCED * max((float(np.abs(force).max(initial=0.0)) for force in form.forces.values()), default=0.0)
     for body in (each for each in motions.bodies if each.is_line):
         for name, part in structure.parts.items():
-            if isinstance(part, Mast):
+            if part.is_strut:
                 inside = np.isin(part.cells, body.nodes).all(axis=1) & (part.prestress_tensors().ravel() == 0)
                 for cell in np.flatnonzero(inside & (form.forces[name] > least))[:1]:
                     where = format_point(form.points[part.cells[cell]].mean(axis=0))
@@ -100,7 +106,7 @@ def _bars(
     cells = {
         name: np.flatnonzero(inside[part.cells].all(axis=1) & (part.prestress_tensors().ravel() == 0))
         for name, part in structure.parts.items()
-        if isinstance(part, Bar)
+        if part.dimension == 1
     }
     if not any(map(len, cells.values())):
         return None
@@ -117,7 +123,7 @@ def _bars(
         return None
     bounds = np.cumsum([len(numbers) for numbers in cells.values()])[:-1]
     found = dict(zip(cells, zip(cells.values(), np.split(force, bounds), strict=True), strict=True))
-    slack = [name for name in found if isinstance(structure.parts[name], Cable) and found[name][1].min(initial=0.0) < 0]
+    slack = [name for name in found if _is_cable(structure.parts[name]) and found[name][1].min(initial=0.0) < 0]
     return None if slack else found
 
 
@@ -132,3 +138,7 @@ def _add_ends(total: Array, ends: NDArray[np.int64], points: Array, force: Array
     pull = force[:, None] * _pulls(points, ends)
     np.add.at(total, ends[:, 0], pull)
     np.add.at(total, ends[:, 1], -pull)
+
+
+def _is_cable(part: Part) -> bool:
+    return part.dimension == 1 and not part.is_strut

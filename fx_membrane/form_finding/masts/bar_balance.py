@@ -23,6 +23,7 @@ TRIES = 20  # of each
 EPS = 1e-15
 FOLLOWED = 1e-6  # unbalanced force, above which a step has lost its way
 FALLEN = 45.0  # angle by which a free mast has turned, above which it is told [degrees]
+FLAT = 1e-9  # coordinate over the size, that is rounding
 TURNED = 0.5  # cosine of the angle by which a mast turns at most
 
 
@@ -120,22 +121,43 @@ def _assembled(blocks: Array, cells: NDArray[np.int64], free: NDArray[np.bool_])
     return csr_matrix((values[kept], (rows[kept], columns[kept])), shape=(free.sum(), free.sum()))
 
 
-def fallen_mast(structure: Structure, points: Array) -> str:
-    """Tell of a mast with a force and a free end that has fallen from its first direction, in words; else empty."""
+def fallen_mast(structure: Structure, points: Array, guided: NDArray[np.bool_] | None = None) -> str:
+    """Tell of a mast with a free end that has fallen from its first direction, in words; empty without one.
+
+    Args:
+        structure: The first shape, with the forces prescribed.
+        points: The form, shape (n, 3) [m].
+        guided: Nodes with a constraint of their own, which tells of them, shape (n,); none if not given.
+    """
     free = ~structure.supported.all(axis=1)
     for name, part in structure.parts.items():
         if part.is_strut:
-            then, now = (_lines(place, part.cells)[1] for place in (structure.points, points))
-            cosine = np.sum(then * now, axis=1)
-            loose = free[part.cells].any(axis=1) & (part.prestress_tensors().ravel() != 0)
-            fallen = np.flatnonzero(loose & (cosine < np.cos(np.radians(FALLEN))))
-            if len(fallen):
-                angle = np.degrees(np.arccos(np.clip(cosine[fallen[0]], -1, 1)))
-                head = part.cells[fallen[0]][free[part.cells[fallen[0]]]][-1]
-                return (
-                    f"the mast in cell {fallen[0]} of part {name!r} has turned by {angle:.0f} degrees from its start, "
-                    f"its end to {validation.format_point(points[head])}: there the forces given balance, and nothing "
-                    "holds it upright. Hold its head by supports and add mast and stays by masts_and_stays; or change "
-                    "the forces that meet there."
-                )
+            (length, then), (now, after) = (_lines(place, part.cells) for place in (structure.points, points))
+            cosine, pushes = np.sum(then * after, axis=1), part.prestress_tensors().ravel() != 0
+            loose = free[part.cells].any(axis=1)
+            if guided is not None:
+                loose &= ~guided[part.cells].all(axis=1)
+            # The length of a mast with a force is found with it; one without a force keeps neither.
+            upright = np.where(pushes, cosine, np.minimum(cosine, cosine * now / length))
+            for cell in np.flatnonzero(loose & (upright < np.cos(np.radians(FALLEN))))[:1]:
+                head = part.cells[cell][free[part.cells[cell]]][-1]
+                place = np.where(np.abs(points[head]) > FLAT * structure.size, points[head], 0.0)
+                return _fallen(f"{cell} of part {name!r}", pushes[cell], cosine[cell], length[cell], now[cell], place)
     return ""
+
+
+def _fallen(who: str, pushes: bool, cosine: float, first: float, now: float, head: Array) -> str:
+    """Tell how a mast has fallen, and what would hold it."""
+    turn = f"turned by {np.degrees(np.arccos(np.clip(cosine, -1, 1))):.0f} degrees from its start"
+    where = f"its end to {validation.format_point(head)}"
+    if pushes:
+        return (
+            f"the mast in cell {who} has {turn}, {where}: there the forces given balance, and nothing "
+            "holds it upright. Hold its head by supports and add mast and stays by masts_and_stays; or change the "
+            "forces that meet there."
+        )
+    return (
+        f"the mast in cell {who} has no force, and has {turn}, its length from {first:.4g} to "
+        f"{now:.4g}, {where}: it holds nothing there. Hold its head by supports and add mast and stays by "
+        "masts_and_stays; or give its force as prestress, or its length by a RigidBody of its ends."
+    )

@@ -93,6 +93,23 @@ class BarFrame:
         missing[np.repeat(nodes, 3).reshape(free.shape)[free], np.nonzero(free)[1]] = rest if one_sided else left
         raise ValueError(self._unbalanced(reactions, missing, one_sided))
 
+    def unmet(self, forces: Array, tolerance: float) -> str:
+        """Tell of the bar that is farthest from its wanted force, in words; empty if all are near."""
+        off = np.where(self.wanted != 0, np.abs(forces - self.wanted), 0.0)
+        if off.max() <= tolerance * np.abs(self.wanted).max():
+            return ""
+        bar = int(off.argmax())
+        name, cell = self._names[bar]
+        return (
+            f"The form balances with {forces[bar]:.4g} in cell {cell} of part {name!r}, not with the wanted "
+            f"{self.wanted[bar]:.4g}, as the reactions and the directions of the bars decide; want that force, or "
+            "none, or move the feet."
+        )
+
+    @cached_property
+    def _names(self) -> list[tuple[str, int]]:
+        return [(name, cell) for name, part in self.parts.items() for cell in range(len(part.cells))]
+
     @cached_property
     def _directions(self) -> Array:
         way = self.points[self.cells[:, 1]] - self.points[self.cells[:, 0]]
@@ -100,7 +117,7 @@ class BarFrame:
 
     def _wrong_sign(self, amounts: Array) -> str:
         bar = int(np.argmin(amounts))
-        names = [(name, cell) for name, part in self.parts.items() for cell in range(len(part.cells))]
+        names = self._names
         kind, stress, other = ("mast", "tension", "cable") if self.signs[bar] < 0 else ("stay", "compression", "mast")
         a, b = map(self._place, self.cells[bar])
         return (

@@ -1,5 +1,6 @@
 """Masts and stays in the place of held nodes of a form, with forces that balance its reactions."""
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -11,6 +12,7 @@ from ...model.parts import Cable, Mast
 from ...model.structure import Structure
 from ...model.supports import Support
 from ..form import Form, refuse_terms
+from ..updated_reference import UnsettledFormWarning
 from .bar_frame import BarFrame, checked_parts
 
 Array = NDArray[np.float64]
@@ -56,6 +58,9 @@ def masts_and_stays(
             is that of a part of the form; a wanted force has the wrong sign; the form is that of a net of force
             densities without stiffness.
 
+    Warns:
+        UnsettledFormWarning: A wanted force is not met; it names the bar that is farthest. `Form.remarks` has it, too.
+
     Example:
         A hypar between two low points and two mast heads, each with a mast and two stays:
 
@@ -98,6 +103,8 @@ def masts_and_stays(
     frame = BarFrame(parts, places, free)
     reactions = np.concatenate([form.reactions, np.zeros(added.shape)])
     forces = frame.balance(np.where(free, reactions, 0.0))
+    if unmet := frame.unmet(forces, MET):
+        warnings.warn(unmet, UnsettledFormWarning, stacklevel=2)
     lengths = [len(part.cells) for part in parts.values()]
     by_part = dict(zip(parts, np.split(forces, np.cumsum(lengths)[:-1]), strict=True))
     made = replace(
@@ -106,8 +113,6 @@ def masts_and_stays(
         parts={**found.parts, **{name: replace(part, prestress=by_part[name]) for name, part in parts.items()}},
         supports=[*_without(found.supports, carried, released), *([Support(feet)] if len(feet) else [])],
     )
-    difference = np.abs(forces - frame.wanted)[frame.wanted != 0].max(initial=0.0)
-    met = bool(difference <= MET * np.abs(frame.wanted).max())
     balanced = np.where(free, 0.0, reactions - frame.pulls(forces))
     wanted = dict(zip(parts, np.split(frame.wanted, np.cumsum(lengths)[:-1]), strict=True))
     return replace(
@@ -115,7 +120,8 @@ def masts_and_stays(
         points=places,
         forces={**form.forces, **by_part},
         reactions=balanced,
-        converged=form.converged and met,
+        converged=form.converged and not unmet,
+        remarks=(*form.remarks, *([unmet] if unmet else [])),
         made=made,
         wish={**form.wish, **wanted},
     )

@@ -8,13 +8,12 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from ...geometry.measures import measures, normals
-from ...geometry.topology import boundary_edges
 from ...model.structure import Structure
 from ..constraints.motions import Motions
-from ..reasons.line_tangents import line_tangents
 from ..shape_change import nodal_normals
 from .assembly import assembled
 from .guide import MotionGuide
+from .mesh_lines import MeshLines
 from .triangle_evenness import Evenness, evenness_of
 
 Array = NDArray[np.float64]
@@ -43,24 +42,22 @@ class MeshControl:
     Args:
         structure: The first mesh.
         motions: Motions that its supports and constraints leave.
+        lines: Its lines.
 
     Source:
         A. M. Winslow, Numerical solution of the quasilinear Poisson equation in a nonuniform triangle mesh, Journal of
         Computational Physics 1 (1966) 149-172; for its functional cell by cell see `evenness_of`.
     """
 
-    def __init__(self, structure: Structure, motions: Motions) -> None:
-        self.structure, self.guide = structure, MotionGuide(motions)
+    def __init__(self, structure: Structure, motions: Motions, lines: MeshLines) -> None:
+        self.structure, self.guide, self.lines = structure, MotionGuide(motions), lines
         n, parts = len(structure.points), structure.parts.values()
-        lines = [boundary_edges(part.cells) if part.dimension == 2 else part.cells for part in parts]
-        self.segments = np.unique(np.sort(np.concatenate(lines)), axis=0)
-        self.on_line = np.zeros(n, dtype=bool)
-        self.on_line[self.segments] = True
         surfaces = [part.cells for part in parts if part.dimension == 2]
         self.triangles = np.concatenate([np.zeros((0, 3), dtype=np.int64), *surfaces])
-        line = sparse.diags(self.on_line.astype(float))
-        self._springs = sparse.kron(line @ _springs(n, self.segments), sparse.eye(3)).tocsr()
-        self._inside = np.repeat(~self.on_line, 3)
+        rim, other = (sparse.diags(on.astype(float)) for on in (lines.on_rim, lines.on_line & ~lines.on_rim))
+        springs = rim @ _springs(n, lines.rim) + other @ _springs(n, lines.segments)
+        self._springs = sparse.kron(springs, sparse.eye(3)).tocsr()
+        self._inside = np.repeat(~lines.on_line, 3)
         self.rest = np.zeros(3 * n)  # forces that count as none, shape (3 n,)
 
     def ways(self, points: Array) -> Ways:
@@ -68,16 +65,16 @@ class MeshControl:
         normal = nodal_normals(self.structure, points)
         length = np.linalg.norm(normal, axis=1, keepdims=True)
         normal = np.divide(normal, length, where=length > 0, out=np.zeros_like(normal))
-        tangent = line_tangents(points, self.segments)
+        tangent, on_line = self.lines.tangents(points), self.lines.on_line
         first = np.where(length > 0, normal, _any_normal(tangent))
         first = first - np.sum(first * tangent, axis=1, keepdims=True) * tangent  # on a line, normal to it
-        slide = np.where(self.on_line[:, None], tangent, _any_normal(first))
-        stuck = self.on_line & ~tangent.any(axis=1)  # ends, corners and junctions of lines do not slide
+        slide = np.where(on_line[:, None], tangent, _any_normal(first))
+        stuck = on_line & ~tangent.any(axis=1)  # ends, corners and inner junctions of lines do not slide
         slide = np.where(stuck[:, None], _any_normal(first), slide)
         triads = np.stack([first, np.cross(slide, first), slide], axis=1)
         across = np.zeros((len(points), 3), dtype=bool)
         across[:, 0] = True
-        across[:, 1] = self.on_line
+        across[:, 1] = on_line
         across[:, 2] = stuck
         ways = _ways(self.guide.projected(triads), across, self.guide.free)
         return ways._replace(across=sparse.hstack([ways.across, self.guide.of_bodies(points)]).tocsc())
@@ -142,7 +139,7 @@ class MeshControl:
 
     def mean_edge(self, points: Array) -> float:
         """Mean length of the segments of lines and, by their areas, of the sides of triangles [m]."""
-        sizes = [measures(points, self.segments), np.sqrt(2 * measures(points, self.triangles))]
+        sizes = [measures(points, self.lines.segments), np.sqrt(2 * measures(points, self.triangles))]
         return float(np.concatenate(sizes).mean())
 
     def keeps_sides(self, before: Array, after: Array) -> bool:

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from ...geometry.measures import measures, normals
 from ...model.loads import PointLoad
-from ...model.parts import Bar
 from ...model.structure import Structure
 from ..balance.constrained_balance import Balance, ConstrainedBalance
 from ..balance.membrane_balance import balanced, collapse_of, loaded_cells, nodal_loads, stressed
@@ -23,6 +22,7 @@ from ..wishes import Wish
 from .cells import BarBlock, Block, LoadBlock, MembraneBlock, square_root
 from .guide import CableGuide
 from .mesh_control import MeshControl
+from .mesh_lines import mesh_lines
 from .ratios import check_ratios, check_tension, differences, power
 
 Array = NDArray[np.float64]
@@ -85,12 +85,14 @@ class NearestProblem:
         balance: ConstrainedBalance | None = None,
     ) -> None:
         self.structure, self.loads, self.wishes, self.balance = structure, loads, wishes, balance
-        self.control = MeshControl(structure, motions_of(structure) if balance is None else balance.motions)
         self.free = (~structure.supported & structure.used[:, None]).ravel()
         given = ratios or {}
         self.membranes = {name: MembraneBlock(wish.part.cells, wish, given.get(name)) for name, wish in wishes.items()}
         self.cables = None if balance is None else CableGuide(structure, balance, self._first_plans())
         self.bars = {name: replace(bar, force=bar.force * given.get(name, 1.0)) for name, bar in self._bars().items()}
+        acting = {name: self.acting(name) for name, part in structure.parts.items() if part.dimension == 1}
+        motions = motions_of(structure) if balance is None else balance.motions
+        self.control = MeshControl(structure, motions, mesh_lines(structure, acting))
         spread = [load for load in loads if not isinstance(load, PointLoad)]
         loaded = [LoadBlock(loaded_cells(structure, load), load) for load in spread]
         self.blocks: list[Block] = [*self.membranes.values(), *self.bars.values(), *loaded]
@@ -111,7 +113,7 @@ class NearestProblem:
 
     def _forces(self, points: Array, densities: Mapping[str, Array] | None) -> dict[str, Array]:
         """List forces of bars, wished for or given by constraints in a shape, by part, shape (cells,) [N]."""
-        bars = {name: part for name, part in self.structure.parts.items() if isinstance(part, Bar)}
+        bars = {name: part for name, part in self.structure.parts.items() if part.dimension == 1}
         forces = {name: part.prestress_tensors().ravel() for name, part in bars.items()}
         if self.cables is not None:
             asked = self.cables.forces(points, self.cables.first if densities is None else densities)
@@ -223,7 +225,7 @@ class NearestProblem:
         found = {}
         given = {} if self.cables is None else self.cables.densities(points, before)
         for name, part in self.structure.parts.items():
-            if isinstance(part, Bar):
+            if part.dimension == 1:
                 force = part.prestress_tensors().ravel().copy()
                 if block := self.bars.get(name):
                     acting = self.acting(name)

@@ -1,7 +1,8 @@
 """Arcs of edge cables: how far each may turn from its chord before it meets another one, or a held edge.
 
 A stress n pulls at an edge of span L with n L in all. Its cable of the force T is an arc of the radius T / n, whose
-ends turn from the chord by asin(n L / (2 T)), a quarter of a circle at most. Where two edges meet, their turns together
+ends turn from the chord by asin(n L / (2 T)), a quarter of a circle at most. With k segments of the force density q
+they turn by k n / (2 q), as the force then grows with the length of the arc. Where two edges meet, their turns together
 stay below the angle of their chords. Elsewhere arcs are compared in the plane that fits the boundary best.
 """
 
@@ -38,7 +39,7 @@ class Conflict(NamedTuple):
 
 def turns_of(edges: Sequence[Edge]) -> Array:
     """Return the turns of the ends of arcs from their chords, shape (edges,) [rad]."""
-    return np.array([float(np.arcsin(min(1.0, edge.need / edge.force))) for edge in edges], dtype=np.float64)
+    return np.array([edge.turn for edge in edges], dtype=np.float64)
 
 
 def fitting_turns(turns: Array, conflicts: Sequence[Conflict]) -> tuple[Array, list[Conflict]]:

@@ -1,6 +1,7 @@
 """Edges of membranes with cables, between supports, junctions and corners: chord, pull of the membrane, force."""
 
 from collections.abc import Mapping
+from types import MappingProxyType
 from typing import NamedTuple
 
 import numpy as np
@@ -26,9 +27,10 @@ class Edge(NamedTuple):
         ends: Its first and last node, shape (2,).
         chord: Vector between them, shape (3,) [m].
         pull: Sum of the forces of the membrane on it, normal to the chord, shape (3,) [N].
-        force: Mean force of the cable [N].
+        given: Mean force of the cable [N]; its force density where that is given [N/m], the harmonic mean.
         middle: Place on it, shape (3,) [m].
         surface: Number of the surface that it bounds, of membranes joined along seams.
+        by_density: True for a cable of given force density.
     """
 
     part: str
@@ -36,9 +38,10 @@ class Edge(NamedTuple):
     ends: Numbers
     chord: Array
     pull: Array
-    force: float
+    given: float
     middle: Array
     surface: int
+    by_density: bool = False
 
     @property
     def need(self) -> float:
@@ -49,6 +52,25 @@ class Edge(NamedTuple):
     def span(self) -> float:
         """Length of the chord [m]."""
         return float(np.linalg.norm(self.chord))
+
+    @property
+    def turn(self) -> float:
+        """Turn of the ends of the arc from its chord, a quarter of a circle at most [rad].
+
+        The force of an arc of given force density is that density times the length of a segment, which grows with the
+        turn a: half the pull is T sin(a), and T is the density times span a / (sin(a) segments).
+        """
+        if self.by_density:
+            return min(np.pi / 2, self.need * len(self.cells) / (self.span * self.given))
+        return float(np.arcsin(min(1.0, self.need / self.given)))
+
+    def given_for(self, turn: float) -> float:
+        """Force, or force density, of an arc of this turn [N or N/m]."""
+        return self.need * len(self.cells) / (self.span * turn) if self.by_density else self.need / float(np.sin(turn))
+
+    def shown(self, given: float) -> str:
+        """Show a force, or a force density, in a message."""
+        return f"{'a force density of ' * self.by_density}{given:.4g}"
 
 
 class Rim(NamedTuple):
@@ -84,8 +106,17 @@ def rim_of(structure: Structure, points: Array, stresses: Mapping[str, Array]) -
     return Rim(edges[outer], np.concatenate(pulls)[outer], surface[owner[outer]])
 
 
-def edges_of(structure: Structure, points: Array, rim: Rim, forces: Mapping[str, Array]) -> list[Edge]:
-    """Edges with cables of these forces, by name, shape (cells,) [N]; none for closed cables."""
+def edges_of(
+    structure: Structure,
+    points: Array,
+    rim: Rim,
+    forces: Mapping[str, Array],
+    densities: Mapping[str, Array] = MappingProxyType({}),
+) -> list[Edge]:
+    """Edges with cables of these forces, by name, shape (cells,) [N]; none for closed cables.
+
+    A line has a force density where its cells have one in `densities`, by name, shape (cells,) [N/m], else its force.
+    """
     if not len(rim.segments):
         return []
     loaded = [structure.parts[name].cells[force > 0].ravel() for name, force in forces.items()]
@@ -103,9 +134,11 @@ def edges_of(structure: Structure, points: Array, rim: Rim, forces: Mapping[str,
         for line in lines_of(cells, on_edge, stops) if len(on_edge) else []:
             if not line.is_closed:
                 at = order[number[line.cells]]
-                found.append(
-                    _edge(name, line, points, rim.pulls[at], float(force[line.cells].mean()), rim.surfaces[at[0]])
-                )
+                density = densities[name][line.cells] if name in densities else np.zeros(1)
+                by_density = bool((density > 0).all())
+                given = float(1 / np.mean(1 / density) if by_density else force[line.cells].mean())
+                edge = _edge(name, line, points, rim.pulls[at], given, rim.surfaces[at[0]])
+                found.append(edge._replace(by_density=by_density))
     return found
 
 
@@ -123,7 +156,7 @@ def keys_of(segments: Numbers, count: int) -> Numbers:
     return np.asarray(segments.min(axis=1) * count + segments.max(axis=1))
 
 
-def _edge(name: str, line: Line, points: Array, pulls: Array, force: float, surface: int) -> Edge:
+def _edge(name: str, line: Line, points: Array, pulls: Array, given: float, surface: int) -> Edge:
     nodes = line.nodes
     chord = points[nodes[-1]] - points[nodes[0]]
     pull = pulls.sum(axis=0)
@@ -131,4 +164,4 @@ def _edge(name: str, line: Line, points: Array, pulls: Array, force: float, surf
     # Cells of a first mesh that stand out of its surface, at held nodes, would count more than their span.
     most = lengths(pulls).sum() / line.length(points) * np.linalg.norm(chord)
     pull *= min(1.0, most / max(float(np.linalg.norm(pull)), TINY))
-    return Edge(name, line.cells, nodes[[0, -1]], chord, pull, force, points[nodes[len(nodes) // 2]], surface)
+    return Edge(name, line.cells, nodes[[0, -1]], chord, pull, given, points[nodes[len(nodes) // 2]], surface)

@@ -6,7 +6,6 @@ from numpy.typing import NDArray
 from ...checks.values import format_point
 from ...geometry.measures import normals
 from ...geometry.topology import orientation
-from ...model.parts import Membrane
 from ...model.structure import Structure
 from .edge_lines import keys_of
 
@@ -18,7 +17,7 @@ FOLDED = -0.5  # cosine of the angle between normals of adjoining cells, below w
 def fold(structure: Structure, points: Array) -> str:
     """Tell of the sharpest fold of a membrane, in words; empty without one."""
     for name, part in structure.parts.items():
-        sense = orientation(part.cells) if isinstance(part, Membrane) else None
+        sense = orientation(part.cells) if part.dimension == 2 else None
         if sense is None:
             continue
         pairs, edges = _adjoining(part.cells, len(points))

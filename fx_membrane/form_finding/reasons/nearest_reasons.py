@@ -6,18 +6,17 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.measures import measures
-from ...model.parts import Bar
 from ...model.structure import Structure
 from ..form import FormStep
 from ..nearest_stress.ratios import differences
 from ..nearest_stress.state import NearestProblem, State
-from ..plan import place
 from ..wishes import Wish
-from .as_asked import as_asked
+from .as_asked import Asked, as_asked
+from .distance import wished, worst
 from .folds import fold
+from .necks import neck
 from .no_form import causes, forces_in
-from .ring_reach import far_ring, has_ring
+from .ring_reach import far_ring
 from .unheld import lone_point
 from .weak_edges import GUIDED, WeakEdges, weak_edges
 
@@ -27,7 +26,6 @@ Trial = Callable[[NearestProblem, bool], bool]
 MARGINS = (0.01, 0.0)  # shares above the force needed, with which a form is tried
 FEW, WORK = 2, 3000  # trials with stronger cables at least, and cells of all: a reason takes no longer than the search
 UNEQUAL = 1.05  # ratio of principal stresses, above which they count as unequal
-SHRUNK = 0.3  # length of a cell over the usual one, below which a membrane closes to a neck
 UNKNOWN = (
     "The reason is not established: by the rules the edge cables are strong enough and no ring is too far, and no "
     "trial with stronger cables, without loads or with equal stress has a form. Refine the mesh, or begin with another "
@@ -46,6 +44,7 @@ def reason_of(
     steps: Sequence[FormStep],
     failure: str,
     tolerance: float,
+    most: int,
     far: float,
     is_found: Trial | None,
 ) -> str:
@@ -57,13 +56,14 @@ def reason_of(
         steps: Its steps.
         failure: Failure of the search for its form, in words; empty without one.
         tolerance: Accepted change in a step [-].
+        most: Maximum number of steps.
         far: Mean difference of stress and wish above which the form is not that of the wish [-].
         is_found: Trial of another problem, near to the wish at once or by the whole search: True if it has a form; None
             under constraints, for which there is none.
     """
-    structure, where = problem.structure, _worst(problem, state)
-    asked = structure if problem.balance is None else as_asked(structure, problem.balance)
-    weak = weak_edges(asked, structure.points, _wished(problem), forces_in(asked))
+    structure, where = problem.structure, worst(problem, state)
+    asked = Asked(structure, {}) if problem.balance is None else as_asked(structure, problem.balance)
+    weak = weak_edges(asked.structure, structure.points, wished(problem), forces_in(asked.structure), asked.densities)
     lone = lone_point(structure, structure.points)
     settled = bool(steps) and steps[-1].change <= tolerance
     if failure or state.mean > far:
@@ -74,31 +74,31 @@ def reason_of(
         return f"{depends}. {causes(weak.words, lone)} {where}"
     if settled:
         return ""
+    ring = causes(far_ring(structure, structure.points, wished(problem)), where.removesuffix("."))
+    if len(steps) < most:
+        return (
+            f"it has not settled: no step after {len(steps)} brings the stress nearer to the wish, as a Ring or a "
+            "RigidBody slides within the surface or between its cables. Guide it by supports, or give a ring its "
+            f"radius, or a cable with a force along it. {ring}"
+        )
     return (
-        f"it has not settled: step {len(steps)}, the last, changed it by {steps[-1].change if steps else np.inf:.3g}, "
-        f"more than the tolerance {tolerance:g}; allow more steps (max_iterations=...). {where}"
+        f"it has not settled: step {len(steps)}, the last, changed it by {steps[-1].change:.3g}, more than the "
+        f"tolerance {tolerance:g}; allow more steps (max_iterations=...). {ring}"
     )
-
-
-def _wished(problem: NearestProblem) -> dict[str, Array]:
-    """Stress wished for in the first mesh as tensors in space, by membrane, shape (cells, 3, 3) [N/m]."""
-    found = {}
-    for name, block in problem.membranes.items():
-        triangles = block.triangles(problem.structure.points[block.cells])
-        found[name] = triangles.frame.swapaxes(1, 2) @ triangles.wish @ triangles.frame
-    return found
 
 
 def _established(problem: NearestProblem, state: State, weak: WeakEdges, lone: str, is_found: Trial | None) -> str:
     """Sentences on the reason that is established, or on that none is."""
     structure = problem.structure
-    ring = far_ring(structure, structure.points, _wished(problem))
+    ring = far_ring(structure, structure.points, wished(problem))
     if weak.words:
         stronger = _with_stronger_edges(problem, weak, is_found)
         return causes(stronger.words, lone) if stronger else causes(weak.words, ring, lone)
     if ring or lone:
         return causes(ring, lone)
-    found = _by_trial(problem, weak, is_found) or _neck(problem, state) or causes(fold(structure, structure.points))
+    found = (
+        _by_trial(problem, weak, is_found) or neck(structure, state.points) or causes(fold(structure, structure.points))
+    )
     return found or (UNTRIED if is_found is None else UNKNOWN)
 
 
@@ -138,7 +138,7 @@ def _with_stronger_edges(problem: NearestProblem, weak: WeakEdges, is_found: Tri
 
 def _with_forces(structure: Structure, forces: dict[str, Array]) -> Structure:
     parts = {
-        name: replace(part, prestress=forces[name]) if isinstance(part, Bar) and name in forces else part
+        name: replace(part, prestress=forces[name]) if part.dimension == 1 and name in forces else part
         for name, part in structure.parts.items()
     }
     return replace(structure, parts=parts)
@@ -178,37 +178,4 @@ def _equal(problem: NearestProblem) -> NearestProblem:
 
     return NearestProblem(
         problem.structure, problem.loads, {name: equal(wish) for name, wish in problem.wishes.items()}
-    )
-
-
-def _neck(problem: NearestProblem, state: State) -> str:
-    """Tell of the place where a membrane between rings closes to a neck, in words; empty without one."""
-    found = (SHRUNK, "")
-    for name, block in problem.membranes.items():
-        if not has_ring(problem.structure, block.cells):
-            continue
-        now = np.sqrt(measures(state.points, block.cells))
-        ratio = now / np.sqrt(measures(problem.structure.points, block.cells))
-        ratio /= np.median(ratio)
-        cell = int(ratio.argmin())
-        if ratio[cell] < found[0]:
-            found = (float(ratio[cell]), f"part {name!r}, at {place(state.points, block.cells, cell)}")
-    if not found[1]:
-        return ""
-    return (
-        f"No surface of such stress spans the supports; it closes to a neck in {found[1]}. Bring the rings nearer to "
-        "each other, make the ring larger, wish for more stress from ring to ring than around them, or give the stress "
-        "in plan, projected_stress."
-    )
-
-
-def _worst(problem: NearestProblem, state: State) -> str:
-    """Tell of the cell whose stress is farthest from the wish."""
-    sizes = {name: differences(ratio) for name, ratio in state.ratios.items()}
-    name = max(sizes, key=lambda name: float(sizes[name].max(initial=0.0)))
-    cell = int(sizes[name].argmax())
-    cells = problem.membranes[name].cells if name in problem.membranes else problem.bars[name].cells
-    return (
-        f"The stress is farthest from the wish in part {name!r}, cell {cell} at {place(state.points, cells, cell)}, by "
-        f"{100 * state.largest:.3g} %; form.differences has all."
     )

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.measures import normals, projected
-from ...model.parts import Membrane
 from ...model.structure import Structure
+from .as_asked import Asked
 from .folds import fold
 from .ring_reach import far_ring
 from .unheld import free_edge, lone_point
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 UNEQUAL = 1.05  # ratio of principal stresses, above which they count as unequal
 
 
-def cause(structure: Structure, points: Array, asked: Structure | None = None) -> str:
+def cause(structure: Structure, points: Array, asked: Asked | None = None) -> str:
     """Tell of the causes that rules establish, or else of unequal stress; see `established`.
 
     Returns:
@@ -27,7 +27,7 @@ def cause(structure: Structure, points: Array, asked: Structure | None = None) -
     return established(structure, points, asked) or _unequal(structure)
 
 
-def established(structure: Structure, points: Array, asked: Structure | None = None) -> str:
+def established(structure: Structure, points: Array, asked: Asked | None = None) -> str:
     """Tell of weak edge cables, rings too far away, edges and points without hold, or else of a fold, in sentences.
 
     Args:
@@ -35,10 +35,10 @@ def established(structure: Structure, points: Array, asked: Structure | None = N
         points: Its shape, shape (n, 3) [m].
         asked: The same with what its constraints ask for, see `as_asked`; the structure itself if not given.
     """
-    asked = asked or structure
+    asked = asked or Asked(structure, {})
     stresses = stresses_in(structure, points)
-    found = [weak_edges(asked, points, stresses, forces_in(asked)).words, far_ring(structure, points, stresses)]
-    found += [free_edge(asked, points), lone_point(structure, points)]
+    found = [weak_edges(asked.structure, points, stresses, forces_in(asked.structure), asked.densities).words]
+    found += [far_ring(structure, points, stresses), free_edge(asked.structure, points), lone_point(structure, points)]
     return causes(*found) or causes(fold(structure, points))
 
 
@@ -50,7 +50,7 @@ def causes(*found: str) -> str:
 def _unequal(structure: Structure) -> str:
     """Tell of a membrane whose stress is unlike along warp and weft."""
     for name, part in structure.parts.items():
-        if isinstance(part, Membrane):
+        if part.dimension == 2:
             least, largest = np.linalg.eigvalsh(part.prestress_tensors()).mean(axis=0)
             if largest > UNEQUAL * least:
                 unequal = (
@@ -69,7 +69,7 @@ def stresses_in(structure: Structure, points: Array) -> Mapping[str, Array]:
     """Prestress of membranes in a shape as tensors in space, by name, shape (cells, 3, 3) [N/m]."""
     found = {}
     for name, part in structure.parts.items():
-        if isinstance(part, Membrane):
+        if part.dimension == 2:
             normal = normals(points, part.cells)
             warp = projected(structure.warp(name), normal)
             frame = np.stack([warp, np.cross(normal, warp)], axis=2)

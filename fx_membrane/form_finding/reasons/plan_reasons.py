@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ...geometry.measures import measures
 from ...model.structure import Structure
+from ..balance.edge_balance import unbalanced_edge
 from ..plan import Plan
 from .axis_balance import unbalanced
 from .no_form import causes, forces_in
@@ -15,12 +16,15 @@ from .weak_edges import weak_edges
 
 Array = NDArray[np.float64]
 
+UNEVEN = 0.01  # range of a force over its mean, above which a constant one is not called balanced
+
 
 def reasons_in_plan(
     structure: Structure,
     plans: Mapping[str, Plan],
     axes: Array,
     densities: Mapping[str, Array],
+    given: Mapping[str, Array],
     problem: str,
     is_constrained: bool,
 ) -> str:
@@ -31,34 +35,47 @@ def reasons_in_plan(
         plans: Its membranes in plan.
         axes: Two axes of the plan and its normal as columns, shape (3, 3) [-].
         densities: Force densities of bars in the first step, by part, shape (cells,) [N/m].
+        given: Those that are prescribed, zero where a force is, by part, shape (cells,) [N/m].
         problem: The problem in sentences; empty without one.
         is_constrained: True if nodes or cables have constraints, which may hold an edge.
     """
     lone = lone_point(structure, structure.points)
     if not problem:
         return f"it depends on the mesh. {causes(lone)}" if lone else ""
-    weak = _weak(structure, plans, axes, densities)
+    weak = _weak(structure, plans, axes, densities, given)
     unheld = "" if is_constrained else free_edge(structure, structure.points)
     found = causes(weak, unheld, lone)
-    return f"{problem} {found or _advice(structure, plans, axes)}".strip()
+    return f"{problem} {found or _advice(structure, plans, axes, given)}".strip()
 
 
-def _weak(structure: Structure, plans: Mapping[str, Plan], axes: Array, densities: Mapping[str, Array]) -> str:
+def _weak(
+    structure: Structure,
+    plans: Mapping[str, Plan],
+    axes: Array,
+    densities: Mapping[str, Array],
+    given: Mapping[str, Array],
+) -> str:
     """Tell of the edge cable that lacks most force in plan, in words; empty if none is too weak."""
     plane = axes[:, :2]
     flat = structure.points @ plane @ plane.T
     stresses = {name: plane @ plan.stress @ plane.T for name, plan in plans.items()}
     forces = {name: densities[name] * measures(flat, structure.parts[name].cells) for name in forces_in(structure)}
-    return weak_edges(structure, flat, stresses, forces).words
+    return weak_edges(structure, flat, stresses, forces, given).words
 
 
-def _advice(structure: Structure, plans: Mapping[str, Plan], axes: Array) -> str:
+def _advice(structure: Structure, plans: Mapping[str, Plan], axes: Array, given: Mapping[str, Array]) -> str:
     """Sentences on the condition that a stress in plan misses, or on how to come nearer."""
     plane = axes[:, :2]
     for name, plan in plans.items():
         if missed := unbalanced(plan, structure.points @ plane, plane):
             return f'In part {name!r}, {missed} To keep the plan, hold its nodes in it, as by Support(nodes, "xy").'
     again = "start again from dataclasses.replace(structure, points=form.points)."
+    varies, where = unbalanced_edge(structure, plans, axes)
+    if varies > UNEVEN and not any(q.any() for q in given.values()):
+        return (
+            f"The stress pulls along the {where}, so no constant force balances it there: it must vary by "
+            f'{100 * varies:.3g} %. Take cables="balanced force", with the mean force as prestress, and {again}'
+        )
     if any(force.any() for force in forces_in(structure).values()):
         return f"Draw edges with cables as arcs, of radius force over stress; or {again}"
     return f"Give a stress that balances in plan, such as a constant one; or {again}"

@@ -7,6 +7,7 @@ plane this is exact; elsewhere it is a guide, and a method may need more: then i
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +33,7 @@ class WeakEdges:
     Attributes:
         points: Positions of the nodes, shape (n, 3) [m].
         edges: All edges with cables.
-        needs: Force above which each has a form, its own if that is enough, shape (edges,) [N].
+        needs: Force or force density, as given, above which each has a form, its own if that is enough, shape (edges,).
         conflicts: Arcs that meet under the forces now, the worst first.
         tried: True if the forces needed are those of a form found by trial.
     """
@@ -46,19 +47,19 @@ class WeakEdges:
     @property
     def weak(self) -> list[int]:
         """Numbers of the edges that are too weak."""
-        return [k for k, edge in enumerate(self.edges) if self.needs[k] > edge.force * (1 + SAME)]
+        return [k for k, edge in enumerate(self.edges) if self.needs[k] > edge.given * (1 + SAME)]
 
     @property
     def largest(self) -> float:
         """Largest ratio of a force needed to the force there [-]."""
-        return max(float(need) / edge.force for need, edge in zip(self.needs, self.edges, strict=True))
+        return max(float(need) / edge.given for need, edge in zip(self.needs, self.edges, strict=True))
 
     @property
     def words(self) -> str:
         """Sentence on the edge that lacks most, without its full stop; empty if none is too weak."""
         if not self.weak:
             return ""
-        worst = max(self.weak, key=lambda k: self.needs[k] / self.edges[k].force)
+        worst = max(self.weak, key=lambda k: self.needs[k] / self.edges[k].given)
         conflict = next((one for one in self.conflicts if worst in one.edges), None)
         words = self._of_span(worst) if conflict is None else self._of_conflict(conflict)
         named = {worst} if conflict is None else set(conflict.edges)
@@ -66,7 +67,7 @@ class WeakEdges:
 
     def trials(self) -> Iterator["WeakEdges"]:
         """Give forces to try, in turn, rounded up as in words: of the edges too weak, or of all if none is."""
-        now = np.array([edge.force for edge in self.edges])
+        now = np.array([edge.given for edge in self.edges])
         if self.weak and self.largest <= GUIDED:  # near its limit the rule may ask for too much
             yield self._with(np.sqrt(now * self.needs), True)
         if self.weak:
@@ -87,20 +88,19 @@ class WeakEdges:
             if np.ptp(forces[edge.part]) <= SAME * forces[edge.part].max():  # a cable of one force keeps to one
                 given[edge.part] = np.maximum(given[edge.part], need)
             else:
-                given[edge.part][edge.cells] *= need / edge.force
+                given[edge.part][edge.cells] *= need / edge.given
         return given
 
     def _of_span(self, k: int) -> str:
-        edge, need = self.edges[k], f"{self.needs[k]:.4g}"
+        edge = self.edges[k]
         stress = 2 * edge.need / edge.span
-        rule = f"needs more than {edge.need:.4g}, stress times half the span"
-        if self.tried and self.needs[k] > edge.need:
-            rule += f", and as an arc with room for the mesh more than {need}"
-        elif self.tried:
-            rule = f"needs more than {need}"
+        need, rule = self.needs[k], ""
+        if not self.tried:
+            need = edge.given_for(np.pi / 2)
+            rule = f", stress times {'segments over pi' if edge.by_density else 'half the span'}"
         return (
-            f"that of part {edge.part!r} around {format_point(edge.middle)} has {edge.force:.4g} over a span of "
-            f"{edge.span:.4g}; the stress of {stress:.4g} there {rule}"
+            f"that of part {edge.part!r} around {format_point(edge.middle)} has {edge.shown(edge.given)} over a span "
+            f"of {edge.span:.4g}; the stress of {stress:.4g} there needs more than {edge.shown(need)}{rule}"
         )
 
     def _of_conflict(self, conflict: Conflict) -> str:
@@ -108,9 +108,9 @@ class WeakEdges:
         among = sorted(conflict.edges, key=lambda k: -self.needs[k])
         mine, weak = [self.edges[k] for k in among], [k for k in among if k in self.weak]
         names = " and ".join(dict.fromkeys(repr(edge.part) for edge in mine))
-        have = " and ".join(f"{edge.force:.4g}" for edge in mine)
+        have = " and ".join(edge.shown(edge.given) for edge in mine)
         spans = " and ".join(f"{edge.span:.4g}" for edge in mine)
-        need = " and ".join(f"{self.needs[k]:.4g}" for k in weak)
+        need = " and ".join(self.edges[k].shown(self.needs[k]) for k in weak)
         middles = " and ".join(format_point(edge.middle) for edge in mine)
         if conflict.other is not None:
             return (
@@ -134,11 +134,13 @@ class WeakEdges:
         """List the need of every part, where more edges than those named are too weak."""
         if set(self.weak) <= named:
             return ""
-        by_part: dict[str, float] = {}
+        by_part: dict[str, int] = {}
         for k in self.weak:
-            name = self.edges[k].part
-            by_part[name] = max(by_part.get(name, 0.0), float(self.needs[k]))
-        listed = ", ".join(f"{name!r} {need:.4g}" for name, need in list(by_part.items())[:LISTED])
+            most = by_part.setdefault(self.edges[k].part, k)
+            by_part[self.edges[k].part] = max(most, k, key=lambda each: float(self.needs[each]))
+        listed = ", ".join(
+            f"{name!r} {self.edges[k].shown(self.needs[k])}" for name, k in list(by_part.items())[:LISTED]
+        )
         more = f" and {len(by_part) - LISTED} more" if len(by_part) > LISTED else ""
         return f"; by part: {listed}{more}"
 
@@ -150,7 +152,11 @@ def _rounded_up(force: float) -> float:
 
 
 def weak_edges(
-    structure: Structure, points: Array, stresses: Mapping[str, Array], forces: Mapping[str, Array]
+    structure: Structure,
+    points: Array,
+    stresses: Mapping[str, Array],
+    forces: Mapping[str, Array],
+    densities: Mapping[str, Array] = MappingProxyType({}),
 ) -> WeakEdges:
     """Find the edge cables that are too weak.
 
@@ -159,12 +165,12 @@ def weak_edges(
         points: Its shape, shape (n, 3) [m].
         stresses: By membrane, stress in space, shape (cells, 3, 3) [N/m].
         forces: By cable, its force, shape (cells,) [N].
+        densities: By cable, the force density of the cells that are given by it, zero of others, shape (cells,) [N/m].
     """
     rim = rim_of(structure, points, stresses)
-    edges = edges_of(structure, points, rim, forces)
+    edges = edges_of(structure, points, rim, forces, densities)
     conflicts = conflicts_of(points, edges, *held_segments(structure, rim, edges))
     fitting, met = fitting_turns(turns_of(edges), conflicts)
-    now, least = (np.array([getattr(edge, what) for edge in edges], dtype=float) for what in ("force", "need"))
-    # A turn at its limit of a quarter of a circle is that of the least force.
-    needs = np.maximum(now, np.divide(least, np.sin(fitting), where=fitting > 0, out=least.copy()))
-    return WeakEdges(points, edges, needs, met)
+    # A turn at its limit of a quarter of a circle is that of the least force; straight edges keep their own.
+    needs = [max(edge.given, edge.given_for(turn or np.pi / 2)) for edge, turn in zip(edges, fitting, strict=True)]
+    return WeakEdges(points, edges, np.array(needs, dtype=float), met)

@@ -1,6 +1,7 @@
 """Every method takes every kind of constraint, meets it, and hands its form over at rest."""
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -149,7 +150,8 @@ def miss(form, structure, kind):
 
 
 COLLECTIVE = ("sag", "ring")  # kinds that run again on several processes
-BY_STEPS = {"force": 1e-2, "horizontal force": 1e-2, "density": 1e-2}  # told in remarks; others are exact
+BY_STEPS = {"force": 2e-3, "horizontal force": 2e-3, "density": 2e-3}  # of nets and in projection; others are exact
+EXACT = ("natural force density", "updated reference")  # methods that meet forces in each step
 
 
 pytestmark = pytest.mark.filterwarnings(
@@ -157,14 +159,22 @@ pytestmark = pytest.mark.filterwarnings(
 )
 
 
-@pytest.mark.parametrize("load", LOADS)
-@pytest.mark.parametrize("kind", [pytest.param(k, marks=pytest.mark.mpi if k in COLLECTIVE else ()) for k in KINDS])
-@pytest.mark.parametrize("method", METHODS)
+def every_pair():
+    """List all methods with all kinds; each method and each kind is with and without a load once at least.
+
+    A load is a constant term of the balance of nodes. No constraint reads it, so the third product proves no more.
+    """
+    for (m, method), (k, kind) in product(enumerate(METHODS), enumerate(KINDS)):
+        marks = pytest.mark.mpi if kind in COLLECTIVE else ()
+        yield pytest.param(method, kind, [*LOADS][(m + k) % 2], marks=marks)
+
+
+@pytest.mark.parametrize(("method", "kind", "load"), every_pair())
 def test_constraint_is_met_and_the_form_is_at_rest(method, kind, load):
     structure, loads = start(), LOADS[load]
     form = METHODS[method](structure, loads, KINDS[kind](structure))
     off = miss(form, structure, kind)
-    assert off < BY_STEPS.get(kind, 2e-7)
+    assert off < (2e-6 if kind in BY_STEPS and method in EXACT else BY_STEPS.get(kind, 2e-7))
     assert off < 1.001e-3 or "of its constraint" in form.remarks[0]
     state = Analysis(form.structure).run([Stage("form", loads)])["form"]
     assert state.largest_displacement <= 1e-12 * np.ptp(form.points, axis=0).max()

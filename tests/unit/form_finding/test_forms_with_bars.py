@@ -86,10 +86,10 @@ def between_supports():
 @pytest.mark.parametrize(
     "structure",
     [
-        star(100.0, 100, 100), star(100.0, 100, 150), flying(-50.0), flying(-400.0), under_a_sheet(),
+        star(100.0, 100, 100), star(100.0, 100, 150), guyed(-500.0), flying(-50.0), flying(-400.0), under_a_sheet(),
         sail_on_masts(12),
     ],
-    ids=["star", "uneven star", "flying", "flying far", "under a sheet", "sail"],
+    ids=["star", "uneven star", "guyed", "flying", "flying far", "under a sheet", "sail"],
 )  # fmt: skip
 def test_forms_with_an_equilibrium_have_the_forces_prescribed(structure):
     form = updated_reference(structure)

@@ -30,7 +30,7 @@ def problem_of(structure, loads=(), constraints=()):
 
 def told(problem, is_found, state=None):
     """Reason of a search that failed, in a state that is far from the wish."""
-    return reason_of(problem, state or even_state(problem), [], "no form is found", 1e-6, 0.5, is_found)
+    return reason_of(problem, state or even_state(problem), [], "no form is found", 1e-6, 100, 0.5, is_found)
 
 
 def never(problem, at_once):

@@ -1,18 +1,22 @@
 """Reasons for which prescribed stresses have no form: weak edge cables, rings too far away, with numbers and places."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from constrained import assert_last_good
+from constrained import assert_last_good, canopy, cone
 from fx_membrane import (
     Analysis,
     Cable,
+    CableDensity,
+    CableForce,
     Fabric,
     Membrane,
+    Pressure,
     Stage,
     Structure,
     Support,
@@ -232,3 +236,29 @@ def test_warp_and_prestress_are_refused_with_their_place():
             method(Structure(points, {"film": Membrane(triangles, FABRIC, (3.0, 2.0), warp)}, [rim]))
         with pytest.raises(ValueError, match=r"cell 0.* at \(-1\.33333, -1\.66667, 0\)"):
             method(Structure(points, {"film": Membrane(triangles, FABRIC, -1.0)}, [rim]))
+
+
+def round_cone(top):
+    structure, ring = cone(top=top)
+    return replace(structure, parts={"film": structure.parts["film"]}, supports=[*structure.supports, Support(ring)])
+
+
+@pytest.mark.parametrize("loads", [[], [Pressure(50.0, "film")]], ids=["bare", "pressure"])
+def test_ring_too_far_is_named_before_the_shape_collapses(loads):
+    with pytest.warns(UnsettledFormWarning, match=r"not settled: step 5, .*A ring is too far .*reaches about 2\.39"):
+        updated_reference(round_cone(6.0), loads, max_iterations=5)
+
+
+@pytest.mark.parametrize("loads", [[], [Pressure(50.0, "film")]], ids=["bare", "pressure"])
+@pytest.mark.parametrize("constraints", [[], [CableDensity("edge", 300.0)]], ids=["force", "density"])
+def test_weak_edges_are_named_before_the_shape_collapses(loads, constraints):
+    with pytest.warns(
+        UnsettledFormWarning, match=r"not settled: .*edge cables are too weak.* need more than 1\.\d+e\+04"
+    ):
+        updated_reference(canopy(force=3e3), loads, max_iterations=2, constraints=constraints)
+
+
+def test_weak_edges_are_named_under_loads_that_grow():
+    message = r"grow with the form.*edge cables are too weak"
+    with pytest.raises(RuntimeError, match=message):
+        updated_reference(canopy(force=3e3), [Pressure(1500.0, "film")], constraints=[CableForce("edge", 3e3)])

@@ -32,6 +32,7 @@ from fx_membrane import (
 )
 from fx_membrane.form_finding.constraints import bodies
 from fx_membrane.form_finding.constraints.motions import motions_of
+from masted_sails import head
 
 METHODS = [projected_stress, natural_force_density, updated_reference, prescribed_stress]
 
@@ -158,13 +159,48 @@ def sail_on_masts(tilt=1.0, pull=25e3, push=0.0):
     return Structure(points, parts, [Support(low), Support(range(n, n + 6))]), masts
 
 
-@pytest.mark.parametrize("tilt", [0.0, 3.0])  # at 1.0 one version tells a fall, another no balance
+@pytest.mark.parametrize("tilt", [0.0, 1.0, 3.0])
 def test_mast_of_given_length_that_falls_is_told(tilt):
     structure, masts = sail_on_masts(tilt)
     with pytest.warns(UnsettledFormWarning, match=r"the RigidBody .* has turned by \d+ degrees .* masts_and_stays"):
         form = updated_reference(structure, constraints=[RigidBody(mast) for mast in masts])
     assert not form.converged
     assert np.ptp(form.points[:, 2]) < 0.1
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("tilt", [0.0, 1.0, 3.0])
+def test_mast_without_force_that_falls_is_told(method, tilt):
+    structure, _ = sail_on_masts(tilt)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always", UnsettledFormWarning)
+        words = outcome(method, structure) or str(told[0].message)
+    assert re.search(
+        r"mast in cell 0 of part 'masts'(,? has no force, |, with the force 0, shrinks).*as prestress,", words
+    )
+
+
+def outcome(method, structure):
+    """Words of a refusal, or none of a form that has not converged."""
+    try:
+        assert not method(structure).converged
+    except RuntimeError as refused:
+        return str(refused)
+    return ""
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_mast_without_force_that_a_sheet_presses_down_is_told(method):
+    points, triangles = rectangle(2.0, 2.0, 8, 8)
+    points[40, 2] = 0.5
+    parts = {"sheet": Membrane(triangles, Fabric(4e5, 0.3), 2e3), "mast": Mast([[81, 40]], 1e6)}
+    rim = np.unique(boundary_edges(triangles))
+    structure = Structure(np.vstack([points, [[0, 0, -1.0]]]), parts, [Support([*rim, 81])])
+    with pytest.warns(
+        UnsettledFormWarning, match=r"'mast' has no force, .* its length from 1\.5 to 1, its end to \(0, "
+    ):
+        form = method(structure)
+    assert not form.converged
 
 
 @pytest.mark.parametrize(("tilt", "pull"), [(1.0, 5e3), (1.0, 60e3), (3.0, 25e3)])
@@ -206,3 +242,31 @@ def test_free_mast_is_refused_with_the_ways_to_find_it(method):
     structure, masts = sail_on_masts(push=-40e3)
     with pytest.raises(ValueError, match=r"'masts', cell 0 .*-40000.*masts_and_stays.*RigidBody.*updated_reference"):
         method(structure, constraints=[RigidBody(masts[0])])
+
+
+def test_stress_somewhat_off_is_told():
+    with pytest.warns(UnsettledFormWarning, match=r"after 30 iterations that is off by \d.*iterations=\.\.\."):
+        form = natural_force_density(canopy(force=25e3), iterations=30)
+    assert not form.converged
+    assert form.steps[-1].stress_error < 0.1
+
+
+def test_unmet_force_of_a_bar_is_told():
+    form, bars, ends, _ = head((-3.0, 0, 0), (0.0, 0, 0), wanted=[1e3, 0.0])
+    with pytest.warns(UnsettledFormWarning, match=r"with 5000 in cell 0 of part 'stay', not with the wanted 1000, .*"):
+        guyed = masts_and_stays(form, bars, ends)
+    assert not guyed.converged
+    assert "want that force, or none" in guyed.remarks[-1]
+
+
+def test_ring_that_slides_without_rest_is_told_with_a_remedy():
+    structure, ring = cone()
+    k = len(structure.points)
+    stays = Cable(np.stack([ring, np.full(len(ring), k)], axis=1), 1e7, 200.0)
+    hung = Structure(
+        np.vstack([structure.points, [[0, 0, 4.0]]]),
+        {"film": structure.parts["film"], "stays": stays},
+        [*structure.supports, Support([k])],
+    )
+    with pytest.warns(UnsettledFormWarning, match=r"not settled: no step after \d+ brings .* give a ring its radius"):
+        assert not prescribed_stress(hung, constraints=[Ring(ring)]).converged

@@ -1,12 +1,15 @@
 """Edge cables too weak for their membrane: the force named is enough, for spans, corners, narrow places, held edges."""
 
 import re
+from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 
 from fx_membrane import (
     Cable,
+    CableDensity,
     Fabric,
     Membrane,
     OrthotropicFabric,
@@ -14,6 +17,7 @@ from fx_membrane import (
     Support,
     UnsettledFormWarning,
     boundary_edges,
+    natural_force_density,
     prescribed_stress,
     projected_stress,
     rectangle,
@@ -23,6 +27,7 @@ from fx_membrane.form_finding.reasons.no_form import forces_in, stresses_in
 from fx_membrane.form_finding.reasons.weak_edges import weak_edges
 
 WOVEN = OrthotropicFabric(Et_warp=8e5, Et_weft=5e5, nu=0.2, Gt=2e4)
+COARSE = 4  # segments of an edge; the force that it needs depends on the spans, not on the mesh
 
 
 def plan(corners, stress, forces, n=6, lift=1.5):
@@ -72,19 +77,19 @@ def needed(message):
 @pytest.mark.parametrize(("corners", "stress"), [(3, (3e3, 2e3)), (4, 2e3), (5, (4e3, 1e3)), (6, (3e3, 2e3))])
 def test_force_named_by_prescribed_stress_gives_a_form(corners, stress):
     with pytest.warns(UnsettledFormWarning, match=r"edge cables are too weak: .* more than") as told:
-        form = prescribed_stress(plan(corners, stress, [2e3] * corners))
+        form = prescribed_stress(plan(corners, stress, [2e3] * corners, COARSE))
     assert not form.converged
     assert "neck" not in str(told[0].message)
     forces = needed(str(told[0].message))
     enough = [1.01 * forces.get(f"edge {c}", 2e3) for c in range(corners)]
-    assert prescribed_stress(plan(corners, stress, enough)).converged
+    assert prescribed_stress(plan(corners, stress, enough, COARSE)).converged
 
 
 @pytest.mark.parametrize("corners", [4, 7])
 def test_force_named_for_a_cable_around_all_edges_gives_a_form(corners):
     with pytest.warns(UnsettledFormWarning, match="edge cables are too weak") as told:
-        prescribed_stress(plan(corners, 2e3, 2e3))
-    assert prescribed_stress(plan(corners, 2e3, 1.01 * needed(str(told[0].message))["edge"])).converged
+        prescribed_stress(plan(corners, 2e3, 2e3, COARSE))
+    assert prescribed_stress(plan(corners, 2e3, 1.01 * needed(str(told[0].message))["edge"], COARSE)).converged
 
 
 @pytest.mark.parametrize("corners", [3, 5, 8])
@@ -139,3 +144,69 @@ def test_edge_beside_held_ones_is_named():
 def test_projection_uses_the_same_rules():
     with pytest.warns(UnsettledFormWarning, match=r"'side 0' and 'side 2' around .* would cross as arcs"):
         assert not projected_stress(sheet(8.0, 2.0, [9.0, 9.0, 9.0, 9.0], n=16)).converged
+
+
+def rule_of_density(densities):
+    """Edges of a sheet of 6 x 6 under a stress of 2, with a force density on the cells of each side."""
+    structure = sheet(6.0, 6.0, [100.0] * 4)
+    points, given = structure.points, {f"side {k}": np.broadcast_to(q, 8) for k, q in enumerate(densities)}
+    return weak_edges(structure, points, stresses_in(structure, points), forces_in(structure), given)
+
+
+def test_force_density_turns_an_edge_by_stress_times_segments_over_twice_its_size():
+    # Two equal edges share a right angle, so each turns by k n / (2 q) = pi / 4: q = 8 * 2 * 2 / pi.
+    need = 32 / np.pi
+    assert rule_of_density([1.01 * need] * 4).words == ""
+    found = rule_of_density([0.99 * need] * 4)
+    assert found.needs == pytest.approx([need] * 4, rel=1e-6)
+    assert "have a force density of 10.08 and a force density of 10.08 over spans of 6 and 6" in found.words
+    assert "by part: 'side 0' a force density of 10.19" in found.words
+    unequal = np.repeat([1.01 * need / 1.5, 1.01 * need / 0.5], 4)  # the same mean of 1 / q: the same length of the arc
+    assert rule_of_density([unequal, 1.01 * need, 1.01 * need, 1.01 * need]).words == ""
+
+
+def sail_between_arcs(lift=3.0, stress=2e3, n=8):
+    """Sail of 12 m between four arcs, lifted by stress in projection."""
+    flat, triangles = rectangle(2.0, 2.0, n, n)
+    sag = np.sqrt(12**2 - (6 * flat[:, :2]) ** 2) - np.sqrt(12**2 - 6**2)
+    points = 6 * flat
+    points[:, :2] -= flat[:, :2] * sag[:, ::-1]
+    corners = np.flatnonzero(np.abs(flat[:, 0] * flat[:, 1]) == 1)
+    points[corners[[0, 3]], 2] = lift
+    film = Membrane(triangles, Fabric(6e5, 0.3), stress)
+    plan = Structure(
+        points, {"film": film, "edge": Cable(boundary_edges(triangles), 2e7, 12 * stress)}, [Support(corners)]
+    )
+    return replace(plan, points=projected_stress(plan).points)
+
+
+METHODS = {
+    "updated reference": partial(updated_reference, max_iterations=300),
+    "prescribed stress": prescribed_stress,
+    "natural force density": partial(natural_force_density, iterations=100, tolerance=5e-3),
+}
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_force_density_named_gives_a_form(name):
+    find, structure = METHODS[name], sail_between_arcs()
+    try:
+        with pytest.warns(UnsettledFormWarning) as told:
+            form = find(structure, constraints=[CableDensity("edge", 8e3)])
+        assert not form.converged
+        message = " ".join(str(warning.message) for warning in told)
+    except RuntimeError as refusal:
+        message = str(refusal)
+    need = float(re.search(r"by part: 'edge' a force density of ([\d.]+e\+\d+)", message)[1])
+    assert find(structure, constraints=[CableDensity("edge", 1.01 * need)]).converged
+    with pytest.warns(UnsettledFormWarning, match="edge cables are too weak: .* a force density of"):
+        assert not find(structure, constraints=[CableDensity("edge", 0.7 * need)]).converged
+
+
+def test_force_density_named_in_projection_keeps_the_plan():
+    structure = sail_between_arcs(0.0)
+    with pytest.warns(UnsettledFormWarning, match="too weak: .* by part: 'edge' a force density of 1.019e"):
+        projected_stress(structure, constraints=[CableDensity("edge", 8e3)])
+    weak = replace(structure.parts["edge"], prestress=8e3)
+    with pytest.warns(UnsettledFormWarning, match="too weak: .* by part: 'edge' a force density of 1.019e"):
+        projected_stress(replace(structure, parts=structure.parts | {"edge": weak}), cables="force density")

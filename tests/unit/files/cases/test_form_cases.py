@@ -1,6 +1,5 @@
 """Form finding in case files: the forms of scripts, constraints by method, and refusals in words."""
 
-import re
 from typing import Any
 
 import numpy as np
@@ -13,65 +12,22 @@ from fx_membrane import (
     Analysis,
     Cable,
     CableForce,
-    Fabric,
     Mast,
-    Membrane,
     PointLoad,
     Pressure,
-    RadialDirection,
-    RoundHole,
-    Structure,
     Support,
-    boundary_edges,
     force_density,
     masts_and_stays,
     natural_force_density,
     polyline,
     prescribed_stress,
     projected_stress,
-    rectangle,
-    remeshed,
-    sail_mesh,
     updated_reference,
-    write_mesh,
 )
 from fx_membrane.files.cases import forms
-from fx_membrane.files.cases.case import read_case
-from fx_membrane.files.cases.faults import CaseError
+from sail_cases import TENT, case_of, tent
 
 pytestmark = pytest.mark.filterwarnings("ignore:The form is in equilibrium")
-
-TENT = """
-format = 1
-geometry = { kind = "file", file = "tent.obj" }
-materials.pvc = { kind = "fabric", Et = 500, nu = 0.3 }
-parts.film = { kind = "membrane", material = "pvc", prestress = 2 }
-parts.edge = { kind = "cable", axial_stiffness = 1e4, prestress = 40 }
-supports = [{ nodes = [0, 4, 20, 24] }]
-"""
-
-
-def tent():
-    points, triangles = rectangle(4.0, 4.0, 4, 4)
-    points[:, 2] = points[:, 0] * points[:, 1] / 4
-    parts = {
-        "film": Membrane(triangles, Fabric(500.0, 0.3), 2.0),
-        "edge": Cable(boundary_edges(triangles), 1e4, prestress=40.0),
-    }
-    return Structure(points, parts, [Support([0, 4, 20, 24])])
-
-
-def case_of(folder, text, head=TENT):
-    write_mesh(tent(), folder / "tent.obj")
-    (folder / "tent.toml").write_text(head + text, encoding="utf-8")
-    return read_case(folder / "tent.toml")
-
-
-def refused(folder, text, head=TENT):
-    """Lines of the faults of a case."""
-    with pytest.raises(CaseError) as caught:
-        case_of(folder, text, head)
-    return [line.split("tent.toml:", 1)[1] for line in caught.value.lines]
 
 
 METHODS = {
@@ -158,86 +114,6 @@ def test_masts_and_stays_follow_a_form(tmp_path):
     assert states["form"].largest_displacement < 1e-9
 
 
-SAIL = """
-format = 1
-materials.pvc = { kind = "neo-hooke", E = 5e5, thickness = 1e-3 }
-parts.sail = { kind = "membrane", material = "pvc", prestress = 2, warp = { origin = [3, 3, 0] } }
-parts.edge = { kind = "cable", group = ["A-B", "B-C", "C-D", "D-A"], axial_stiffness = 1e4, prestress = 20 }
-supports = [{ group = "A" }, { group = "B" }, { group = "C" }, { group = "D" }, { group = "ring" }]
-[geometry]
-kind = "sail"
-corners = { A = [0, 0], B = [6, 0], C = [6, 6], D = [0, 6] }
-size = 1.5
-sag = 0.05
-holes.ring = { centre = [3, 3, 2], radius = 0.5 }
-lines.valley = ["A", ["ring", 0.625]]
-"""
-
-
-def test_sail_drawn_in_plan_with_a_radial_warp(tmp_path):
-    pytest.importorskip("gmsh")
-    found = case_of(tmp_path, "", SAIL).structure
-    corners = {"A": (0, 0), "B": (6, 0), "C": (6, 6), "D": (0, 6)}
-    holes = {"ring": RoundHole((3, 3, 2), 0.5)}
-    mesh = sail_mesh(corners, 1.5, 0.05, holes, {"valley": ["A", ("ring", 0.625)]})
-    assert np.array_equal(found.points, mesh.points)
-    warp = RadialDirection((3, 3, 0))(mesh.points[mesh.triangles].mean(axis=1).T)
-    assert np.array_equal(found.parts["sail"].warp, warp)
-    assert np.array_equal(np.unique(found.parts["edge"].cells), np.unique(np.r_[tuple(map(edge_of(mesh), "ABCD"))]))
-    assert found.parts["sail"].material.Gt == pytest.approx(500 / 3, rel=1e-14)
-
-
-@pytest.mark.parametrize(
-    ("wrong", "words"),
-    [
-        ('["Z"]', "'Z'"),
-        ('["A-B"]', "'A-B' is the name of"),
-        ('[""]', "its name in quotes"),
-        ("[true]", "number"),
-    ],
-)
-def test_names_of_nodes_are_those_of_points(wrong, words, tmp_path):
-    pytest.importorskip("gmsh")
-    (line,) = refused(tmp_path, "", SAIL.replace('{ group = "A" }', f"{{ nodes = {wrong} }}"))
-    assert "supports.0" in line
-    assert words in line
-
-
-def edge_of(mesh):
-    return lambda corner: mesh.lines[f"{corner}-{'ABCDA'['ABCD'.index(corner) + 1]}"]
-
-
-def test_new_mesh_carries_stages_that_choose_by_place(tmp_path):
-    pytest.importorskip("gmsh")
-    text = """
-        [[form_finding]]
-        method = "projected stress"
-        cables = "force density"
-        [[form_finding]]
-        method = "new mesh"
-        size = 0.7
-        keep = { nodes = [12] }
-        [[stages]]
-        name = "snow"
-        loads = [
-          { kind = "plan", part = "film", load = [0, 0, -0.5], where = { x = [0, 2] } },
-          { kind = "point", where = { x = [-0.1, 0.1], y = [-0.1, 0.1] }, force = [0, 0, -1] },
-        ]
-    """
-    case = case_of(tmp_path, text)
-    form = case.form()
-    expected = remeshed(projected_stress(tent(), cables="force density"), 0.7, [12]).structure
-    assert np.array_equal(form.structure.points, expected.points)
-    plan, point = case.stages_of(form.structure)[0].loads
-    centres = expected.points[expected.parts["film"].cells].mean(axis=1)
-    assert np.array_equal(plan.cells, np.flatnonzero(centres[:, 0] >= -1e-8))
-    assert len(point.nodes) == 1
-    for choice in ("nodes = [12]", 'group = "edge"'):
-        words = refused(tmp_path, text.replace("where = { x = [-0.1, 0.1], y = [-0.1, 0.1] }", choice))
-        assert len(words) == 1
-        assert re.search(r"stages\.0\.loads\.1\.(nodes|group): after a new mesh there are other numbers", words[0])
-
-
 CONSTRAINTS: dict[str, tuple[str, dict[str, Any]]] = {
     "CableForce": ('kind = "cable force", part = "edge", force = "15 kN", horizontal = true', {"force": 15.0}),
     "CableDensity": ('kind = "cable density", part = "edge", density = 3, cells = [1, 2]', {"density": 3.0}),
@@ -269,78 +145,6 @@ def test_each_constraint_reaches_the_method(name, tmp_path, monkeypatch):
     cells = {"CableDensity": [1, 2], "EdgeAngle": [0, 1, 2, 3]}.get(name)
     if cells:
         assert len(found.cells) == len(cells)
-
-
-def test_constraints_are_refused_where_the_method_takes_none(tmp_path):
-    text = """
-        [form_finding]
-        method = "force density"
-        net = [{ part = "edge", density = 1 }]
-        constraints = [{ kind = "ring", nodes = [6, 8, 16, 18] }]
-    """
-    (line,) = refused(tmp_path, text)
-    assert "form_finding.constraints: method 'force density' takes no constraints" in line
-    assert "projected stress" in line
-
-
-@pytest.mark.parametrize(
-    ("text", "key", "words"),
-    [
-        ('method = "projected stres"', "form_finding.method", "'projected stress' may be meant"),
-        ('method = "projected stress"\ntolerance = -1', "form_finding.tolerance", "tolerance"),
-        ('method = "natural force density"\niterations = 0', "form_finding.iterations", "iterations"),
-        ('method = "updated reference"\nsteps = 3', "form_finding.steps", "no key of that name"),
-        ('method = "force density"', "form_finding.net", "missing"),
-        ('method = "force density"\nnet = []', "form_finding.net", "it is empty"),
-        ('method = "force density"\nnet = [{ part = "film", density = 1 }]', "form_finding.net.0.part", "no cable"),
-        (
-            'method = "force density"\nnet = [{ part = "edge", density = [1] }]',
-            "form_finding.net.0.density",
-            "16 branches",
-        ),
-        ('method = "masts and stays"\nbars = {}', "form_finding.method", "before them"),
-        ('method = "projected stress"\nstress.film.terms = []', "form_finding.stress.film.terms", "terms is empty"),
-        (
-            'method = "projected stress"\nstress.edge.terms = [{ values = 1, at = 1, power = 0 }]',
-            "form_finding.stress.edge",
-            "no membrane",
-        ),
-        (
-            'method = "projected stress"\nconstraints = [{ kind = "ring", nodes = [1, 2] }]',
-            "form_finding.constraints.0.nodes",
-            "at least three",
-        ),
-        (
-            'method = "projected stress"\nconstraints = [{ kind = "cable sag", part = "film", sag = 1 }]',
-            "form_finding.constraints.0.part",
-            "no cable",
-        ),
-        (
-            'method = "projected stress"\nconstraints = [{ kind = "cable sag", part = "egde", sag = 1 }]',
-            "form_finding.constraints.0.part",
-            "'edge' may be meant",
-        ),
-    ],
-)
-def test_faults_of_form_finding_have_line_and_key(text, key, words, tmp_path):
-    (line,) = refused(tmp_path, f"[form_finding]\n{text}\n")
-    assert f": {key}: " in line
-    assert words in line
-
-
-@pytest.mark.parametrize(
-    ("material", "words"),
-    [
-        ('{ kind = "fabric", nu = 0.3 }', "give Et, or E and thickness"),
-        ('{ kind = "fabric", nu = 0.3, Et = 500, E = 1e6 }', "give Et, or E and thickness, not E and Et"),
-        ('{ kind = "mooney-rivlin", C10 = 1, C01 = 1 }', "or C10, C01 and thickness"),
-    ],
-)
-def test_numbers_of_materials_are_whole(material, words, tmp_path):
-    head = TENT.replace('{ kind = "fabric", Et = 500, nu = 0.3 }', material)
-    (line,) = refused(tmp_path, "", head)
-    assert "materials.pvc: " in line
-    assert words in line
 
 
 def test_radial_warp_and_stress_reach_the_method_as_functions_of_place(tmp_path, monkeypatch):
