@@ -77,7 +77,7 @@ class _Group(click.Group):
             code, words = 2, f"{error.filename}: {error.strerror}; give another place."
         except RuntimeError as error:
             code, words = 1, str(error)
-        _say(words, err=True)
+        _say(_of_files(words), err=True)
         sys.exit(code)
 
 
@@ -98,7 +98,14 @@ def _once(act: Callable[[], None]) -> None:
 
 
 def _warn(message: Warning | str, *_: Any) -> None:
-    _say(f"Warning: {message}", err=True)
+    _say(f"Warning: {_of_files(str(message))}", err=True)
+
+
+def _of_files(words: str) -> str:
+    """Put a message of the package, which speaks of Python, in words of case files."""
+    from .files.cases.wording import in_keys_of_files  # noqa: PLC0415
+
+    return in_keys_of_files(words)
 
 
 @click.group(cls=_Group)
@@ -198,7 +205,7 @@ def run(case: Path, resume: bool, overwrite: bool, quiet: bool, log: Path | None
         if text and not quiet:
             _say(f"{text}\n{_after(folder_of(found))}")
         if log:
-            _write(log, "\n".join(filter(None, (text, str(failure or "")))) + "\n")
+            _write(log, "\n".join(filter(None, (text, _of_files(str(failure or ""))))) + "\n")
 
     tell()
     if failure:

@@ -5,6 +5,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 import numpy as np
+from mpi4py import MPI
 
 import fx_membrane
 from fx_membrane import Analysis
@@ -23,8 +24,9 @@ def has_cases():
 def check_case(name, expected):
     """Check that the case file of a demo gives the numbers of its script, to 1e-12 of the largest of their kind.
 
-    Forces to 1e-10: places are rounded by 1e-16 of 12 m; over chords of 0.08 m of a ring, with EA 2e5 kN beside 40 kN,
-    that is 1e-10.
+    One process makes equal structures, bit by bit. Several add up in the order of their messages: two runs of the
+    script of the cone on two of them differ by 9e-13 of the largest force under wind, in the chords of its ring, which
+    change by 5e-13 of it with the last bit of a displacement. So several have 4 such bits besides.
     """
     from fx_membrane.files.cases.case import read_case  # noqa: PLC0415  (optional packages)
 
@@ -33,6 +35,8 @@ def check_case(name, expected):
     structure = form.structure if form else case.structure
     found = Analysis(structure, case.solver, limit=case.work, progress=False).run(case.stages_of(structure))
     assert list(found) == list(expected)
+    if MPI.COMM_WORLD.size == 1:
+        assert structure == next(iter(expected.values())).structure
     for stage, state in expected.items():
         near(found[stage].structure.points, state.structure.points)
         near(found[stage].displacement, state.displacement)
@@ -43,9 +47,21 @@ def check_case(name, expected):
                 forces, wanted = (
                     np.concatenate([side.parts[part].principal for part in parts]) for side in (found[stage], state)
                 )
-                near(forces, wanted, 1e-10)
+                near(forces, wanted, last_bits(state) if dimension == 1 else 0.0)
 
 
-def near(found, expected, share=1e-12):
-    """Check to a share of the largest; what is all but zero, as displacements at rest, by its own size."""
-    np.testing.assert_allclose(found, expected, rtol=0, atol=share * np.abs(expected).max(initial=0.0))
+def near(found, expected, spare=0.0):
+    """Check to 1e-12 of the largest, and a spare besides."""
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max(initial=0.0) + spare)
+
+
+def last_bits(state):
+    """Force of the stiffest bar with 4 last bits of the largest displacement, on several processes."""
+    if MPI.COMM_WORLD.size == 1:
+        return 0.0
+    bits, points = 4 * np.spacing(state.largest_displacement), state.structure.points
+    return max(
+        float(part.axial_stiffness * bits / np.linalg.norm(np.diff(points[part.cells], axis=1), axis=2).min())
+        for part in state.structure.parts.values()
+        if hasattr(part, "axial_stiffness")
+    )

@@ -65,7 +65,8 @@ def page():
     blocks = [
         "# Case file\n\nA case file is TOML. `fx-membrane schema` prints the JSON schema from which this page is made; "
         '`fx-membrane init` writes a small case to begin with. Numbers with units are texts, as `"2 kN/m"`; plain '
-        "numbers are in the units of the table `units`.\n",
+        "numbers are in the units of the table `units`. `fx-membrane check` tells all faults at once, in the order of "
+        "their lines, as `file:line: key: value, remedy`; rows of lists count from 0, as in `stages.0.loads.1.part`.\n",
         f"## Tables of the file\n\n{table(whole)}\n",
     ]
     for name, model in sorted(whole["$defs"].items()):

@@ -40,7 +40,7 @@ def draw(
         _add_named(drawing, nodes, "The corner", name, place)
     _add_edges(drawing, nodes, places, size, sag)
     for name, place in _mapping("points", points).items():
-        _add_named(drawing, nodes, "The point", name, _point(f"points of {validation.short_repr(name)}", place))
+        _add_named(drawing, nodes, "The point", name, checked_point(f"points of {validation.short_repr(name)}", place))
     for number, (name, hole) in enumerate(_mapping("holes", holes).items(), 1):
         _add_hole(drawing, nodes, name, hole, number, size)
     for name, line in _mapping("lines", lines).items():
@@ -67,7 +67,7 @@ def _mapping(name: str, value: Any) -> Mapping[str, Any]:
     return {validation.name(f"entry of {name}", key): entry for key, entry in (value or {}).items()}
 
 
-def _point(what: str, value: Any) -> Array:
+def checked_point(what: str, value: Any) -> Array:
     """Check a point; its height is NaN if it has two coordinates, shape (3,)."""
     place = validation.finite(what, value)
     if place.shape not in ((2,), (3,)):
@@ -76,7 +76,7 @@ def _point(what: str, value: Any) -> Array:
 
 
 def _rows(what: str, value: Any) -> Array:
-    """Check points as rows, as by `_point`, shape (n, 3)."""
+    """Check points as rows, as by `checked_point`, shape (n, 3)."""
     rows = validation.finite(what, value)
     if rows.ndim != 2 or rows.shape[1] not in (2, 3):
         raise ValueError(f"{what} has shape {rows.shape}; give a row (x, y) or (x, y, z) for each point.")
@@ -86,7 +86,9 @@ def _rows(what: str, value: Any) -> Array:
 def _corners(corners: Any) -> dict[str, Array]:
     """Corners by name; without a height they are at zero."""
     if isinstance(corners, Mapping):
-        found = {name: _point(f"The corner {name!r}", place) for name, place in _mapping("corners", corners).items()}
+        found = {
+            name: checked_point(f"The corner {name!r}", place) for name, place in _mapping("corners", corners).items()
+        }
     else:
         found = {str(number): place for number, place in enumerate(_rows("corners", corners))}
     if len(found) < 3:
@@ -142,7 +144,7 @@ def _add_hole(drawing: Drawing, nodes: Mapping[str, int], name: str, hole: Any, 
     what = f"The hole {name!r}"
     if isinstance(hole, RoundHole):
         validation.plain(what, hole, RoundHole)
-        centre = _point(what, hole.centre)
+        centre = checked_point(what, hole.centre)
         paths = [circle(centre[:2], hole.radius)]
         ends = [drawing.node(what, paths[0].start, float(centre[2]))] * 2
         raised, size = not np.isnan(centre[2]), min(size, paths[0].length / RING_PIECES)
@@ -190,7 +192,7 @@ def _line_point(drawing: Drawing, nodes: Mapping[str, int], what: str, entry: An
             raise ValueError(f"{what} has the share {share:g} of {name!r}; give one from 0 to 1.")
         curve = drawing.curves[name]
         return drawing.node(what, curve.at(share)), curve.raised
-    place = _point(f"A point of {what[0].lower()}{what[1:]}", entry)
+    place = checked_point(f"A point of {what[0].lower()}{what[1:]}", entry)
     node = drawing.node(what, place[:2], float(place[2]))
     return node, not np.isnan(drawing.heights[node])
 

@@ -94,12 +94,18 @@ def _form_key(tables: CaseModel, folder: Path) -> str:
 
 
 def _independent(later: Sequence[Fault], earlier: Sequence[Fault]) -> list[Fault]:
-    """Faults of the model apart from those of a table that has lost keys to a fault of its schema."""
+    """Faults of the model apart from those of a table that has lost keys to a fault of its schema.
+
+    A part is not of the wrong kind for a table whose own kind was guessed.
+    """
+    guessed = {fault.path[:-1] for fault in earlier if fault.path[-1:] in (("kind",), ("method",))}
+    guessed |= {fault.path for fault in earlier if fault.missing}
     lists = {("materials",), ("parts",), ("supports",), ("stages",)}
     return [
         fault
         for fault in later
-        if fault.path in lists or not any(entry.path[: len(fault.path)] == fault.path for entry in earlier)
+        if not (fault.path[-1:] == ("part",) and fault.path[:-1] in guessed and " is no " in fault.words)
+        and (fault.path in lists or not any(entry.path[: len(fault.path)] == fault.path for entry in earlier))
     ]
 
 

@@ -1,7 +1,6 @@
 """Nodes and cells that tables of a case choose: by number, by group of the geometry, by place, or by a rim."""
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -13,7 +12,7 @@ from ...geometry.topology import boundary_edges
 from ...model.parts import Membrane
 from ...model.structure import Structure
 from ..drawing import Drawing, nodes_of, triangles_of
-from .faults import Unknown, Wrong, nearest
+from .faults import Unknown, Wrong, at_key, nearest
 from .load_schema import CellChoice
 from .structure_schema import Box, NodeChoice
 from .table import BROKEN, Model, is_whole
@@ -152,6 +151,8 @@ class Choices:
         if len(found) != 1:
             raise ValueError(f"{entry!r} is the name of {len(found)} nodes; name a single one, or give the group")
         if found[0] < 0:
+            if not self.whole:
+                raise Unknown
             raise ValueError(f"{entry!r} is a node that no part uses; name another")
         return int(found[0])
 
@@ -163,10 +164,14 @@ class Choices:
         for number, entry in enumerate(entries):
             try:
                 found.append(self.node(entry, rows, names))
+            except Unknown:
+                continue
             except ValueError as error:
                 wrong.append(Wrong(str(error), *(keys or ("nodes",)), number))
         if wrong:
             raise wrong[0].beside(wrong[1:])
+        if len(found) < len(entries):
+            raise Unknown
         return found
 
     def by_hand(self, table: Any, rows: Nodes, names: Mapping[str, int] | None = None) -> Nodes:
@@ -262,15 +267,6 @@ class Choices:
         if not len(found):
             raise Wrong(words, key) if self.whole else Unknown
         return found
-
-
-@contextmanager
-def at_key(*keys: str | int) -> Iterator[None]:
-    """Name the key of an error."""
-    try:
-        yield
-    except ValueError as error:
-        raise Wrong(str(error), *keys) from None
 
 
 def given(table: Model, *without: str) -> dict[str, Any]:

@@ -12,6 +12,25 @@ from ...checks.values import short_repr
 from .lines import line_of
 from .wording import in_words_of_files
 
+OTHER_NAMES = {  # of keys and kinds
+    "EA": "axial_stiffness",
+    "type": "kind",
+    "gmsh": "file",
+    "mesh": "file",
+    "msh": "file",
+    "rope": "cable",
+    "strut": "mast",
+    "fabric": "membrane",
+    "isotropic": "fabric",
+    "orthotropic": "woven",
+    "snow": "plan",
+    "wind": "pressure",
+    "self-weight": "area",
+    "force": "point",
+    "soap film": "updated reference",
+    "remeshed": "new mesh",
+    "masts": "masts and stays",
+}
 BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
@@ -62,6 +81,15 @@ class Wrong(ValueError):  # noqa: N818  (a fault, kept as one)
         return self
 
 
+@contextmanager
+def at_key(*keys: str | int) -> Iterator[None]:
+    """Name the key of an error."""
+    try:
+        yield
+    except ValueError as error:
+        raise Wrong(str(error), *keys) from None
+
+
 class Unknown(Exception):  # noqa: N818  (no error of its own: the other table has one)
     """An object depends on a table that has a fault, so that nothing can be said about it."""
 
@@ -110,7 +138,10 @@ def faults_of_validation(error: Any, data: Any, keys: Iterable[str]) -> list[Fau
 
 
 def nearest(word: Any, known: Iterable[str]) -> str:
-    """Clause that names the nearest known word; empty if none is near."""
+    """Clause that names the nearest known word, or another name of the same; empty if none is near."""
+    known = list(known)
+    if isinstance(word, str) and OTHER_NAMES.get(word) in known:
+        return f"; {OTHER_NAMES[word]!r} may be meant"
     near = difflib.get_close_matches(str(word), [entry for entry in known if entry != word], 1)
     return f"; {near[0]!r} may be meant" if near else ""
 

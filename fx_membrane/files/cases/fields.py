@@ -99,6 +99,7 @@ if TYPE_CHECKING:
     Direction: TypeAlias = Vector
     Densities: TypeAlias = Any
     Places: TypeAlias = Any
+    PlaceRows: TypeAlias = Any
     Shares: TypeAlias = Any
     LinePoint: TypeAlias = Any
     Node: TypeAlias = int | str
@@ -110,6 +111,7 @@ else:
     Stress, Forces, Directions = _quantities("F/L"), _quantities("F"), _quantities("1")
     Point, Displacement, ForceVector = _vector("L"), _vector("L"), _vector("F")
     LineLoad, AreaLoad, Direction = _vector("F/L"), _vector("F/L^2"), _vector("1")
+    PlaceRows = _quantities("L")
     Densities, Places, Shares = _quantities("F/L"), _nested_quantities("L"), _nested_quantities("1")
     Node = Annotated[Any, BeforeValidator(_node), WithJsonSchema({"type": ["integer", "string"]})]
     LinePoint = Annotated[Any, BeforeValidator(_drawn), WithJsonSchema({"type": ["string", "array"]})]

@@ -21,8 +21,8 @@ from ... import (
 )
 from ...checks import validation
 from ...model.supports import Support
-from .choices import Nodes, Outline, at_key, given
-from .faults import Faults, Unknown, Wrong
+from .choices import Nodes, Outline, given
+from .faults import Faults, Unknown, Wrong, at_key
 from .form_schema import NewMesh, StressModel
 from .table import BROKEN, is_whole
 

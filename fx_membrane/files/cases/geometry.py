@@ -7,14 +7,14 @@ import numpy as np
 
 from ...checks import validation
 from ...geometry.grids import polyline, rectangle
-from ...surfaces.round_hole import RoundHole
-from ...surfaces.sail import sail_mesh
+from ...surfaces.sail import SailMesh
 from ..drawing import Drawing
 from ..mesh_files import drawing_of
-from .choices import at_key, given
-from .faults import Faults, Unknown
+from .choices import given
+from .faults import Faults, Unknown, at_key
 from .making import make
-from .structure_schema import FileGeometry, GridGeometry, HoleModel, SailGeometry, UnitNames
+from .sail import sail_of
+from .structure_schema import FileGeometry, GridGeometry, SailGeometry, UnitNames
 from .table import BROKEN, is_whole
 
 
@@ -49,26 +49,19 @@ def drawing_from(faults: Faults, table: Any, folder: Path, units: UnitNames | No
         sound = {"width": 1.0, "height": 1.0, "columns": 1, "rows": 1}
         drawing.points, triangles = make(faults, ("geometry",), rectangle, given(table, "kind"), sound)
         drawing.add("grid", triangles)
+    elif isinstance(table, SailGeometry):
+        _add_sail(drawing, sail_of(faults, table))
     elif not is_whole(table):
         raise Unknown
-    elif isinstance(table, SailGeometry):
-        _draw_sail(drawing, table)
     else:
         drawing.points = np.array(table.points, dtype=np.float64).reshape(-1, 3)
     return drawing
 
 
-def _draw_sail(drawing: Drawing, table: SailGeometry) -> None:
-    options = given(table, "kind")
-    options["holes"] = {name: _hole(hole) for name, hole in table.holes.items()}
-    mesh = sail_mesh(**options)
+def _add_sail(drawing: Drawing, mesh: SailMesh) -> None:
     drawing.points = mesh.points
     drawing.add("sail", mesh.triangles)
     for name, line in mesh.lines.items():
         drawing.add(name, polyline(line))
     for name, node in mesh.nodes.items():
         drawing.add(name, np.array([[node]]))
-
-
-def _hole(hole: Any) -> Any:
-    return RoundHole(hole.centre, hole.radius) if isinstance(hole, HoleModel) else hole

@@ -7,7 +7,7 @@ from typing import Any, get_args
 
 from pydantic import ValidationError
 
-from .faults import without_tags
+from .faults import OTHER_NAMES, without_tags
 from .schema import CaseModel
 from .table import Model
 from .units import Units
@@ -42,7 +42,8 @@ def _mended(entry: Any, data: Any) -> bool:
     if entry["type"] == "union_tag_not_found":
         return False
     expected = entry["ctx"]["expected_tags"].replace("'", "").split(", ")
-    data[tag] = max(expected, key=lambda kind: _likeness(kind, tag, data))
+    other = OTHER_NAMES.get(data[tag])
+    data[tag] = other if other in expected else max(expected, key=lambda kind: _likeness(kind, tag, data))
     return True
 
 

@@ -2,11 +2,13 @@
 
 from typing import Any
 
+import numpy as np
+
 from ... import CableDensity, CableForce, CableLength, CableSag, EdgeAngle, RigidBody, Ring, Slide
-from ...model.loads import DistributedLoad, OwnLoad, PlanLoad, PointLoad, Pressure
+from ...model.loads import DistributedLoad, OwnLoad, PlanLoad, PointLoad, Pressure, check_load
 from ...model.stages import PrescribedDisplacement
 from ...model.supports import Support
-from .choices import CHOICES, Choices, Outline, given
+from .choices import CHOICES, Choices, Outline, given, one_of, sound
 from .faults import Faults
 from .load_schema import DisplacementModel, PointLoadModel
 from .making import make
@@ -47,6 +49,28 @@ def load_of(faults: Faults, trail: Trail, choices: Choices, outline: Outline, ta
     return make(faults, trail, kind, values, {"part": "part", "cells": None, **sound}, _names(table))
 
 
+def loads_of(faults: Faults, trail: Trail, choices: Choices, outline: Outline, tables: Any) -> list[Any]:
+    """Make the loads of a stage or of a step, those without a fault."""
+    loads = []
+    for number, table in sound(tables):
+        with faults.at(*trail, "loads", number):
+            load = load_of(faults, (*trail, "loads", number), choices, outline, table)
+            check_load(outline.structure, "The stage", load)
+            loads.append(load)
+    return loads
+
+
+def supports_of(faults: Faults, trail: Trail, choices: Choices, outline: Outline, tables: Any) -> list[Support]:
+    """Make the supports of a list, those without a fault."""
+    supports = []
+    for number, table in sound(tables):
+        with faults.at(*trail, number):
+            made = support_of(faults, (*trail, number), choices, outline, table)
+            outline.structure.check_nodes("It", np.asarray(made.nodes))
+            supports.append(made)
+    return supports
+
+
 def displacement_of(
     faults: Faults, trail: Trail, choices: Choices, outline: Outline, table: DisplacementModel
 ) -> PrescribedDisplacement:
@@ -78,6 +102,11 @@ def constraint_of(faults: Faults, trail: Trail, choices: Choices, outline: Outli
         Unknown: It has a fault, or its place has one.
     """
     if table.kind in OF_NODES:
+        if table.kind == "slide":
+            with faults.at(*trail):
+                one_of(table, "direction", "normal", needed=True)
+            if None not in (table.direction, table.normal) or table.direction is table.normal is None:
+                table = table.model_copy(update={"direction": BROKEN})
         key = "normal" if getattr(table, "normal", None) is not None else "direction"
         sound = {key: (0.0, 0.0, 1.0)} if table.kind == "slide" else {}
         return _on_nodes(faults, trail, choices, outline, table, OF_NODES[table.kind], sound)

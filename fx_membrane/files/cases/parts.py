@@ -13,8 +13,8 @@ from ...geometry.topology import boundary_edges
 from ...model.laws import Law
 from ...model.materials import Fabric, MooneyRivlin, NeoHooke, OrthotropicFabric
 from ...model.parts import Cable, Mast, Membrane, Part
-from .choices import Choices, Nodes, at_key, given, one_of
-from .faults import Fault, Faults, Unknown, Wrong, nearest
+from .choices import Choices, Nodes, given, one_of
+from .faults import Fault, Faults, Unknown, Wrong, at_key, nearest
 from .making import make
 from .structure_schema import AxisModel, BarPart, PartModel
 from .table import BROKEN, is_whole

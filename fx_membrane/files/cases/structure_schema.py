@@ -17,6 +17,7 @@ from .fields import (
     LinePoint,
     Node,
     Number,
+    PlaceRows,
     Places,
     Point,
     Pressure,
@@ -82,7 +83,7 @@ class HoleModel(Model):
 
 
 Hole = Annotated[
-    Annotated[HoleModel, Tag("table")] | Annotated[Places, Tag("list")] | Annotated[Places, Tag("value")],
+    Annotated[HoleModel, Tag("table")] | Annotated[PlaceRows, Tag("list")] | Annotated[PlaceRows, Tag("value")],
     Discriminator(shape_of),
 ]
 Names = Annotated[

@@ -4,12 +4,36 @@ import re
 
 OWNER = re.compile(
     r"^(?:Stage '[^']*': |(?:Fabric|OrthotropicFabric|NeoHooke|MooneyRivlin|Membrane|Cable|Mast|Support|PointLoad|"
-    r"PlanLoad|DistributedLoad|Pressure|PrescribedDisplacement|RadialDirection|Slide|Ring|RigidBody|CableForce|"
+    r"PlanLoad|DistributedLoad|Pressure|PrescribedDisplacement|RadialDirection|RoundHole|Slide|Ring|RigidBody|CableForce|"
     r"CableDensity|CableLength|CableSag|EdgeAngle|Newton|ConjugateGradient|SteepestDescent|WorkLimit|Limits) )"
     r"(?=[a-zA-Z])"
 )
 KEYS = "axial_stiffness|material|warp|prestress|direction|normal|radius|mass|displacement"
 PHRASES = (
+    (re.compile(r"^source is "), "it is "),
+    (
+        re.compile(r"(?<=; give )\(3,\), or \((\d+), 3\) for one at each node"),
+        r"[x, y, z], or one for each of the \1 nodes",
+    ),
+    (re.compile(r"(?<=; give )\(3,\) or \((\d+), 3\)"), r"[x, y, z], or one for each of the \1 cells"),
+    (re.compile(r"a \(warp, weft\) pair or a \(2, 2\) tensor, "), "[warp, weft] or [[a, b], [b, c]], "),
+    (re.compile(r"( for each of the \d+ cells): \(\d+, 1\), \(\d+, 2\) or \(\d+, 2, 2\)"), r"\1"),
+    (re.compile(r"has shape \(\)"), "is one number"),
+    (re.compile(r"has shape \((\d+),\)"), r"is a list of length \1"),
+    (re.compile(r"has shape \((\d+), (\d+)\)"), r"is a list of \1 rows of length \2"),
+    (re.compile(r"has shape \((\d+(?:, \d+)+)\)"), r"is lists in lists, of lengths \1"),
+    (re.compile(r"give \(n, 3\), one row x, y, z for each node"), "give rows [x, y, z], one for each node"),
+    (re.compile(r"of shape \(n, (\d)\) with n >= 1"), r"in rows of \1, one row at least"),
+    (re.compile(r", of shape \(n, (\d)\)"), r", in rows of \1"),
+    (
+        re.compile(r"one of direction=\(x, y, z\), normal=\(x, y, z\)"),
+        "one of direction = [x, y, z], normal = [x, y, z]",
+    ),
+    (re.compile(r"\(x, y\)"), "[x, y]"),
+    (re.compile(r", or a RoundHole"), ", or its centre and radius"),
+    (re.compile(r"\bA Slide is on\b"), "nodes slide on"),
+    (re.compile(r" \(WorkLimit\)"), " (the table work)"),
+    (re.compile(r"see in its iterations, `failed`, whether"), "see in the lines of progress whether"),
     (re.compile(r"an array of numbers with rows of equal length"), "a list of numbers with rows of equal length"),
     (re.compile(r"an array of whole numbers"), "a list of whole numbers"),
     (re.compile(r"which has a warp and a weft; give the warp as a vector, .*"), "give its warp, as warp = [1, 0, 0]"),
@@ -35,7 +59,11 @@ PHRASES = (
 
 def in_words_of_files(words: str) -> str:
     """Put a message in words of case files: of keys in the place of classes and arguments."""
-    words = OWNER.sub("", words)
+    return in_keys_of_files(OWNER.sub("", words))
+
+
+def in_keys_of_files(words: str) -> str:
+    """Put a message of a run in words of case files, with the name of the object that it is about."""
     for phrase, by in PHRASES:
         words = phrase.sub(by, words)
     return words

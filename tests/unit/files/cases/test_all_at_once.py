@@ -18,6 +18,7 @@ from fx_membrane.files.cases.case import read_case
 from fx_membrane.files.cases.faults import CaseError
 from fx_membrane.files.cases.lines import line_of
 from fx_membrane.files.cases.units import Units
+from fx_membrane.files.cases.wording import in_words_of_files
 
 ROOF = {  # by key: the right text, and one with a fault of this key alone
     "geometry.columns": ("columns = 4", "columns = 0"),
@@ -132,3 +133,93 @@ def leaves(data, path=()):
 def test_wrong_capitals_are_spelled_rightly(name, right, dimension):
     with pytest.raises(ValueError, match=f"'{right}' may be meant"):
         Units("kN", "m").number(f"3 {name}", dimension)
+
+
+SAIL = """
+format = 1
+units = { force = "kN", length = "m" }
+parts.roof = { kind = "membrane", group = "sail", material = "pvc", prestress = 2 }
+materials.pvc = { kind = "fabric", Et = 600, nu = 0.3 }
+
+[geometry]
+kind = "sail"
+corners = { A = [-6, -6], B = [6, -6], C = [6, 6], D = [-6, 6] }
+size = 2
+sag = { "A-B" = 0.1, "B-C" = 0.05 }
+points.P = [3, 3, 2]
+holes.ring = { centre = [0, 0, 4], radius = 0.8 }
+holes.gap = [[-4, 3], [-3, 3], [-3, 4]]
+lines.ridge = ["A", ["ring", 0.625]]
+sizes.ring = 1
+"""
+SAILS = {
+    "geometry.corners.D": ("D = [-6, 6]", "D = [-6]"),
+    "geometry.size": ("size = 2", "size = -2"),
+    "geometry.sag.A-C": ('"B-C" = 0.05', '"A-C" = 0.05'),
+    "geometry.sag.A-B": ('"A-B" = 0.1', '"A-B" = 0.7'),
+    "geometry.points.P": ("points.P = [3, 3, 2]", "points.P = [3]"),
+    "geometry.holes.ring.centre": ("centre = [0, 0, 4]", "centre = [0, 0, 4, 4]"),
+    "geometry.holes.ring.radius": ("radius = 0.8", "radius = -0.8"),
+    "geometry.holes.gap": (", [-3, 4]]", "]"),
+    "geometry.lines.ridge": ('lines.ridge = ["A"', 'lines.ridge = ["X"'),
+    "geometry.sizes.rung": ("sizes.ring", "sizes.rung"),
+    "materials.pvc.nu": ("nu = 0.3", "nu = 3"),
+}
+
+
+@pytest.mark.parametrize("seed", [None, *range(12)])
+def test_all_faults_of_a_sail_are_told(seed, tmp_path):
+    draw, text = random.Random(seed), SAIL
+    keys = list(SAILS) if seed is None else draw.sample(list(SAILS), draw.randrange(2, 7))
+    for key in keys:
+        assert SAILS[key][0] in text
+        text = text.replace(*SAILS[key], 1)
+    lost = {"geometry.lines.ridge"} if {*keys} & {"geometry.holes.ring.centre", "geometry.holes.ring.radius"} else set()
+    found = told(tmp_path, text)
+    assert found.keys() == {*keys} - lost
+    assert not [words for _, words in found.values() if re.search(r"\(x, y|RoundHole|shape \(", words)]
+
+
+def test_places_of_a_sail_are_told_apart_where_its_corners_are_sound(tmp_path):
+    text = SAIL.replace("P = [3, 3, 2]", "P = [30, 3]").replace("[-3, 3], [-3, 4]", "[-3, 3], [-30, 4]")
+    assert told(tmp_path, text).keys() == {"geometry.points.P", "geometry.holes.gap"}
+
+
+def test_a_sound_sail_has_no_fault(tmp_path):
+    pytest.importorskip("gmsh")
+    (tmp_path / "a.toml").write_text(SAIL, encoding="utf-8")
+    assert read_case(tmp_path / "a.toml").structure.points[:, 2].max() == 4.0
+
+
+def test_a_guessed_kind_makes_no_fault_of_its_part(tmp_path):
+    text = roof_case.ROOF.replace('kind = "pressure"', 'kind = "snow"').replace('"-100 Pa"', '"-100 m"')
+    found = told(tmp_path, text)
+    assert "'plan' may be meant" in found["stages.1.loads.1.kind"][1]
+    assert not [key for key in found if key.endswith("part")]
+
+
+def test_names_of_nodes_and_directions_are_told_beside_other_faults(tmp_path):
+    text = tent_case.TENT.replace("nu = 0.3", "nu = 3").replace(
+        "constraints = [", 'constraints = [{ kind = "slide", nodes = [0] }, ', 1
+    )
+    found = told(tmp_path, text)
+    assert found["form_finding.1.constraints.0"][1] == "give one of direction, normal"
+    assert "materials.foil.nu" in found
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (
+            "Membrane warp has shape (2,); give (3,) or (9, 3).",
+            "is a list of length 2; give [x, y, z], or one for each",
+        ),
+        ("Slide normal has shape (2, 2); give (3,), or (4, 3) for one at each node.", "2 rows of length 2; give [x, y"),
+        ("A Slide is on a line or on a plane; give one.", "nodes slide on a line or on a plane"),
+        ("the limit is used up; allow more (WorkLimit), or", "allow more (the table work), or"),
+        ("source is 'a.mesh'; give a file", "it is 'a.mesh'"),
+        ("points has shape (2, 2); give (n, 3), one row x, y, z for each node.", "give rows [x, y, z], one for each"),
+    ],
+)
+def test_messages_have_the_words_of_files(words, expected):
+    assert expected in in_words_of_files(words)

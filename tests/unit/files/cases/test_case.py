@@ -2,10 +2,13 @@
 
 import json
 import re
+import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import fx_membrane
 from roof_case import ROOF
 
 pytest.importorskip("pydantic", "2")
@@ -192,3 +195,30 @@ def test_schema_is_plain_json():
     schema = json.loads(json.dumps(json_schema()))
     assert schema["properties"]["format"]["const"] == 1
     assert set(schema["required"]) == {"format", "geometry", "parts"}
+
+
+def resolved(entry, schema):
+    return schema["$defs"][entry["$ref"].rsplit("/", 1)[-1]] if "$ref" in entry else entry
+
+
+def test_alternatives_of_the_schema_exclude_each_other():
+    """A value of one of several kinds, which no key tells apart, has one JSON type in each."""
+    schema, entries, several = json_schema(), [json_schema()], 0
+    while entries:
+        entry = entries.pop()
+        entries += entry.values() if isinstance(entry, dict) else entry if isinstance(entry, list) else []
+        if isinstance(entry, dict) and "discriminator" not in entry and "oneOf" in entry:
+            several += 1
+            types = [resolved(one, schema)["type"] for one in entry["oneOf"]]
+            types = [kind for one in types for kind in ([one] if isinstance(one, str) else one)]
+            assert len(set(types)) == len(types), entry
+    assert several > 3
+
+
+def test_validator_of_schemas_takes_the_demos():
+    jsonschema = pytest.importorskip("jsonschema")
+    jsonschema.Draft202012Validator.check_schema(json_schema())
+    validator = jsonschema.Draft202012Validator(json_schema())
+    for file in (Path(fx_membrane.__file__).parent / "files" / "demos").glob("*.toml"):
+        assert [error.message for error in validator.iter_errors(tomllib.loads(file.read_text()))] == []
+    assert list(validator.iter_errors({"format": 1, "geometry": {"kind": "sail"}, "parts": {}, "more": 1}))

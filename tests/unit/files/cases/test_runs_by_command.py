@@ -95,8 +95,8 @@ def test_failed_stage_shows_the_stages_before_it(roof):
     code, words = said("run", "roof.toml", "--log", "run.txt")
     assert code == 1
     assert "Stage 'lift': 1 increment" in words
-    assert words.count("WorkLimit") == 1
-    assert "WorkLimit" in (roof / "run.txt").read_text()
+    assert words.count("allow more (the table work)") == 1
+    assert "the table work" in (roof / "run.txt").read_text()
     assert list(load_results("out/results.fxm")) == ["lift"]
 
 
