@@ -86,7 +86,8 @@ FIRST_ORDERS = {"preconditioner": "object?", "rtol": "number", "max_iterations":
 UNITS = {"force_unit": "text", "energy_unit": "text"}
 UNIT_NAMES = {"force_unit": "N", "length_unit": "m"}
 UNIT_KINDS = dict.fromkeys(UNIT_NAMES, "text")
-WRITER = {"results": RESULTS, "folder": "a", **UNIT_NAMES}, {"results": "object", "folder": "path", **UNIT_KINDS}
+OWN_UNITS = dict.fromkeys(UNIT_NAMES, "text?")  # those of the results, if not given
+WRITER = {"results": RESULTS, "folder": "a", **UNIT_NAMES}, {"results": "object", "folder": "path", **OWN_UNITS}
 COMM = {"comm": MPI.COMM_SELF}
 MESH = create_unit_square(MPI.COMM_SELF, 1, 1)
 MODES = {"state": STATE, "count": 1, **COMM}, {"state": "object", "count": "whole", "comm": "object"}
@@ -243,7 +244,10 @@ CASES = {
          "split_quadrilaterals": "truth", "unit": "object?"},
     ),
     read_compas: ({"source": "net.json"}, {"source": "path"}),
-    write_mesh: ({"shape": ARCH, "path": "a.msh"}, {"shape": "object", "path": "object"}),
+    write_mesh: (
+        {"shape": ARCH, "path": "a.msh", "length_unit": "m"},
+        {"shape": "object", "path": "object", "length_unit": "text?"},
+    ),
     save_results: ({"results": RESULTS, "path": "a"}, {"results": "object", "path": "path"}),
     load_results: ({"path": "results", "classes": ()}, {"path": "path", "classes": "list"}),
     write_tables: WRITER,
@@ -251,11 +255,12 @@ CASES = {
     write_report: (
         {"results": RESULTS, "path": "a.html", "title": "Roof", "pictures": False, "scene": None,
          **UNIT_NAMES},
-        {"results": "object", "path": "object", "title": "text", "pictures": "truth", "scene": "object?", **UNIT_KINDS},
+        {"results": "object", "path": "object", "title": "text?", "pictures": "truth", "scene": "object?",
+         **OWN_UNITS},
     ),
     write_scene: (
         {"results": RESULTS, "path": "a.html", "title": "Roof", **UNIT_NAMES},
-        {"results": "object", "path": "object", "title": "text?", **dict.fromkeys(UNIT_KINDS, "text?")},
+        {"results": "object", "path": "object", "title": "text?", **OWN_UNITS},
     ),
     ParaViewSeries: (
         {"folder": "a", "append": False, **UNIT_NAMES}, {"folder": "path", "append": "truth", **UNIT_KINDS}

@@ -95,7 +95,7 @@ down = np.asarray(PointLoad(4, [0, 0, -1]).force).tolist()
 boundary_edges(triangles)
 edges_where(points, triangles, lambda x: x[0] < 0.1)
 polyline([0, 1, 2])
-net = force_density(points, rim, [1e3, 1e3, 1e3, 1e3], [Support([0, 2])])
+net = force_density(points, rim, [1e3, 1e3, 1e3, 1e3], [Support([0, 1, 2])])
 Analysis(structure, Resting())
 hole = RoundHole([3, 3, 1], 0.5)
 corners = {"a": [0, 0, 0], "b": [6, 0, 0], "c": [6, 6, 2], "d": [0, 6, 0]}

@@ -99,7 +99,7 @@ def force_density(
     tolerance = validation.positive("tolerance", tolerance)
     max_iterations = validation.positive_integer("max_iterations", max_iterations)
     if not constraints and densities.min(initial=1.0) > 0 and not force.any():
-        check_spread(points, held, [], [branches])
+        check_spread(points, held, [], [branches], "The piece of the branches")
     if not constraints:
         shape, reactions = _balanced(points, branches, densities, held, force)
         lengths = np.linalg.norm(np.diff(shape[branches], axis=1)[:, 0], axis=1)

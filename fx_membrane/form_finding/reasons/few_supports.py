@@ -43,7 +43,9 @@ def check_supports_of_form(structure: Structure, loads: Sequence[object], constr
     check_spread(structure.points, held, surfaces, lines)
 
 
-def check_spread(points: Array, held: Mask, surfaces: Sequence[Numbers], lines: Sequence[Numbers]) -> None:
+def check_spread(
+    points: Array, held: Mask, surfaces: Sequence[Numbers], lines: Sequence[Numbers], what: str = "The piece"
+) -> None:
     """Refuse pieces that tension pulls onto one place or one line; see `check_supports_of_form`.
 
     Args:
@@ -51,6 +53,7 @@ def check_spread(points: Array, held: Mask, surfaces: Sequence[Numbers], lines: 
         held: Held components, shape (n, 3).
         surfaces: Cells of membranes, each of shape (cells, 3).
         lines: Cells of bars, each of shape (cells, 2).
+        what: Name of a piece in messages.
     """
     sides = [cells[:, [k, (k + 1) % 3]] for cells in surfaces for k in range(3)]
     none = np.zeros((0, 2), dtype=np.int64)
@@ -62,7 +65,7 @@ def check_spread(points: Array, held: Mask, surfaces: Sequence[Numbers], lines: 
         has_meshes = bool(np.count_nonzero(piece[ties[:, 0]] == number) >= len(nodes))
         words = _unspread(points[nodes], held[nodes], has_meshes)
         if words:
-            raise ValueError(f"The piece with node {nodes[0]} at {format_point(points[nodes[0]])} is held {words}")
+            raise ValueError(f"{what} with node {nodes[0]} at {format_point(points[nodes[0]])} is held {words}")
 
 
 def all_held(structure: Structure) -> tuple[str, ...]:
