@@ -91,7 +91,8 @@ class ForceTerm(Protocol):
 
             def virtual_work(self, state, v, parameters):
                 depth = parameters.level - state.x[2]
-                return parameters.weight * conditional(gt(depth, 0), depth, 0) * dot(state.n, v)
+                # It stands on the side of the normals, and presses against them.
+                return -parameters.weight * conditional(gt(depth, 0), depth, 0) * dot(state.n, v)
     """
 
     if TYPE_CHECKING:  # a property of this class would take the place of a derived dataclass's field

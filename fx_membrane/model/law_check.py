@@ -1,7 +1,7 @@
 """Refusal of laws that break the contract in `laws`."""
 
 import dataclasses
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -125,20 +125,34 @@ def _energy_fault(law: laws.Law, sigma0: Array) -> str:
             "energy has derivatives at E = 0, at equal stretches, that are not numbers, as of a root of zero; "
             "write it in the invariants tr(C) and det(C) without roots, or add a small number, as 1e-12, under the root"
         )
-    for D, (above, below), (slope, curvature) in zip(directions, values, derivatives, strict=True):
-        wanted = float(np.sum(sigma0 * D))
-        for stress in ((above - below) / (2 * STEP), slope):
-            if not abs(stress - wanted) <= 0.01 * np.abs(sigma0).max():
-                return (
-                    f"stress at E = 0 is {stress:.3g} under the prestress {wanted:.3g} of a trial; they must be equal: "
-                    "add inner(sigma0, E) to an energy that has no stress of its own at E = 0"
-                )
-        if not (above + below - 2 * rest > 0 and curvature > 0):
+    faults = map(partial(_fault_along, sigma0, rest), directions, values, derivatives)
+    return next(filter(None, faults), "")
+
+
+def _fault_along(
+    sigma0: Array, rest: float, D: Array, values: tuple[float, float], derivatives: tuple[float, float]
+) -> str:
+    """Sentence on a fault in the stress and the stiffness at E = 0 along a direction; empty if there is none."""
+    (above, below), (slope, curvature) = values, derivatives
+    wanted = float(np.sum(sigma0 * D))
+    for stress in ((above - below) / (2 * STEP), slope):
+        if not abs(stress - wanted) <= 0.01 * np.abs(sigma0).max():
             return (
-                f"energy has the second derivative {curvature:.3g} at E = 0 in the direction {D.tolist()}, so that its "
-                "stiffness there is not positive; give an energy that grows in all directions from there, as by "
-                "parameters.k * inner(E, E) / 2"
+                f"stress at E = 0 is {stress:.3g} under the prestress {wanted:.3g} of a trial; they must be equal: "
+                "add inner(sigma0, E) to an energy that has no stress of its own at E = 0"
             )
+    if curvature > 0 and not above + below - 2 * rest > 0:
+        return (
+            f"energy does not grow from E = 0 under strains of {STEP:g} in the direction {D.tolist()}, where its "
+            f"second derivative {curvature:.3g} is positive: it has a kink, or loses small strains in rounding; "
+            "write it without either"
+        )
+    if not curvature > 0:
+        return (
+            f"energy has the second derivative {curvature:.3g} at E = 0 in the direction {D.tolist()}, so that its "
+            "stiffness there is not positive; give an energy that grows in all directions from there, as by "
+            "parameters.k * inner(E, E) / 2"
+        )
     return ""
 
 

@@ -61,11 +61,11 @@ class Fabric:
 
     def energy(self, E: Any, sigma0: Any, parameters: Any) -> Any:
         """Strain energy per reference area in UFL [J/m2]."""
-        return elasticity.strain_energy(E, sigma0, elasticity.isotropic(E, *parameters))
+        return elasticity.strain_energy(E, sigma0, elasticity.isotropic(E, parameters.Et, parameters.nu))
 
     def relaxed_energy(self, E: Any, sigma0: Any, parameters: Any) -> wrinkling.Relaxed:
         """Relaxed energy and state in UFL."""
-        return wrinkling.isotropic(E, sigma0, *parameters)
+        return wrinkling.isotropic(E, sigma0, parameters.Et, parameters.nu)
 
 
 @dataclass(frozen=True)
@@ -117,16 +117,15 @@ class OrthotropicFabric:
 
     def energy(self, E: Any, sigma0: Any, parameters: Any) -> Any:
         """Strain energy per reference area in UFL [J/m2]."""
-        return elasticity.strain_energy(E, sigma0, elasticity.orthotropic(E, *parameters))
+        return elasticity.strain_energy(E, sigma0, elasticity.orthotropic(E, *_woven(parameters)))
 
     def elastic_strain(self, sigma0: Any, parameters: Any) -> Any:
         """Green-Lagrange strain that belongs to a prestress, in UFL, shape (2, 2) [-]."""
-        return elasticity.orthotropic_compliance(sigma0, *parameters)
+        return elasticity.orthotropic_compliance(sigma0, *_woven(parameters))
 
     def relaxed_energy(self, E: Any, sigma0: Any, parameters: Any, angle: Any = 0.0) -> wrinkling.Relaxed:
         """Relaxed energy and state in UFL, with the angle of `forms.wrinkling.orthotropic`."""
-        Et_warp, Et_weft, nu, Gt = parameters
-        return wrinkling.orthotropic(E, sigma0, Et_warp, Et_weft, nu, Gt, angle)
+        return wrinkling.orthotropic(E, sigma0, *_woven(parameters), angle)
 
 
 @dataclass(frozen=True)
@@ -164,7 +163,7 @@ class NeoHooke:
 
     def energy(self, E: Any, sigma0: Any, parameters: Any) -> Any:
         """Strain energy per reference area in UFL [J/m2]."""
-        return hyperelasticity.neo_hooke(E, sigma0, *parameters)
+        return hyperelasticity.neo_hooke(E, sigma0, parameters.Gt)
 
 
 @dataclass(frozen=True)
@@ -207,7 +206,7 @@ class MooneyRivlin:
 
     def energy(self, E: Any, sigma0: Any, parameters: Any) -> Any:
         """Strain energy per reference area in UFL [J/m2]."""
-        return hyperelasticity.mooney_rivlin(E, sigma0, *parameters)
+        return hyperelasticity.mooney_rivlin(E, sigma0, parameters.C10t, parameters.C01t)
 
 
 @dataclass(frozen=True)
@@ -239,11 +238,11 @@ class Axial:
 
     def energy(self, E: Any, sigma0: Any, parameters: Any) -> Any:
         """Strain energy per reference length in UFL [J/m]."""
-        return elasticity.strain_energy(E, sigma0, elasticity.axial(E, *parameters))
+        return elasticity.strain_energy(E, sigma0, elasticity.axial(E, parameters.axial_stiffness))
 
     def relaxed_energy(self, E: Any, sigma0: Any, parameters: Any) -> wrinkling.Relaxed:
         """Relaxed energy and state in UFL."""
-        return wrinkling.cable(E, sigma0, *parameters)
+        return wrinkling.cable(E, sigma0, parameters.axial_stiffness)
 
 
 SHIPPED = (Fabric, OrthotropicFabric, NeoHooke, MooneyRivlin, Axial)
@@ -252,6 +251,10 @@ SHIPPED = (Fabric, OrthotropicFabric, NeoHooke, MooneyRivlin, Axial)
 def check(what: str, material: Any, dimension: int) -> None:
     """Refuse what is no law for cells of a dimension; the energy of a law that is not `SHIPPED` is tried."""
     law_check.check(what, material, dimension, own=type(material) not in SHIPPED)
+
+
+def _woven(parameters: Any) -> tuple[Any, Any, Any, Any]:
+    return parameters.Et_warp, parameters.Et_weft, parameters.nu, parameters.Gt
 
 
 def _strain(stress: NDArray[np.float64], Et_warp: float, Et_weft: float, nu: float, Gt: float) -> NDArray[np.float64]:

@@ -166,6 +166,11 @@ class Bar(ByValue):
                 f"{type(self).__name__} has neither an axial_stiffness nor a material; give axial_stiffness=... [N], "
                 "or a law as material=..."
             )
+        if callable(getattr(given, "energy", None)):
+            raise ValueError(
+                f"{type(self).__name__} axial_stiffness is the law {validation.short_repr(given)}; give that as "
+                "material=..."
+            )
         if given is not None:
             validation.store(self, validation.positive, "axial_stiffness")
         if self.material is None:

@@ -13,7 +13,7 @@ from ..checks.validation import finite, integer, short_repr, truth
 from ..checks.values import with_article
 from ..model.own_classes import home
 from ..runtime.processes import together
-from .base import Iteration, Monitor, Solution, Solve, Solver, iterate, max_norm, no_monitor
+from .base import LIMITS, Iteration, Monitor, Solution, Solve, Solver, iterate, max_norm, no_monitor
 from .conjugate_gradient import ConjugateGradient, SteepestDescent
 from .newton import Newton
 from .outcome import Outcome
@@ -116,6 +116,11 @@ class _Checked:
         calls = f"{self.name} calls a state an equilibrium "
         if not np.isfinite(max_norm(x)):
             return f"{calls}that has a displacement that is not a number; let it return Outcome.DIVERGED."
+        if max_norm(x) > LIMITS.far * problem.structure.size:
+            return (
+                f"{calls}that is moved by {max_norm(x):.3g}, over {LIMITS.far:g} times the size of the structure; let "
+                "it return Outcome.DIVERGED."
+            )
         with problem.discretization.work(1) as (gap,):
             x.copy(gap)
             problem.constraints.impose(gap)

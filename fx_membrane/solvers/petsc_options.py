@@ -123,8 +123,8 @@ def _try_controls(comm: MPI.Intracomm) -> None:
 
 def failure(error: Exception) -> ValueError | None:
     """Error in words for one that PETSc raised while options of the user chose its linear solver; None for others."""
-    raised = isinstance(error, PETSc.Error) or "PETSc function" in str(error)  # the latter by way of dolfinx
-    if not (raised and choose_solver()):
+    by_dolfinx = "PETSc function" in str(error) or "construction from null" in str(error)  # of an error without words
+    if not ((isinstance(error, PETSc.Error) or by_dolfinx) and choose_solver()):
         return None
     shown = ", ".join(f"-{PREFIX}{option} {value}".rstrip() for option, value in sorted(given().items()))
     code = re.search(r"error code(?: is)?:? (\d+)", str(error))

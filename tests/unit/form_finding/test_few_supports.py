@@ -55,7 +55,10 @@ METHODS = {
     "prescribed stress": prescribed_stress,
 }
 ALL = pytest.mark.parametrize("method", METHODS.values(), ids=METHODS.keys())
-PLACE, LINE = r"^The piece (of the branches )?with node 0 at .* at one place only, {}, .*without loads; hold", r"^The piece .* one line"
+PLACE, LINE = (
+    r"^The piece (of the branches )?with node 0 at .* at one place only, {}, .*without loads; hold",
+    r"^The piece .* one line",
+)
 
 
 @ALL

@@ -129,6 +129,11 @@ def _nan(x):
     return Solution(Outcome.CONVERGED, "", ())
 
 
+def _far(x):
+    x.set(1e55)
+    return Solution(Outcome.CONVERGED, "", ())
+
+
 @pytest.mark.mpi_once
 @pytest.mark.parametrize(
     ("solver", "words"),
@@ -138,6 +143,7 @@ def _nan(x):
             r"constrained component is 0.05.*place; let it call loaded\.constraints\.impose\(x\)",
         ),
         (answering(_nan), "displacement.*not a number"),
+        (answering(_far), "moved by 1e\\+55, over 1000 times the size"),
     ],
 )
 def test_state_that_breaks_its_constraints_is_no_equilibrium(solver, words):

@@ -141,6 +141,13 @@ def test_refused(given, words, options):
 
 
 @pytest.mark.mpi
+def test_error_of_petsc_without_words_is_told_in_words(options):
+    options(ksp_type="cg", pc_type="jacobi", ksp_max_it=2, ksp_error_if_not_converged=1)
+    with pytest.raises(ValueError, match="PETSc cannot solve for a step with the options -fx_membrane_ksp_error_if"):
+        run(SNOW)
+
+
+@pytest.mark.mpi
 def test_linear_solver_that_fails_is_named(options):
     options(ksp_type="cg", pc_type="jacobi", ksp_max_it=2)
     with pytest.raises(ConvergenceError, match="the linear solver that the PETSc options choose, cg with jacobi"):
