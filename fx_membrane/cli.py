@@ -190,6 +190,8 @@ def run(case: Path, resume: bool, overwrite: bool, quiet: bool, log: Path | None
     from .results.overview import exceeded, overview  # noqa: PLC0415
     from .runtime.processes import by_the_first  # noqa: PLC0415
 
+    if resume and overwrite:
+        raise ValueError("--resume goes on with an earlier run, and --overwrite deletes it; give one of them.")
     if log:
         paths.check_writable("--log", log)
     found = read_case(case)

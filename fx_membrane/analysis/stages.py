@@ -167,7 +167,7 @@ class Analysis:
                     shape, Fraction(0), Fraction(1, stage.increments), ()
                 )
                 accept = partial(self._accept, course, saved, observe)
-                if observe and state.factor == 1:
+                if observe and state.factor > 0:  # a run that was stopped may not have shown its last saved state
                     observe(self._result(course, state))
                 state = self._run(course, state, results, accept)
                 if stage is stages[-1]:

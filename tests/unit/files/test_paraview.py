@@ -177,3 +177,19 @@ def test_first_process_writes(tmp_path_factory):
     results = Analysis(structure()).run(STAGES, observe=ParaViewSeries(folder))
     MPI.COMM_WORLD.barrier()
     assert np.array_equal(steps(folder)[2.0][0]["displacement"], results["load"].displacement)
+
+
+def test_state_that_was_saved_but_not_shown_is_shown_after_a_restart(tmp_path):
+    """A kill may come between the two."""
+    stages = [Stage("wind", [Pressure(50.0, 'roof <"A"> & co')], increments=4)]
+    shown = []
+
+    def observe(state):
+        shown.append(state.increments[-1].load_factor)
+        if len(shown) == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        Analysis(structure()).run(stages, checkpoint_file=tmp_path / "run.sqlite", observe=observe)
+    Analysis(structure()).run(stages, checkpoint_file=tmp_path / "run.sqlite", observe=observe)
+    assert shown == [0.25, 0.5, 0.5, 0.75, 1.0]

@@ -215,3 +215,10 @@ def test_run_that_was_killed_early_is_told_with_its_remedies(roof):
         assert "--overwrite" in words
     assert said("run", "roof.toml", "--resume", "--quiet")[0] == 0
     assert (roof / "out" / "results.fxm").exists()
+
+
+def test_a_run_is_resumed_or_overwritten_but_not_both(roof):
+    assert said("run", "roof.toml", "--quiet")[0] == 0
+    code, words = said("run", "roof.toml", "--resume", "--overwrite")
+    assert code == 2
+    assert "give one of them" in words
