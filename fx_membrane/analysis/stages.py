@@ -4,24 +4,19 @@ from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from .. import _dolfinx
 from ..assembly.actions import Actions, unloaded, with_constraints_of
-from ..assembly.load_cases import prescribed
 from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
 from ..checks import paths, validation
 from ..checks.calls import unfit
-from ..model.energy_terms import is_term
 from ..model.fingerprints import fingerprint, of_stages
-from ..model.restraint import check_supports
-from ..model.stages import Stage, check_stages
+from ..model.stages import Stage
 from ..model.structure import Structure
 from ..results.evaluation import StateEvaluator
 from ..results.remarks import held_by_slack_parts, remarked, warn_of_remarks
@@ -44,6 +39,7 @@ from .convergence_error import ConvergenceError
 from .course import Course
 from .increments import IncrementControl, Verdict
 from .reasons import MORE, reason
+from .stage_check import check_run
 from .work import Work, WorkDone, WorkLimit
 
 PROBE = 1 / 256  # fraction of an increment that snapped: its load shows at the start of a stage which parts carry
@@ -124,7 +120,7 @@ class Analysis:
                 has it, no other can use it. Its journal, with "-journal" after its name, lies beside it and belongs to
                 it. The first process alone reads and writes it.
             observe: Function that is given the state after each converged increment, on all processes, such as a
-                `ParaViewSeries`; of a stage that the checkpoint has complete, its end.
+                `ParaViewSeries`; of a stage that the checkpoint has, its last saved state first.
 
         Raises:
             ValueError: A stage does not fit the structure or the other stages; it leaves a free rigid-body motion (one
@@ -150,7 +146,7 @@ class Analysis:
                 paths.check_writable("checkpoint_file", file)
             if observe is not None and (shown := unfit(observe, 1)):
                 raise ValueError(f"observe is {shown}; give a function of a state.")
-            self._check(stages)
+            check_run(self.structure, stages)
         refuse_differences(self._comm, lambda: of_stages(stages))
         with together(self._comm):
             if self._comm.rank == 0:
@@ -177,15 +173,6 @@ class Analysis:
                 with together(self._comm):
                     warn_of_remarks(results[stage.name], self._comm, stacklevel=3)
         return results
-
-    def _check(self, stages: Sequence[Stage]) -> None:
-        check_stages(self.structure, stages)
-        held: dict[str | None, NDArray[np.bool_]] = {None: self.structure.supported}
-        terms: dict[str | None, list[Any]] = {None: []}
-        for stage in stages:
-            held[stage.name] = held[stage.after] | prescribed(stage, self.structure)[0]
-            terms[stage.name] = [*terms[stage.after], *filter(is_term, stage.loads)]
-            check_supports(self.structure, held[stage.name], terms[stage.name])
 
     def _run(
         self, course: Course, state: Progress, results: StageResults, accept: Callable[[Progress], None]

@@ -7,6 +7,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from ...analysis.stage_check import check_run
 from ...analysis.work import WorkLimit
 from ...model.stages import Stage
 from ...model.structure import Structure
@@ -57,6 +58,10 @@ def assembled(file: Path, text: str, data: Mapping[str, Any], partial: bool) -> 
     solver, work = _solver(builder, tables), _work(builder, tables)
     limits = _limits(builder, tables, outline.structure)
     faults += _independent(in_file(builder.faults, data), faults)
+    if structure is not None and not faults and not steps:  # a shape that is found may be held otherwise
+        with builder.faults.at("supports"):
+            check_run(structure, stages)
+        faults += builder.faults
     if structure is None or faults:
         return None, faults
 

@@ -222,3 +222,13 @@ def test_a_run_is_resumed_or_overwritten_but_not_both(roof):
     code, words = said("run", "roof.toml", "--resume", "--overwrite")
     assert code == 2
     assert "give one of them" in words
+
+
+def test_structure_without_supports_is_found_by_check(roof):
+    lines = PLAIN.splitlines(keepends=True)
+    begin = next(row for row, line in enumerate(lines) if line.startswith("[[supports]]"))
+    rest = (row for row, line in enumerate(lines) if row > begin and line.startswith("[") and "supports" not in line)
+    (roof / "roof.toml").write_text("".join(lines[:begin] + lines[next(rest) :]))
+    code, words = said("check", "roof.toml")
+    assert code == 2
+    assert "not supported enough" in words
