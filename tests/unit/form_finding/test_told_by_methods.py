@@ -2,6 +2,7 @@
 
 import re
 import warnings
+from functools import partial
 
 import numpy as np
 import pytest
@@ -159,13 +160,24 @@ def sail_on_masts(tilt=1.0, pull=25e3, push=0.0):
     return Structure(points, parts, [Support(low), Support(range(n, n + 6))]), masts
 
 
-@pytest.mark.parametrize("tilt", [0.0, 1.0, 3.0])
+@pytest.mark.parametrize("tilt", [0.0, 3.0])
 def test_mast_of_given_length_that_falls_is_told(tilt):
     structure, masts = sail_on_masts(tilt)
     with pytest.warns(UnsettledFormWarning, match=r"the RigidBody .* has turned by \d+ degrees .* masts_and_stays"):
         form = updated_reference(structure, constraints=[RigidBody(mast) for mast in masts])
     assert not form.converged
     assert np.ptp(form.points[:, 2]) < 0.1
+
+
+@pytest.mark.parametrize("tilt", [1.0, 1.1])
+def test_mast_of_given_length_that_wanders_is_told(tilt):
+    """It turns for 47 and 77 steps with dolfinx 0.5, until it lies; with 0.11 a step on the way has no balance."""
+    structure, masts = sail_on_masts(tilt)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always", UnsettledFormWarning)
+        words = outcome(partial(updated_reference, constraints=[RigidBody(mast) for mast in masts]), structure)
+    words = words or str(told[0].message)
+    assert re.search(r"the RigidBody .* has turned by \d+ degrees|The RigidBody .*finds no balance", words)
 
 
 @pytest.mark.parametrize("method", METHODS)
