@@ -36,14 +36,6 @@ def read(file: Path) -> Drawing:
                 cells.setdefault((name, 2), []).extend(map(list, pairwise(nodes)))
         except ValueError as error:
             raise ValueError(f"{file}:{number}: {line.strip()[:60]!r} has no sense in an OBJ file ({error}).") from None
-    names = {group for group, _ in cells}
-    for several in (name for name in names if " " in name):
-        shared = next((word for word in several.split() if word in names), None)
-        if shared is not None:
-            raise ValueError(
-                f"{file}: group {several!r} puts faces or lines into several groups, as {shared!r}; give each to one "
-                "group, without spaces in its name."
-            )
     drawing = Drawing(str(file), "group", np.array(points, dtype=np.float64).reshape(-1, 3))
     for (group, count), rows in cells.items():
         if rows:

@@ -329,10 +329,3 @@ def test_damaged_obj_is_told_in_words_of_the_file(text, words, tmp_path):
     with pytest.raises(ValueError, match=words) as told:
         structure_from_file(tmp_path / "a.obj", PARTS)
     assert "unpack" not in str(told.value)
-
-
-def test_faces_in_several_groups_of_obj_are_refused(tmp_path):
-    corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
-    (tmp_path / "roof.obj").write_text(f"{corners}g roof wall\nf 1 2 3\ng roof\nf 1 3 4\n")
-    with pytest.raises(ValueError, match="'roof wall' puts faces or lines into several groups, as 'roof'"):
-        structure_from_file(tmp_path / "roof.obj", {"roof": lambda cells: Membrane(cells, Fabric(1e5, 0.3))})
