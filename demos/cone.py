@@ -131,7 +131,7 @@ for name, state in results.items():
     say(f"{name:>12}" + "".join(f"{value:12.2f}" for value in [*used, state.largest_displacement, wrinkled.mean()]))
     if "--no-pictures" not in sys.argv:
         fields = {f"{title} [kN/m]": {"fabric": threads[:, i]} for i, title in enumerate(("warp", "weft"))}
-        plot.contours(state, fields, folder / f"{name}.png", view=(1.0, -1.6, 0.7))
+        plot.contours(state, fields, folder / f"{name}.png", view=(0.45, -1.8, 0.3))
 
 # %% [markdown]
 # ## Check

@@ -9,10 +9,10 @@
 # Goodier, Theory of Elasticity, 1951, art. 94). Units are N and m.
 
 # %%
+from mpi4py import MPI  # isort: skip  (dolfinx of the wheel finds MPI's library after it)
 import numpy as np
 import ufl
 from dolfinx import fem, mesh
-from mpi4py import MPI
 
 from fx_membrane import Analysis, DistributedLoad, Fabric, Membrane, Stage, structure_from_dolfinx, to_dolfinx
 

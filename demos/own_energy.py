@@ -1,16 +1,16 @@
 # %% [markdown]
 # # Energies of your own: water on a strip, and the ground below it
 #
-# A term is a frozen dataclass with a part, parameters and its energy per reference area (per length of cables), in UFL.
-# `state` has the displacement u, the position x, the deformation gradient F and the area normal n, the current normal
-# times the current area per reference area. Units: N, m.
+# A term is a frozen dataclass with a part, parameters and its energy in UFL, per reference area (length of cables).
+# `state` has the displacement u, the position x, the deformation gradient F and the area normal n. That is the current
+# normal times the current area per reference area. Units: N, m.
 
 # %%
 from dataclasses import dataclass
 
 import numpy as np
 from mpi4py import MPI
-from ufl import conditional, gt
+from ufl import max_value
 
 from fx_membrane import Analysis, DistributedLoad, Fabric, Membrane, Stage, Structure, Support, rectangle
 
@@ -25,8 +25,7 @@ class Water:
 
     def energy(self, state, parameters):
         """Energy per reference area [J/m2], by the divergence theorem: the slope of -depth^2 / 2 is the depth."""
-        depth = parameters.level - state.x[2]
-        return -parameters.weight * conditional(gt(depth, 0), depth**2, 0) / 2 * state.n[2]
+        return -parameters.weight * max_value(parameters.level - state.x[2], 0) ** 2 / 2 * state.n[2]
 
 
 @dataclass(frozen=True)
@@ -39,8 +38,7 @@ class Ground:
 
     def energy(self, state, parameters):
         """Energy per reference area [J/m2]."""
-        depth = parameters.height - state.x[2]
-        return parameters.stiffness * conditional(gt(depth, 0), depth**2, 0) / 2
+        return parameters.stiffness * max_value(parameters.height - state.x[2], 0) ** 2 / 2
 
 
 # %% [markdown]
@@ -53,17 +51,10 @@ points, triangles = rectangle(span, span / segments, segments, 1)
 ends = np.flatnonzero(np.abs(points[:, 0]) > 0.4999 * span)
 dip, back = (DistributedLoad((0, 0, load), "strip") for load in (-2e3, 2e3))
 stages = [Stage("dip", [dip]), Stage("water", [Water("strip", weight, 0.0), back], after="dip")]
-
-
-def filled(*terms):
-    """Strip full of water, with terms that always act; and the sag of its middle."""
-    strip = Membrane(triangles, Fabric(Et=1e6, nu=0.3), prestress=4e3)
-    supports = [Support(ends), Support(np.arange(len(points)), "y")]
-    state = Analysis(Structure(points, {"strip": strip}, supports, terms=terms)).run(stages)["water"]
-    return state, -state.displacement[points[:, 0] == 0, 2].mean()
-
-
-(free, sag), (lying, low) = filled(), filled(Ground("strip", stiffness, height))
+parts = {"strip": Membrane(triangles, Fabric(Et=1e6, nu=0.3), prestress=4e3)}
+supports, ground = [Support(ends), Support(range(len(points)), "y")], [Ground("strip", stiffness, height)]
+free, lying = (Analysis(Structure(points, parts, supports, terms=terms)).run(stages)["water"] for terms in ([], ground))
+sag, low = (-state.displacement[points[:, 0] == 0, 2].mean() for state in (free, lying))
 force = free.membrane("strip").principal[:, 0].mean()
 thrust = force - free.reactions[ends][points[ends, 0] > 0, 0].sum() * segments / span
 carried = [term.forces[:, 2].sum() * segments / span for term in lying.terms]
@@ -72,7 +63,7 @@ numbers = {"sags [m]": [sag, low], "forces [N/m]": [force, thrust, *carried], "e
 # %% [markdown]
 # ## Check
 #
-# The force in the strip is the same everywhere, and its horizontal part less at the edge than in the middle by the
+# The force in the strip is the same everywhere. Its horizontal part is less at the edge than in the middle, by the
 # thrust of the water, weight sag^2 / 2. Far from its ends the contact bears the water above: stiffness times depth.
 
 # %%

@@ -5,8 +5,8 @@
 # - a foil that stiffens at large strains, by A. N. Gent, Rubber Chem. Technol. 69 (1996) 59-61;
 # - a check against the closed form of a long strip under pressure.
 #
-# Gent's foil is incompressible, with the energy -G Jm / 2 ln(1 - (I1 - 3) / Jm) for the shear modulus G, times the
-# thickness, and the limit Jm of I1 - 3. Wrinkles need no formula: they are found from the energy. Units: N, m.
+# Gent's foil is incompressible, with the energy -G Jm / 2 ln(1 - (I1 - 3) / Jm). G is the shear modulus times the
+# thickness, and Jm the limit of I1 - 3. Wrinkles need no formula: they are found from the energy. Units: N, m.
 
 # %%
 from dataclasses import dataclass
@@ -39,7 +39,7 @@ class Gent:
 
 
 # %% [markdown]
-# A flat strip of the half width a, held along both edges and unable to strain along its length, becomes a cylinder.
+# A flat strip of the half width a is held along both edges and cannot strain along its length. It becomes a cylinder.
 
 # %%
 law, a, pressures = Gent(Gt=3e3, Jm=2.0), 0.5, (1e3, 5e3, 1e4)

@@ -1,8 +1,8 @@
 # %% [markdown]
 # # Shade pavilion
 #
-# The second example of Gil (2006): a roof between two masts and a low point, found by force densities, prestressed by
-# pulling its anchors, then loaded by snow. Half is computed, x >= 0 [kN, m]; gaps of the paper are named here.
+# The second example of Gil (2006): a roof between two masts and a low point, found by force densities. It is
+# prestressed by pulling its anchors, then loaded by snow. Half is computed, x >= 0 [kN, m]; gaps of the paper are told.
 
 # %%
 import sys

@@ -121,11 +121,11 @@ for prestress in (80.0, 8.0, 0.8, 0.08, 0.008, 0.0):
 # ## Check
 #
 # All converged solves found the same state. Newton's method needs 5 and 9 steps, the last of them quadratic. Full steps
-# converge too, but the first of them overshoots, and on the pavilion they take half as many steps again. Conjugate
-# gradients need two to five times as many steps as there are unknowns. The diagonal of the tangent as preconditioner
-# reduces that to a third or less. The first tangent reduces it further, at the price of a back-substitution each.
-# Steepest descent needs 1000 steps for the accuracy of fewer than 100 of theirs. The diagonal makes it converge on the
-# square, but not on the pavilion.
+# converge too, but the first overshoots, and on the pavilion they take half as many again. Conjugate gradients need two
+# to five times as many steps as there are unknowns. The diagonal of the tangent as preconditioner reduces that to a
+# third or less. The first tangent reduces it further, at the price of a back-substitution each. Steepest descent needs
+# 1000 steps for the accuracy of fewer than 100 of theirs. The diagonal makes it converge on the square, but not on the
+# pavilion.
 
 # %%
 unknowns = {"square": 27, "pavilion": 719}

@@ -24,8 +24,8 @@ say = print if MPI.COMM_WORLD.rank == 0 else (lambda *_: None)
 # %% [markdown]
 # ## Plan and form
 #
-# The edges of the plan are arcs with the radius of force over stress, so the plan rests under 2.5 kN/m along warp and
-# weft. Heights of low points and heads: 1 m and 4 m.
+# The edges of the plan are arcs with the radius of force over stress. So the plan rests under 2.5 kN/m. Heights of low
+# points and heads: 1 m and 4 m.
 
 # %%
 stress, edge_force, half, radius = 2.5, 25.0, 5.0, 10.0

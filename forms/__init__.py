@@ -4,7 +4,7 @@ One formula, one function; d = 2 is a membrane, d = 1 a cable or a mast, and the
 reference configuration is the prestressed one, `X`; the displacement is `u`; the current position `x = X + u`. Stresses
 are forces per length (d = 2, [N/m]) or forces (d = 1, [N]): they include the thickness or the cross-section. Equation
 numbers, `Gil (40)`, are those of A. J. Gil, Computers & Structures 84 (2006) 1012-1028. `EQUATIONS` gives the place of
-each; the hand-derived kernel has in full those that `ufl.derivative` yields.
+each, which names it in full; the hand-derived kernel has those that `ufl.derivative` yields.
 """
 
 # Number in the paper: its meaning, and the function or method, which help("...") and pydoc show.
@@ -17,16 +17,19 @@ EQUATIONS = {
     "(32)": ("2nd Piola-Kirchhoff stress", "fx_membrane.forms.stress.second_piola_kirchhoff"),
     "(40)": ("strain energy per prestressed volume", "fx_membrane.forms.elasticity.strain_energy"),
     "(41)": ("current position", "fx_membrane.forms.kinematics.deformation_gradient"),
-    "(42)": ("principle of virtual work", "fx_membrane.assembly.loaded_problem.LoadedProblem.residual"),
-    "(43)": ("internal virtual work, by ufl.derivative", "fx_membrane.assembly.part_forms.part_forms"),
+    "(42)": ("principle of virtual work", "fx_membrane.assembly.problem_under_actions.LoadedProblem.residual"),
+    "(43)": ("internal virtual work, by ufl.derivative", "fx_membrane.assembly.forms_of_parts.part_forms"),
     "(44)": ("virtual work of the loads", "fx_membrane.forms.loads.distributed_load"),
     "(45)": ("linear shape functions", "fx_membrane._dolfinx.functionspace"),
-    "(46)": ("internal nodal forces, by ufl.derivative", "fx_membrane.assembly.part_forms.part_forms"),
+    "(46)": ("internal nodal forces, by ufl.derivative", "fx_membrane.assembly.forms_of_parts.part_forms"),
     "(47)": ("external nodal forces", "fx_membrane.assembly.assembler.Assembler.nodal_loads"),
     "(48)": ("internal nodal forces as matrices", "fx_membrane.dccf.internal_force"),
     "(49)": ("external nodal forces as matrices", "fx_membrane.assembly.assembler.Assembler.nodal_loads"),
-    "(50)": ("residual forces", "fx_membrane.assembly.loaded_problem.LoadedProblem.residual"),
-    "(51)": ("tangent stiffness, by ufl.derivative", "fx_membrane.assembly.loaded_problem.LoadedProblem.tangent"),
+    "(50)": ("residual forces", "fx_membrane.assembly.problem_under_actions.LoadedProblem.residual"),
+    "(51)": (
+        "tangent stiffness, by ufl.derivative",
+        "fx_membrane.assembly.problem_under_actions.LoadedProblem.tangent",
+    ),
     "(52)": ("material part of the tangent", "fx_membrane.dccf.tangent"),
     "(53)": ("geometric part of the tangent", "fx_membrane.dccf.tangent"),
     "(54)": ("follower pressure along the current normal", "fx_membrane.forms.loads.follower_pressure"),
@@ -35,7 +38,7 @@ EQUATIONS = {
     "(57)": ("load stiffness of the pressure", "fx_membrane.dccf.pressure_tangent"),
     "(58)": ("displacement gradient", "fx_membrane.forms.kinematics.displacement_gradient"),
     "(59)": ("gradient from nodal displacements", "fx_membrane.dccf.elements"),
-    "(60)": ("nodal displacements of an element", "fx_membrane.dccf.elements"),
+    "(60)": ("nodal displacements of an element as a vector", "fx_membrane.dccf.gradient"),
     "(61)": ("strains as a vector", "fx_membrane.dccf.core"),
     "(62)": ("strains from the gradient", "fx_membrane.dccf.core"),
     "(63)": ("stresses as a vector", "fx_membrane.dccf.core"),
@@ -45,10 +48,10 @@ EQUATIONS = {
     "(67)": ("stresses from prestress and strains", "fx_membrane.dccf.core"),
     "(68)": ("external potential energy", "fx_membrane.forms.loads.distributed_load"),
     "(69)": ("internal potential energy", "fx_membrane.forms.elasticity.strain_energy"),
-    "(70)": ("total potential energy", "fx_membrane.assembly.loaded_problem.LoadedProblem.energy"),
+    "(70)": ("total potential energy", "fx_membrane.assembly.problem_under_actions.LoadedProblem.energy"),
     "(71)": (
         "equilibrium: no slope of the energy",
-        "fx_membrane.assembly.loaded_problem.LoadedProblem.residual",
+        "fx_membrane.assembly.problem_under_actions.LoadedProblem.residual",
     ),
     "(72)": ("step along a direction", "fx_membrane.solvers.line_search.search"),
     "(73)": ("steepest descent", "fx_membrane.solvers.conjugate_gradient.Descent.turn"),

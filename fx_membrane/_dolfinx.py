@@ -17,7 +17,12 @@ from .runtime import petsc as _petsc  # noqa: F401  (before dolfinx is imported)
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore", ImportWarning)  # 0.9 has one where numba is missing
+    _shown = warnings.showwarning
     import dolfinx  # noqa: F401
+    import ffcx
+
+    if warnings.showwarning is not _shown:  # ffcx 0.5 sends the warnings of all modules to the log
+        logging.captureWarnings(False)
 
 # isort: split
 import basix
@@ -31,12 +36,13 @@ from petsc4py import PETSc
 from ufl.corealg.map_dag import map_expr_dag
 
 from .runtime import jit_cache
-from .runtime.decimal_point import decimal_point
+from .runtime.number_locale import decimal_point
 
 CELL = {1: "interval", 2: "triangle"}
 
-# -O3 takes seconds to compile on some gcc and gains little. A process waits 300 s for another that compiles.
-JIT = {"cffi_extra_compile_args": ["-O2", "-g0"], "timeout": 300}
+# -O3 takes seconds to compile on some gcc and gains little. FFCx 0.5 writes "a || b && c" for Or(a, And(b, c)): that is
+# right, and gcc warns of it. A process waits 300 s for another that compiles.
+JIT = {"cffi_extra_compile_args": ["-O2", "-g0", "-Wno-parentheses"], "timeout": 300}
 
 
 def _element(family: str, cell: str, degree: int, size: int | tuple[int, ...]) -> Any:
@@ -170,7 +176,7 @@ def _quiet_compiler() -> Iterator[None]:
 
 
 def _compile(function: Any, *args: Any) -> Any:
-    with _quiet_compiler(), jit_cache.guard(ffcx.codegeneration.jit):
+    with jit_cache.guard(ffcx.codegeneration.jit), _quiet_compiler():  # the guard lets threads in one by one
         return function(*args, **{keyword: dict(JIT) for keyword in _keywords(function)})  # fresh: dolfinx writes there
 
 

@@ -67,7 +67,7 @@ def core_operators(d: int) -> tuple[Array, Array]:
 
 
 def core(g: Array, s0: Array, C: Array) -> Core:
-    """Evaluate the core equations, Gil (62)-(67).
+    """Evaluate the core equations, with strains and stresses as vectors, Gil (61), (63).
 
     Args:
         g: Displacement gradients in element axes, shape (n, 3 d) [-].
@@ -102,9 +102,14 @@ def elements(X: Array, warp: Array | None = None) -> Elements:
     return Elements(B, np.abs(np.linalg.det(D)) / math.factorial(d), gradients)
 
 
+def gradient(element: Elements, u: Array) -> Array:
+    """Gradient from nodal displacements, Gil (59), (60), in the axes of the elements, shape (n, 3 d) [-]."""
+    return np.einsum("nab,nb->na", element.B, u.reshape(len(u), -1))
+
+
 def energy(element: Elements, u: Array, s0: Array, C: Array) -> Array:
     """Strain energy of each element, shape (n,) [J], Gil (40); arguments as for `internal_force`."""
-    e = core(_gradient(element, u), s0, C).e
+    e = core(gradient(element, u), s0, C).e
     return np.asarray(element.measure * np.einsum("ni,ni->n", s0 + e @ C.T / 2, e))
 
 
@@ -117,13 +122,13 @@ def internal_force(element: Elements, u: Array, s0: Array, C: Array) -> Array:
         s0: Prestress in element axes, shape (n, strains) [N/m or N].
         C: Elastic moduli in element axes, shape (strains, strains) [N/m or N].
     """
-    phi = core(_gradient(element, u), s0, C).phi
+    phi = core(gradient(element, u), s0, C).phi
     return np.einsum("n,nab,na->nb", element.measure, element.B, phi).reshape(u.shape)
 
 
 def tangent(element: Elements, u: Array, s0: Array, C: Array) -> Array:
     """Tangent stiffness of each element, shape (n, 3 d + 3, 3 d + 3) [N/m], Gil (52), (53), (65)."""
-    state = core(_gradient(element, u), s0, C)
+    state = core(gradient(element, u), s0, C)
     M = state.M_mat + state.M_geo
     return np.einsum("n,nai,nab,nbj->nij", element.measure, element.B, M, element.B, optimize=True)
 
@@ -163,10 +168,6 @@ def orthotropic(Et_warp: float, Et_weft: float, nu: float, Gt: float) -> Array:
 def axial(EA: float) -> Array:
     """Elastic modulus of a cable, shape (1, 1) [N]."""
     return np.array([[EA]])
-
-
-def _gradient(element: Elements, u: Array) -> Array:
-    return np.einsum("nab,nb->na", element.B, u.reshape(len(u), -1))  # Gil (59)
 
 
 def _axes(side: Array, warp: Array | None) -> Array:

@@ -12,14 +12,30 @@ import pytest
 pytest.register_assert_rewrite("bad_values", "interrupted", "models", "pictures", "wrinkled")
 
 
+def pytest_ignore_collect(collection_path, config):
+    """Leave files without collective tests unread where only those are asked for; three processes read each file."""
+    alone = config.option.markexpr == "mpi" and collection_path.suffix == ".py"
+    return True if alone and "mark.mpi" not in collection_path.read_text(encoding="utf-8") else None
+
+
 def pytest_collection_modifyitems(items):
-    """Mark `mpi` the first case of each study that is marked `mpi_once`."""
+    """Mark `mpi` the first case of each `mpi_once`, and `further` all cases of a `study` but the first."""
     begun = set()
     for item in items:
-        study = item.nodeid.split("[")[0]
-        if item.get_closest_marker("mpi_once") and study not in begun:
-            begun.add(study)
+        if item.get_closest_marker("mpi_once") and first_of(item, begun, "mpi_once"):
             item.add_marker(pytest.mark.mpi)
+        if item.get_closest_marker("study") and not first_of(item, begun, "study"):
+            item.add_marker(pytest.mark.further)
+
+
+def first_of(item, begun, mark):
+    """Return True for the first of the cases that differ in the named arguments only, or of all without names."""
+    varied = item.get_closest_marker(mark).args
+    kept = [(name, id(value)) for name, value in item.callspec.params.items() if name not in varied] if varied else []
+    case = mark, item.nodeid.split("[")[0], *kept  # cases share the objects of their arguments, which can be arrays
+    first = case not in begun
+    begun.add(case)
+    return first
 
 
 def starts_others(config):

@@ -21,16 +21,16 @@ def has_cases():
         return False
 
 
-def check_case(name, expected):
-    """Check that the case file of a demo gives the numbers of its script, to 1e-12 of the largest of their kind.
+def check_case(name, expected, folder=CASES):
+    """Check the numbers of the case file of a demo against its script, to 1e-12 of the largest of their kind.
 
-    One process makes equal structures, bit by bit. Several add up in the order of their messages: two runs of the
-    script of the cone on two of them differ by 9e-13 of the largest force under wind, in the chords of its ring, which
-    change by 5e-13 of it with the last bit of a displacement. So several have 4 such bits besides.
+    One process makes equal structures, bit by bit. Several add up in the order of their messages: two runs of the cone
+    differ by 9e-13 of the largest force under wind, in the chords of its ring. These change by 5e-13 of it with the
+    last bit of a displacement. So several have 4 such bits besides.
     """
     from fx_membrane.files.cases.case import read_case  # noqa: PLC0415  (optional packages)
 
-    case = read_case(CASES / f"{name}.toml")
+    case = read_case(folder / f"{name}.toml")
     form = case.form()
     structure = form.structure if form else case.structure
     found = Analysis(structure, case.solver, limit=case.work, progress=False).run(case.stages_of(structure))
@@ -48,6 +48,19 @@ def check_case(name, expected):
                     np.concatenate([side.parts[part].principal for part in parts]) for side in (found[stage], state)
                 )
                 near(forces, wanted, last_bits(state) if dimension == 1 else 0.0)
+
+
+def check_pattern(name, expected):
+    """Check the cloth of the cutting pattern in the case file of a demo against that of a script, to 1e-12."""
+    from fx_membrane.files.cases.case import read_case  # noqa: PLC0415  (optional packages)
+
+    case = read_case(CASES / f"{name}.toml")
+    found = case.patterns.pattern(case.form())
+    assert list(found.cloth) == list(expected.cloth)
+    for strip, cloth in expected.cloth.items():
+        np.testing.assert_array_equal(found.cloth[strip].triangles, cloth.triangles)
+        near(found.cloth[strip].points, cloth.points)
+        near(found.compensation[strip], expected.compensation[strip])
 
 
 def near(found, expected, spare=0.0):

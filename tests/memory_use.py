@@ -75,9 +75,9 @@ def growth(act):
 
 
 def least_growth(act, bound):
-    """Work that leaves memory behind does so at each of three repetitions, noise does not: one below the bound ends."""
+    """Work that leaves memory behind does so at each of five repetitions, noise does not: one below the bound ends."""
     grown = []
-    while len(grown) < 3 and min(grown, default=bound) >= bound:
+    while len(grown) < 5 and min(grown, default=bound) >= bound:
         grown.append(growth(act))
     return min(grown)
 

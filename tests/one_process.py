@@ -105,7 +105,7 @@ def derivative(*change):
 
 
 def spread(total):
-    """Vector with the rows of the problem, but one node more on the first process, and one less on the last."""
+    """Vector with the rows of the problem, but a node more on the first process, one less on the last."""
     own = x.getLocalSize() + {0: 3, COMM.size - 1: -3}.get(COMM.rank, 0)
     return PETSc.Vec().createMPI((own, total), comm=COMM)
 

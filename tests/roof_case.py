@@ -1,4 +1,4 @@
-"""A case file that uses most keys."""
+"""A case file that uses most keys, and changes of case files."""
 
 ROOF = """\
 format = 1
@@ -79,3 +79,11 @@ increments = 2
 [output]
 folder = "out"
 """
+
+
+def changed(text, *changes, count=-1):
+    """Text of a case with the first of each two texts, which it has, replaced by the second."""
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new, count)
+    return text

@@ -52,6 +52,12 @@ def test_names_of_the_package_are_its_own():
     assert public - submodules <= set(fx_membrane.__all__)
 
 
+def test_every_folder_of_modules_is_packed():
+    listed = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["packages"]
+    folders = {path.parent.relative_to(ROOT) for path in (ROOT / "fx_membrane").rglob("*.py")}
+    assert {str(folder).replace("/", ".") for folder in folders} | {"fx_membrane.forms"} == set(listed)
+
+
 @pytest.mark.skipif(Path(sys.prefix) != ROOT / ".venv", reason="for the environment that .ci/setup makes")
 def test_pip_keeps_the_numpy_that_dolfinx_is_built_for(tmp_path):
     """Neither `pip install pandas` nor a request for the next numpy brings another major version into .venv."""

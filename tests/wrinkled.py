@@ -21,7 +21,7 @@ from fx_membrane import (
 from fx_membrane.assembly import wrinkling_direction
 from fx_membrane.assembly.problem import Problem
 from fx_membrane.forms import wrinkling
-from fx_membrane.geometry.measures import normals
+from fx_membrane.geometry.sizes import normals
 
 FABRICS = {
     "isotropic": Fabric(5000.0, 0.3),

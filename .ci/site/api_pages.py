@@ -12,6 +12,7 @@ TITLES = {
     "form_finding": "Form finding",
     "surfaces": "Surfaces: meshes, lines, run-off",
     "analysis": "Analysis, paths and modes",
+    "patterns": "Cutting patterns",
     "solvers": "Solvers",
     "results": "Results",
     "files": "Files",

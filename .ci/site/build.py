@@ -74,6 +74,7 @@ def main():
         "html",
         "-d",
         cache,
+        *([] if (SITE / "searchindex.js").exists() else ["-a"]),  # a build that was stopped lacks some pages
         str(SOURCE),
         str(SITE),
     ]

@@ -24,7 +24,7 @@ def page(demo, run):
 
 
 def write(demos, folder, run=True):
-    """Write a page for each demo, and the list of them."""
+    """Write a page for each demo, and the list of them, which `conf.py` gives pictures."""
     folder.mkdir(parents=True, exist_ok=True)
     names = sorted(demo.stem for demo in demos.glob("*.py"))
     for name in names:
@@ -35,5 +35,5 @@ def write(demos, folder, run=True):
         names.append(f"cookbook-{script.stem}")
     entries = "\n".join(names)
     (folder / "index.md").write_text(
-        f"# Gallery\n\nThe scripts in `demos/`, as they run.\n\n```{{toctree}}\n:maxdepth: 1\n\n{entries}\n```\n"
+        f"# Gallery\n\nThe scripts in `demos/`, as they run.\n\n```{{toctree}}\n:hidden:\n\n{entries}\n```\n"
     )

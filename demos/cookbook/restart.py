@@ -1,4 +1,4 @@
-"""Restart: a run that is out of time leaves its states in a checkpoint, and the next one goes on from there [kN, m]."""
+"""Restart: a run out of time leaves its states in a checkpoint, and the next one goes on from there [kN, m]."""
 
 import numpy as np
 from mpi4py import MPI

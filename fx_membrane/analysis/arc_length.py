@@ -7,8 +7,7 @@ path: it lies in a plane across the tangent of the path, at a given length from 
 
 psi, the weight of the load factor, is the norm of the first du/dfactor: at the start displacement and load count alike.
 The path continues in the sense of the last step. Steps become shorter where Newton's method takes many iterations, and
-longer elsewhere. A step that may have missed limit points, or jumped to another branch, is rejected
-and halved (`path_check`).
+longer elsewhere. A step that may have missed limit points, or jumped to another branch, is halved (`path_check`).
 
 Source: E. Riks, An incremental approach to the solution of snapping and buckling problems, Int. J. Solids Structures
 15 (1979) 529-551.
@@ -17,22 +16,20 @@ Source: E. Riks, An incremental approach to the solution of snapping and bucklin
 import warnings
 from dataclasses import replace
 
-import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
 from .. import _dolfinx
-from ..assembly.actions import unloaded, with_constraints_of
-from ..assembly.problem import Problem
+from ..assembly.actions import between, with_constraints_of
 from ..checks import validation
 from ..checks.values import counted
-from ..model.fingerprints import fingerprint, of_settings, of_stages
+from ..model.digests import fingerprint, of_settings, of_stages
 from ..model.restraint import check_supports
 from ..model.stages import Stage
 from ..model.structure import Structure
-from ..results.owner import problem_of
-from ..results.states import StageResult, UnstableStateWarning
+from ..results.states import StageResult
 from ..results.strain_limits import warn_of_large_prestress
+from ..results.told_states import UnstableStateWarning
 from ..runtime.processes import refuse_differences, together
 from ..solvers.base import no_monitor
 from ..solvers.bordered_newton import BorderedNewton, Plane, Point, Step
@@ -119,16 +116,16 @@ def equilibrium_path(
         structure = start if isinstance(start, Structure) else start.structure
         validation.plain("equilibrium_path limit", limit, WorkLimit)
         path_start.check_stage(structure, start, stage)
-    state = () if isinstance(start, Structure) else (start.displacement, start.actions)
     given = {"load_factor": load_factor, "displacement": displacement, "max_points": max_points, "rtol": rtol}
+    state = () if isinstance(start, Structure) else (start.displacement, start.actions)
     refuse_differences(
         comm, lambda: of_settings({"start": state} | given) | of_stages([stage]) | {"limit": fingerprint(limit)}
     )
-    shape = np.zeros(structure.points.shape) if isinstance(start, Structure) else start.displacement
-    before = unloaded(structure) if isinstance(start, Structure) else start.actions
-    problem = Problem(structure, comm) if isinstance(start, Structure) else problem_of(start, comm)
-    after = problem.actions_of(stage, before)
+    problem, before, shape = path_start.begun(start, comm)
+    after = problem.actions_of(stage, before, shape)
+    path_start.refuse_first_water(stage.name, before, after)
     check_supports(structure, after.held, [acting.term for acting in after.terms])
+    before, after = problem.with_gas_of_start(before, after, shape, stage.name)
     begin = with_constraints_of(before, after, shape)
     fixed = after.held & (after.displacement == begin.displacement)
     ends = path_ends.ends(problem, load_factor, displacement, fixed, shape)
@@ -139,13 +136,8 @@ def equilibrium_path(
             warn_of_large_prestress(structure, stacklevel=3)
     newton = BorderedNewton(problem, path.start, path.end, x, rtol)
     newton.monitor = Work(limit, comm, no_monitor, what="a path")
-    tracer = _Tracer(newton, path, 1 / stage.increments)
     try:
-        path = tracer.run(x, ends, max_points)
-    except WorkDone as done:
-        error = PathError(_cut_off(tracer.path, done), tracer.path)
-        warn_of_slack_parts(problem, error.path, newton.pulse, stacklevel=2)
-        raise error from None
+        path = _traced(_Tracer(newton, path, 1 / stage.increments), x, ends, max_points)
     except PathError as error:
         warn_of_slack_parts(problem, error.path, newton.pulse, stacklevel=2)
         raise
@@ -154,6 +146,14 @@ def equilibrium_path(
         return path
     finally:
         newton.free()
+
+
+def _traced(tracer: "_Tracer", x: PETSc.Vec, ends: list[Plane], max_points: int) -> EquilibriumPath:
+    """Trace a path; a `PathError` has it up to a failure, or to the limit of work."""
+    try:
+        return tracer.run(x, ends, max_points)
+    except WorkDone as done:
+        raise PathError(_cut_off(tracer.path, done), tracer.path) from None
 
 
 def _cut_off(path: EquilibriumPath, done: WorkDone) -> str:
@@ -233,7 +233,7 @@ class _Tracer:
                 "stability(state) shows how it gives way. Add supports, members or prestress against that, or start "
                 "from a stable state.",
                 UnstableStateWarning,
-                stacklevel=4,
+                stacklevel=5,
             )
 
     def start(self, x: PETSc.Vec) -> PathState:
@@ -293,5 +293,7 @@ class _Tracer:
         """Add a point to the path."""
         x, factor, iterations = found.point
         shape = self.newton.problem.discretization.to_numpy(x)
-        point = PathPoint(factor, shape, found.negative_pivots, iterations, limit, kept)
+        loaded = self.newton.problem.under(between(self.path.start, self.path.end, factor))
+        gas = loaded.chambers(x)
+        point = PathPoint(factor, shape, found.negative_pivots, iterations, limit, kept, gas)
         self.path = replace(self.path, points=(*self.path.points, point), complete=complete)

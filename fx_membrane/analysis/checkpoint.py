@@ -10,7 +10,7 @@ from pathlib import Path
 
 from mpi4py import MPI
 
-from ..model.fingerprints import fingerprints
+from ..model.digests import fingerprints
 from ..model.stages import Stage
 from ..model.structure import Structure
 from ..runtime.processes import together

@@ -19,6 +19,8 @@ from urllib.parse import quote
 import numpy as np
 from numpy.typing import NDArray
 
+from ..assembly.gas import ChamberResult
+from ..model.water_events import BasinResult, WaterEvent
 from ..results.states import Increment
 from ..solvers.base import Iteration
 from ..solvers.outcome import Outcome
@@ -240,10 +242,17 @@ def _checked(key: str, document: bytes, displacement: bytes, digest: str) -> tup
 
 
 def _record(increment: Increment) -> dict[str, Any]:
-    return increment._asdict() | {
+    record = increment._asdict() | {
         "outcome": increment.outcome.name,
         "iterations": [entry._asdict() for entry in increment.iterations],
+        "chambers": {name: found._asdict() for name, found in increment.chambers.items()},
+        "basins": [found._asdict() for found in increment.basins],
+        "events": [found._asdict() for found in increment.events],
     }
+    for name in ("chambers", "basins", "events"):
+        if not record[name]:  # as earlier versions wrote it, and read it
+            del record[name]
+    return record
 
 
 def _progress(document: dict[str, Any], displacement: bytes, increments: list[dict[str, Any]]) -> Progress:
@@ -257,4 +266,9 @@ def _progress(document: dict[str, Any], displacement: bytes, increments: list[di
 
 def _increment(record: dict[str, Any]) -> Increment:
     iterations = tuple(Iteration(**entry) for entry in record["iterations"])
-    return Increment(**record | {"outcome": Outcome[record["outcome"]], "iterations": iterations})
+    chambers = {name: ChamberResult(**found) for name, found in record.get("chambers", {}).items()}
+    basins = tuple(BasinResult(**found) for found in record.get("basins", ()))
+    events = tuple(WaterEvent(**found | {"place": tuple(found["place"])}) for found in record.get("events", ()))
+    made = {"outcome": Outcome[record["outcome"]], "iterations": iterations, "chambers": chambers}
+    made |= {"basins": basins, "events": events}
+    return Increment(**record | made)

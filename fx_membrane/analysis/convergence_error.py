@@ -1,4 +1,4 @@
-"""Failure to find equilibrium, with everything that was found before."""
+"""Failure to find equilibrium, with the results found before."""
 
 import numpy as np
 from numpy.typing import NDArray

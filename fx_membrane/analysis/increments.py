@@ -8,6 +8,7 @@ Model: P. Kidger, On neural differential equations, PhD thesis, Oxford (2021), a
 accepts or rejects a step, and gives the length of the next.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from fractions import Fraction
@@ -15,7 +16,9 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
+from ..assembly.gas import ChamberResult
 from ..model.stages import Stage
+from ..model.water_events import BasinResult, WaterEvent
 from ..results.states import Increment
 from ..solvers.base import Solution
 from ..solvers.outcome import Outcome
@@ -175,6 +178,18 @@ class IncrementControl:
             last = last._replace(outcome=Outcome.FALLEN, fallen=words)
             self.reached = replace(self.reached, increments=(*others, last))
 
+    def note_chambers(self, chambers: Mapping[str, ChamberResult]) -> None:
+        """Note with the accepted increment the gas in the chambers."""
+        assert self.reached
+        *others, last = self.reached.increments
+        self.reached = replace(self.reached, increments=(*others, last._replace(chambers=chambers)))
+
+    def note_water(self, basins: tuple[BasinResult, ...], events: tuple[WaterEvent, ...]) -> None:
+        """Note with the accepted increment the water in the basins, and its events."""
+        assert self.reached
+        *others, last = self.reached.increments
+        self.reached = replace(self.reached, increments=(*others, last._replace(basins=basins, events=events)))
+
     def accept(self) -> Progress:
         """Continue from the accepted state; return it."""
         assert self.reached
@@ -199,6 +214,6 @@ class IncrementControl:
 
     def _divisible(self, lost: bool) -> bool:
         """Return True if half of the increment may be tried."""
-        loaded = bool(self.stage.loads or self.stage.displacements)
+        loaded = bool(self.stage.loads or self.stage.displacements or self.stage.changes)
         large = self.state.size * self.stage.increments * 2**LIMITS.halvings > 1
         return loaded and large and (lost or not self.ceiling.reached(self.state.factor))

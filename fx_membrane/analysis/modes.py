@@ -6,10 +6,11 @@ With the tangent K of the state and the consistent mass matrix M, both without t
 
 Loads of fixed direction do not enter K; follower pressures do, Gil (57). If a pressure has a potential, as a uniform
 one within held edges, K is symmetric. Otherwise K is unsymmetric, and omega may be complex (flutter). Cells stay taut,
-wrinkled or slack, as they are in the state.
+wrinkled or slack, as they are in the state. Water keeps its volume, also at an outlet that moves.
 """
 
 from dataclasses import dataclass
+from html import escape
 
 import numpy as np
 from mpi4py import MPI
@@ -18,13 +19,16 @@ from petsc4py import PETSc
 
 from ..assembly.problem import NO_MASS, Problem
 from ..checks import validation
-from ..model.fingerprints import of_settings
+from ..model.digests import of_settings
 from ..results.owner import problem_of
 from ..results.remarks import held_by_slack_parts
 from ..results.states import StageResult
+from ..runtime.notebook_pictures import table
 from ..runtime.processes import refuse_differences, together
 from ..solvers import eigenvalues, factorization
+from ..solvers.augmented_matrix import augmented
 from ..solvers.eigenvalues import Eigenpair
+from .stiffness_spectrum import Rows, lowest_spectrum
 from .wave_speed import warn_of_mass_units
 
 Array = NDArray[np.float64]
@@ -54,6 +58,14 @@ class Modes:
         more = ", ..." if len(self.frequencies) > SHOWN else ""
         return f"Modes({frequencies}{more} Hz, {np.count_nonzero(self.growth)} that grow)"
 
+    def _repr_html_(self) -> str:
+        """Show all frequencies in notebooks."""
+        rows = [
+            [str(number), f"{frequency:.5g}", f"{growth:.5g}"]
+            for number, (frequency, growth) in enumerate(zip(self.frequencies, self.growth, strict=True))
+        ]
+        return f"<b>{escape(repr(self))}</b>" + table(["mode", "frequency [Hz]", "growth rate [1/s]"], rows)
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Stability:
@@ -64,6 +76,10 @@ class Stability:
     work of every small displacement (R. Hill, J. Mech. Phys. Solids 6 (1958) 236-249), and the state does not diverge.
     Flutter shows in `natural_frequencies` only.
 
+    Water at an outlet that is held keeps its level, as if it were fed. At an outlet that moves, water runs off where
+    that sinks, and keeps its volume where it rises. Each has a tangent of its own, the first one unsymmetric. The worse
+    of the two counts, by the real parts of its eigenvalues.
+
     The `compression_stiffness` of wrinkled and slack cells is set aside: slack cells that buckle from node to node are
     no instability. Nodes at which all cells are slack then have no stiffness; they are left out if the others are
     enough. A remaining motion without stiffness is a mechanism of the structure. If slack parts push, the state is no
@@ -71,7 +87,7 @@ class Stability:
     without them, and its eigenvalues mean little: see `held_by_slack`.
 
     Attributes:
-        stiffnesses: Ascending, shape (count,) [N/m]; 0 for none up to rounding.
+        stiffnesses: Ascending, shape (count,) [N/m]; 0 for none up to rounding. Real parts of complex ones.
         directions: Displacements of 2-norm 1, shape (count, n, 3) [-]; 0 at components constrained or left out.
         negative: Number of negative eigenvalues, found or not: 0 in a stable state.
         free: Number of zero eigenvalues, found or not: 0 where every motion meets resistance.
@@ -93,6 +109,16 @@ class Stability:
         counts = f"{self.negative} negative" + f", {self.free} zero" * bool(self.free)
         counts += f"; {self.held_by_slack}" * bool(self.held_by_slack)
         return f"Stability(lowest stiffness {self.stiffnesses[0]:.4g}, {counts})"
+
+    def _repr_html_(self) -> str:
+        """Show the verdict and all stiffnesses in notebooks, with the node that moves most."""
+        verdict = "stable" if self.stable else "not stable"
+        rows = [
+            [f"{stiffness:.5g}", str(np.linalg.norm(direction, axis=1).argmax())]
+            for stiffness, direction in zip(self.stiffnesses, self.directions, strict=True)
+        ]
+        heads = ["stiffness [force/length]", "node that moves most"]
+        return f"<b>{escape(repr(self))}: {verdict}</b>" + table(heads, rows)
 
 
 def natural_frequencies(state: StageResult, count: int = 6, comm: MPI.Intracomm = MPI.COMM_WORLD) -> Modes:
@@ -138,12 +164,15 @@ def natural_frequencies(state: StageResult, count: int = 6, comm: MPI.Intracomm 
     _refuse_differences(comm, state, count)
     problem = problem_of(state, comm)
     x = problem.to_petsc(state.displacement)
-    K = _free(problem, problem.under(state.actions).tangent(x), ~state.actions.held)
+    loaded = problem.under(state.actions)
+    K = _free(problem, loaded.tangent(x), ~state.actions.held)
     M = _free(problem, problem.mass(), ~state.actions.held)
-    if factorization.is_symmetric(K):
-        pairs, _ = eigenvalues.lowest(K, M, count)
+    whole = augmented(K, M, loaded.borders(x), _rows(problem, ~state.actions.held))
+    assert whole.M is not None
+    if factorization.is_symmetric(whole.K):
+        pairs, _ = eigenvalues.lowest(whole.K, whole.M, count, borders=whole.negative)
     else:
-        pairs = eigenvalues.lowest_unsymmetric(K, M, count)
+        pairs = eigenvalues.lowest_unsymmetric(whole.K, whole.M, count, whole.negative)
     omega = np.sqrt([pair.value for pair in pairs])
     return Modes(omega.real / (2 * np.pi), np.abs(omega.imag), _shapes(problem, ~state.actions.held, pairs))
 
@@ -180,10 +209,10 @@ def stability(state: StageResult, count: int = 1, comm: MPI.Intracomm = MPI.COMM
     K = _free(problem, K, released)
     if not factorization.is_symmetric(K):
         factorization.symmetrize(K)
-    pairs, negative = eigenvalues.lowest(K, None, count)
-    stiffnesses = np.array([pair.value.real for pair in pairs])
-    shapes, free = _shapes(problem, released, pairs), eigenvalues.zeros(K)
-    return Stability(stiffnesses, shapes, negative, free, held_by_slack_parts(state))
+    found = lowest_spectrum(loaded, x, K, _rows(problem, released), count)
+    stiffnesses = np.array([pair.value.real for pair in found.pairs])
+    shapes = _shapes(problem, released, found.pairs)
+    return Stability(stiffnesses, shapes, found.negative, found.zero, held_by_slack_parts(state))
 
 
 def _checked_count(function: str, count: int, movable: NDArray[np.bool_], what: str) -> int:
@@ -213,6 +242,11 @@ def _free(problem: Problem, A: PETSc.Mat, released: NDArray[np.bool_]) -> PETSc.
     return part
 
 
+def _rows(problem: Problem, released: NDArray[np.bool_]) -> Rows:
+    """Rows of the released components, shape (n, 3), among those of this process's part of a vector."""
+    return problem.discretization.dofs(released) - 3 * problem.discretization.first_block
+
+
 def _shapes(problem: Problem, released: NDArray[np.bool_], pairs: list[Eigenpair]) -> Array:
     """Eigenvectors in the user's order, shape (count, n, 3); of a conjugate pair real part, then imaginary part.
 
@@ -233,5 +267,5 @@ def _full(problem: Problem, released: NDArray[np.bool_], vector: PETSc.Vec) -> A
     """Nodal values on every process, shape (n, 3), from a vector of the free components."""
     full = problem.create_vector()
     free = problem.discretization.dofs(released) - full.getOwnershipRange()[0]
-    full.array[free] = vector.array_r
+    full.array[free] = vector.array_r[: len(free)]  # borders follow
     return problem.to_numpy(full)

@@ -1,23 +1,25 @@
 """Equilibrium path: load factors, displacements and stability of a sequence of neighbouring states."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from html import escape
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
 from ..assembly.actions import Actions, between
+from ..assembly.gas import ChamberResult
 from ..assembly.problem import Problem
 from ..checks import validation, values
 from ..checks.values import counted
-from ..model.fingerprints import of_settings
+from ..model.digests import of_settings
 from ..model.structure import Structure
 from ..results.evaluation import StateEvaluator
-from ..results.owner import problem_of, without_owner
+from ..results.owner import Owned, problem_of
 from ..results.remarks import remarked, warn_of_remarks
-from ..results.states import Increment, StageResult
+from ..results.states import NO_CHAMBERS, Increment, StageResult
 from ..runtime.notebook_pictures import picture_html, picture_png
 from ..runtime.processes import refuse_differences, together
 from ..solvers.base import Iteration
@@ -26,7 +28,7 @@ NO_LOAD = 1e-9  # load factor, as a fraction of the largest on a path, at which 
 
 
 class PathPoint(NamedTuple):
-    """One equilibrium state.
+    """Equilibrium state on a path.
 
     Attributes:
         load_factor: Multiplier of the stage's own loads and prescribed displacements.
@@ -38,6 +40,7 @@ class PathPoint(NamedTuple):
         limit: True if the load factor turns here.
         kept: Fraction of each `compression_stiffness` in effect: 1, but 0.01 at a limit point with wrinkled or slack
             cells, so that they carry no compression there. It is 1 at a limit point where no point was found with less.
+        chambers: Gas in the chambers, by name.
     """
 
     load_factor: float
@@ -46,10 +49,11 @@ class PathPoint(NamedTuple):
     iterations: tuple[Iteration, ...]
     limit: bool = False
     kept: float = 1.0
+    chambers: Mapping[str, ChamberResult] = NO_CHAMBERS
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class EquilibriumPath:
+class EquilibriumPath(Owned):
     """Equilibrium states of a stage, each close to the one before.
 
     Attributes:
@@ -72,15 +76,6 @@ class EquilibriumPath:
     complete: bool
     reason: str
     owner: Problem | None = field(default=None, kw_only=True)
-
-    @property
-    def problem(self) -> Problem:
-        """Meshes and forms of the structure; in a copy they are made on first use, by all processes together."""
-        return problem_of(self)
-
-    def __getstate__(self) -> dict[str, Any]:
-        """State without its owner: meshes and PETSc objects belong to this process."""
-        return without_owner(self)
 
     def __repr__(self) -> str:
         last = f", load factor {self.points[-1].load_factor:.4g}" if self.points else ""
@@ -129,7 +124,7 @@ class EquilibriumPath:
             comm: The processes that share the work; all of them ask for the same point.
 
         Raises:
-            ValueError: There is no such point.
+            ValueError: The path has no point of that number.
 
         Warns:
             LargeStrainWarning: Strains are above 5 %.

@@ -8,7 +8,8 @@ from ..assembly.actions import between
 from ..assembly.problem import Problem
 from ..results.evaluation import StateEvaluator
 from ..results.remarks import remarked
-from ..results.states import Increment, UnstableStateWarning
+from ..results.states import Increment
+from ..results.told_states import UnstableStateWarning
 from ..runtime.processes import together
 from ..solvers.curvature import wrinkling_threshold
 from ..solvers.progress import Pulse

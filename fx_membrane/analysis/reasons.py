@@ -4,7 +4,7 @@ from fractions import Fraction
 
 from petsc4py import PETSc
 
-from ..assembly.loaded_problem import LoadedProblem
+from ..assembly.problem_under_actions import LoadedProblem
 from ..solvers.base import Solution
 from ..solvers.diagnosis import swung_masts, unlikely_units
 from .increments import Ceiling, IncrementControl
@@ -49,9 +49,9 @@ def _largest_load(ceiling: Ceiling, start: Fraction) -> str:
         return ""
     return (
         f"from load factor {float(start):.6g} on no equilibrium was found, in however small increments, and likely "
-        "there is none: it is the largest load that the structure bears (as fabric with a free edge, which flies "
-        "off where a pressure exceeds what holds it down). More increments will not help; stay below that load, or "
-        "add supports, members, weight or prestress. On fine meshes of slack fabric iterations may be too few; "
+        "there is none: it is the largest load that the structure bears. A fabric with a free edge, for one, flies off "
+        "where a pressure exceeds what holds it down. More increments will not help; stay below that load, or add "
+        "supports, members, weight or prestress. On fine meshes of slack fabric iterations may be too few; "
         "Newton(max_iterations=...) allows more."
     )
 

@@ -1,6 +1,7 @@
 """Stages: load increments, load cases that branch from a common state, and results that survive failures."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
@@ -10,24 +11,29 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from .. import _dolfinx
-from ..assembly.actions import Actions, unloaded, with_constraints_of
-from ..assembly.loaded_problem import LoadedProblem
+from ..assembly.actions import Actions, unloaded
+from ..assembly.gas import ChamberResult
 from ..assembly.problem import Problem
+from ..assembly.problem_under_actions import LoadedProblem
 from ..checks import paths, validation
 from ..checks.calls import unfit
-from ..model.fingerprints import fingerprint, of_stages
+from ..model.cable_changes import FixedLength
+from ..model.digests import fingerprint, of_stages
+from ..model.ponds import Pond
 from ..model.stages import Stage
 from ..model.structure import Structure
+from ..model.water_events import BasinResult, WaterEvent
 from ..results.evaluation import StateEvaluator
 from ..results.remarks import held_by_slack_parts, remarked, warn_of_remarks
 from ..results.slackness import hanging_ends, slack_parts
 from ..results.states import StageResult, StageResults
 from ..results.strain_limits import warn_of_large_prestress
-from ..results.unfinished import Failure
+from ..results.unfinished_stages import Failure, last_found
 from ..runtime.freed_memory import return_freed_memory
 from ..runtime.processes import refuse_differences, together
 from ..solvers import own
 from ..solvers.base import Solution, Solver
+from ..solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
 from ..solvers.curvature import wrinkling_threshold
 from ..solvers.newton import Newton
 from ..solvers.outcome import Outcome
@@ -36,10 +42,11 @@ from ..solvers.undefined_terms import undefined_start
 from . import checkpoint
 from .checkpoint_file import Progress
 from .convergence_error import ConvergenceError
-from .course import Course
+from .course import Course, course_of
 from .increments import IncrementControl, Verdict
 from .reasons import MORE, reason
-from .stage_check import check_run
+from .stage_check import check_run, refuse_given_volumes
+from .water_at_rest import at_rest, resumed
 from .work import Work, WorkDone, WorkLimit
 
 PROBE = 1 / 256  # fraction of an increment that snapped: its load shows at the start of a stage which parts carry
@@ -52,8 +59,8 @@ class Analysis:
     mechanism, or after a first-order method ran out of iterations. After a converged increment the next is twice as
     long, up to the size that the stage asks for. An increment from a stable start that meets more negative curvature
     than wrinkled and slack cells have is halved, too. Smaller increments avoid the instability or bracket the critical
-    load, at which the structure snaps through or buckles. An `UnstableStateWarning` reports the first such load of each
-    stage.
+    load, at which the structure snaps through or buckles. An `UnstableStateWarning` reports the first of these loads in
+    each stage.
 
     Args:
         structure: The structure.
@@ -100,7 +107,7 @@ class Analysis:
         self.structure = structure
         self._comm = comm
         self.problem = Problem(structure, comm)
-        self._solve = own.prepared(solver, self.problem)
+        self._solver, self._solve = solver, own.prepared(solver, self.problem)
         self._record = StateEvaluator(self.problem)
 
     def run(
@@ -138,6 +145,7 @@ class Analysis:
                 carry a mast, or more than 1 % of the forces or loads connected with them.
             LostPrestressWarning: No cell of a part has 1 % of its prestress left.
             UnbalancedStateWarning: Unbalanced forces of a stage are above 1e-6 of the loads.
+            ShearSignWarning: A membrane without two sides has shear along warp and weft, which has no sign.
             CheckpointWarning: A state could not be saved, as on a full disk; the run continues without.
         """
         with together(self._comm):
@@ -147,6 +155,8 @@ class Analysis:
             if observe is not None and (shown := unfit(observe, 1)):
                 raise ValueError(f"observe is {shown}; give a function of a state.")
             check_run(self.structure, stages)
+            if isinstance(self._solver, ConjugateGradient | SteepestDescent):
+                refuse_given_volumes(stages, type(self._solver).__name__)
         refuse_differences(self._comm, lambda: of_stages(stages))
         with together(self._comm):
             if self._comm.rank == 0:
@@ -155,17 +165,25 @@ class Analysis:
             results = StageResults(stages=stages)
             ends: dict[str | None, Actions] = {None: unloaded(self.structure)}
             for stage in stages:
-                ends[stage.name] = end = self.problem.actions_of(stage, ends[stage.after])
+                ends[stage.name] = self.problem.actions_of(stage, ends[stage.after])
+            fixes = any(
+                isinstance(one, FixedLength | Pond) for stage in stages for one in (*stage.changes, *stage.loads)
+            )
+            natural = {name for end in ends.values() for name in end.natural}
+            self.problem.allow_natural_shapes(natural, {name for end in ends.values() for name in end.tensions})
+            for stage in stages:
                 shape = results[stage.after].displacement if stage.after else np.zeros(self.structure.points.shape)
-                start = with_constraints_of(ends[stage.after], end, shape)
-                course = Course(stage, start, end, shape)
+                course = course_of(self.problem, stage, ends, shape, fixes)
                 state = saved.progress.get(stage.name) or Progress(
                     shape, Fraction(0), Fraction(1, stage.increments), ()
                 )
-                accept = partial(self._accept, course, saved, observe)
+                if state.increments:
+                    course = resumed(course, state.factor, state.displacement, state.increments[-1].basins)
+                accept = partial(self._accept, saved, observe)
                 if observe and state.factor > 0:  # a run that was stopped may not have shown its last saved state
                     observe(self._result(course, state))
-                state = self._run(course, state, results, accept)
+                state, course = self._run(course, state, results, accept)
+                ends[stage.name] = replace(ends[stage.name], ponds=course.end.ponds)
                 if stage is stages[-1]:
                     own.release(self._solve)  # it takes several times the memory of the result
                     return_freed_memory(3 * len(self.problem.discretization.owned_nodes))
@@ -175,37 +193,47 @@ class Analysis:
         return results
 
     def _run(
-        self, course: Course, state: Progress, results: StageResults, accept: Callable[[Progress], None]
-    ) -> Progress:
-        """Run the load increments of a stage from a converged state; return its end."""
+        self, course: Course, state: Progress, results: StageResults, accept: Callable[[Course, Progress], None]
+    ) -> tuple[Progress, Course]:
+        """Run the load increments of a stage from a converged state; return its end, with the water then."""
         stage = course.stage
-        balanced = stage.after is not None or not (self.problem.magnitudes.prestress_forces or self.structure.terms)
+        stressed = self.problem.magnitudes.prestress_forces or course.start.changes_stress or self.structure.terms
+        balanced = stage.after is not None or not stressed
         control = IncrementControl(stage, state, balanced)
         x, before = self.problem.create_vector(), len(state.increments)
+        waters: dict[Fraction, tuple[Course, tuple[BasinResult, ...], tuple[WaterEvent, ...]]] = {}
         with Report(stage.name, float(state.factor), self._shown, len(results) + 1, len(results.stages)) as report:
             work = Work(self._limit, self._comm, report.iteration)
             while control.state.factor < 1:
                 _dolfinx.free_dropped(self._comm)
                 self.problem.discretization.to_petsc(control.state.displacement, x)
-                loaded = self.problem.under(course.actions(control.next()))
-                solution = self._solved(loaded, x, work, control.thorough)
-                shape = self.problem.to_numpy(x) if solution.converged else None
-                verdict = control.judge(solution, shape, len(work.iterates))
+                work.iterates.clear()
+                solve = partial(self._solved, x=x, work=work, thorough=control.thorough)
+                rest = at_rest(self.problem, course, control.next(), x, solve)
+                shape = self.problem.to_numpy(x) if rest.solution.converged else None
+                waters[control.factor] = rest.course, rest.basins, rest.events
+                verdict = control.judge(rest.solution, shape, len(work.iterates))
                 if verdict is Verdict.HALVE:
                     continue
                 if verdict is Verdict.STOP or work.over or not self._located(course, control, work):
-                    raise self._failure(course, control, loaded, x, solution, work, results)
-                accept(control.accept())
+                    raise self._failure(course, control, rest.loaded, x, rest.solution, work, results)
+                if self.structure.chambers:
+                    control.note_chambers(self._chambers(course, control))
+                assert control.reached
+                course, basins, events = waters[control.reached.factor]
+                control.note_water(basins, events)
+                accept(course, control.accept())
+                waters.clear()
                 found = control.state.increments[before:]
                 iterations = sum(entry.total_iterations for entry in found)
                 report.increment(float(control.state.factor), found[-1].iterations[-1].residual, iterations)
-        return control.state
+        return control.state, course
 
     def _accept(
         self,
-        course: Course,
         saved: checkpoint.Checkpoint,
         observe: Callable[[StageResult], None] | None,
+        course: Course,
         state: Progress,
     ) -> None:
         """Save a converged increment, and show it to an observer."""
@@ -215,21 +243,23 @@ class Analysis:
 
     def _solved(self, loaded: LoadedProblem, x: PETSc.Vec, work: Work, thorough: bool) -> Solution:
         """Solve an increment; once the limit of work is used up, allow no retry."""
-        work.iterates.clear()
         try:
             return undefined_start(loaded, x) or self._solve(loaded, x, work, thorough)
         except WorkDone as done:
             return Solution(Outcome.WORK_LIMIT, f"{done}; {MORE}", tuple(work.iterates))
 
-    def _located(self, course: Course, control: IncrementControl, work: Work) -> bool:
-        """Note the parts that only slack parts held before a loss of stability; False if the limit of work ended that.
+    def _chambers(self, course: Course, control: IncrementControl) -> dict[str, ChamberResult]:
+        """Gas in the chambers in the accepted state."""
+        assert control.reached
+        loaded = self.problem.under(course.actions(control.reached.factor))
+        return loaded.chambers(self.problem.discretization.to_petsc(control.reached.displacement))
 
-        At the start of a stage forces may not show that yet: a small fraction of the increment makes them visible.
-        """
+    def _located(self, course: Course, control: IncrementControl, work: Work) -> bool:
+        """Note parts that slack parts alone held before a loss of stability; False if the limit of work ended that."""
         reached = control.lost
         if not reached or not wrinkling_threshold(self.structure):  # without it, no part can be slack
             return True
-        factor = float(control.state.factor) or PROBE * float(reached.factor)
+        factor = float(control.state.factor) or PROBE * float(reached.factor)  # at the start forces may not show yet
         loaded = self.problem.under(course.actions(factor))
         x = self.problem.discretization.to_petsc(control.state.displacement)
         if control.state.factor == 0 and not self._solved(loaded, x, work, thorough=False).converged:
@@ -254,14 +284,14 @@ class Analysis:
         warn_of_remarks(last, self._comm, stacklevel=5)
         words = reason(loaded, x, solution, control, work) + slack
         results.failure = Failure(course.stage.name, float(control.factor), float(control.state.factor), words)
+        results.last = last_found(results.failure, last, results)
         return ConvergenceError(results.failure.message, results, last, control.failed(solution), solution.motion)
 
     def _slack(self, course: Course, loaded: LoadedProblem, x: PETSc.Vec) -> str:
         """Sentence on slack parts and free cable ends in a state that is no equilibrium."""
         if not np.isfinite(x.norm()):
             return ""
-        state = self._record(course.stage.name, loaded, x, ())
-        return slack_parts(state) + hanging_ends(state)
+        return slack_parts(state := self._record(course.stage.name, loaded, x, ())) + hanging_ends(state)
 
     def _result(self, course: Course, state: Progress) -> StageResult:
         loaded = self.problem.under(course.actions(state.factor))

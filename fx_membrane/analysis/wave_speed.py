@@ -4,7 +4,7 @@ import warnings
 
 import numpy as np
 
-from ..assembly.part_forms import stiffness
+from ..assembly.forms_of_parts import stiffness
 from ..model.structure import Structure
 
 # Speeds in real materials [m/s]: sqrt(Et / mass) is 300 to 2000 in coated fabrics and foils, sqrt(EA / mass) 1500 in
@@ -41,7 +41,7 @@ def warn_of_mass_units(structure: Structure, stacklevel: int) -> None:
             f"Part {name!r}, with the mass {part.mass:g}, is too {'heavy' if fate == 'slow' else 'light'} for its "
             f"stiffness: waves run through it at {speed:.3g} length units per second, too {fate} for any fabric "
             f"({FABRIC[0]:g} to {FABRIC[1]:g} m/s), cable or mast ({BAR[0]:g} to {BAR[1]:g} m/s). Units are probably "
-            "mixed, and frequencies wrong: the mass unit is the force unit times s2 over the length unit, that is kg "
+            "mixed, and frequencies wrong: the mass unit is the force unit times s2 over the length unit. It is kg "
             "with N and m, t (1000 kg) with kN and m, t with N and mm.",
             MassUnitWarning,
             stacklevel=stacklevel,

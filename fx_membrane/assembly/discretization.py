@@ -117,9 +117,10 @@ class Discretization:
         self.parts = {name: self._part_mesh(name, share) for name, share in shares.items() if len(share)}
 
         self.state = 0
+        self._displacement = np.zeros((len(self.local_nodes), 3))  # that of the meshes
         self._spare: list[PETSc.Vec] = []
-        blocks = self.block_of_node[self.local_nodes].astype(PETSc.IntType)
-        where = PETSc.IS().createBlock(3, blocks, comm=MPI.COMM_SELF)
+        self._blocks = self.block_of_node[self.local_nodes].astype(PETSc.IntType)
+        where = PETSc.IS().createBlock(3, self._blocks, comm=MPI.COMM_SELF)
         self._local_values = PETSc.Vec().createSeq(3 * len(self.local_nodes), comm=MPI.COMM_SELF)
         vector = self.create_vector()
         self.rows: list[int] = vector.getOwnershipRanges().tolist()
@@ -239,13 +240,20 @@ class Discretization:
 
     def scatter(self, vector: PETSc.Vec) -> None:
         """Set the displacement `u` of every mesh from a PETSc vector."""
-        self._scatter.scatter(vector, self._local_values, PETSc.InsertMode.INSERT, PETSc.ScatterMode.FORWARD)
-        values = self._local_values.array_r.reshape(-1, 3)
+        values = self._of_local_nodes(vector)
+        if np.array_equal(values, self._displacement):
+            return
+        self._displacement[:] = values
+        self.state += 1
         for mesh in self.parts.values():
-            there = values.take(mesh.node_rows, axis=0).ravel()
-            if not np.array_equal(there, mesh.u.x.array):
-                mesh.u.x.array[:] = there
-                self.state += 1
+            mesh.u.x.array[:] = values.take(mesh.node_rows, axis=0).ravel()
+
+    def _of_local_nodes(self, vector: PETSc.Vec) -> NDArray[np.float64]:
+        """Values at the nodes of the meshes of this process, shape (local nodes, 3)."""
+        if self.comm.size == 1:  # nothing to send
+            return np.asarray(vector.array_r.reshape(-1, 3).take(self._blocks, axis=0))
+        self._scatter.scatter(vector, self._local_values, PETSc.InsertMode.INSERT, PETSc.ScatterMode.FORWARD)
+        return np.asarray(self._local_values.array_r.reshape(-1, 3))
 
     def move(self, points: NDArray[np.float64]) -> None:
         """Set the reference positions of all meshes from the user's nodes, shape (n, 3) [m]."""
@@ -261,8 +269,12 @@ class Discretization:
             here = values.reshape(-1, 3)
             seam = mesh.node_rows[mesh.seam]
             sums[mesh.node_rows] += here  # of a node that comes several times, the last value alone
-            np.add.at(sums, seam, here[mesh.seam])
-        self._scatter.scatter(self._local_values, vector, PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
+            if len(seam):  # only a mesh of several strips
+                np.add.at(sums, seam, here[mesh.seam])
+        if self.comm.size == 1:
+            vector.array.reshape(-1, 3)[self._blocks] += sums
+        else:
+            self._scatter.scatter(self._local_values, vector, PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
 
 
 def matrix_kind(A: PETSc.Mat) -> MatrixKind:

@@ -5,9 +5,9 @@ parameters of the term.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import ufl
@@ -18,11 +18,12 @@ from petsc4py import PETSc
 
 from .. import _dolfinx
 from ..forms.energy_terms import State
-from ..model import energy_terms
+from ..model import energy_terms, term_parameters
 from ..model.energy_terms import Acting
 from ..model.term_trial import Kinds, integral, named
+from .directed_forms import DirectedForm
 from .discretization import Discretization, PartMesh
-from .part_forms import PartForms
+from .forms_of_parts import PartForms
 
 
 class _Symbols:
@@ -32,27 +33,41 @@ class _Symbols:
         self._count = len(mesh.part.cells)
         self._mesh, self._acting = mesh, Acting(None, 0.0)
         self.weight = mesh.zero_field(1)
-        self._fields: dict[str, Any] = {}
+        self.fields: dict[str, fem.Constant | fem.Function] = {}
         for name, kind, size in kinds:
-            if kind == "constant":
-                self._fields[name] = fem.Constant(mesh.mesh, np.zeros((size,) if size > 1 else ()))
-            else:
-                self._fields[name] = mesh.zero_field(size)
+            self.fields[name] = self._zero(kind, size)
         single = {name for name, kind, size in kinds if kind == "cells" and size == 1}
-        self.parameters = named({name: f[0] if name in single else f for name, f in self._fields.items()})
+        self.parameters = named({name: f[0] if name in single else f for name, f in self.fields.items()})
+
+    def _zero(self, kind: str, size: int) -> fem.Constant | fem.Function:
+        """Coefficient for a parameter of a kind, zero."""
+        if kind == "constant":
+            return fem.Constant(self._mesh.mesh, np.zeros((size,) if size > 1 else ()))
+        return self._mesh.zero_field(size)
+
+    def like(self, name: str) -> fem.Constant | fem.Function:
+        """Make a coefficient like that of a parameter, zero."""
+        symbol = self.fields[name]
+        if isinstance(symbol, fem.Function):
+            return self._zero("cells", symbol.ufl_shape[0])
+        return self._zero("constant", (*symbol.ufl_shape, 1)[0])
+
+    def write(self, symbol: fem.Constant | fem.Function, value: NDArray[np.float64]) -> None:
+        """Set a coefficient to a number, a vector, or rows of all cells of the part."""
+        if isinstance(symbol, fem.Function):
+            symbol.x.array[:] = value[self._mesh.cell_rows].ravel()
+        else:
+            symbol.value = value
 
     def set(self, acting: Acting) -> None:
         """Set the coefficients to the factor and the parameters of a term."""
         if acting.term is self._acting.term and acting.factor == self._acting.factor:
             return
         weight = np.zeros(self._count)
-        weight[energy_terms.chosen(acting.term, self._count)] = acting.factor
+        weight[term_parameters.chosen(acting.term, self._count)] = acting.factor
         self.weight.x.array[:] = weight[self._mesh.cell_rows]
-        for name, value in energy_terms.values(acting.term, self._count).items():
-            if value.ndim < 2:
-                self._fields[name].value = value
-            else:
-                self._fields[name].x.array[:] = value[self._mesh.cell_rows].ravel()
+        for name, value in term_parameters.values(acting.term, self._count).items():
+            self.write(self.fields[name], value)
         self._acting = acting
 
 
@@ -71,6 +86,7 @@ class _Forms:
     symbols: _Symbols
     integral: ufl.Form
     conservative: bool
+    _by_parameter: dict[str, DirectedForm] = field(default_factory=dict, repr=False)
 
     @cached_property
     def energy(self) -> Any:
@@ -88,9 +104,35 @@ class _Forms:
         u = self.mesh.u
         return _dolfinx.form(ufl.derivative(-self._work, u, ufl.TrialFunction(u.function_space)))
 
+    def by_parameter(self, name: str, change: NDArray[np.float64]) -> Any:
+        """Compiled derivative of the residual along a change of a parameter, shaped as by `term_parameters.values`."""
+        if name not in self._by_parameter:
+            symbol, direction = self.symbols.fields[name], self.symbols.like(name)
+            length = ufl.variable(fem.Constant(self.mesh.mesh, np.float64(0.0)))
+            moved = ufl.diff(ufl.replace(self.integral, {symbol: symbol + length * direction}), length)
+            derivative = ufl.derivative(moved, self.mesh.u, _v(self.mesh)) if self.conservative else -moved
+            self._by_parameter[name] = DirectedForm(_dolfinx.form(derivative), direction)
+        found = self._by_parameter[name]
+        self.symbols.write(found.direction, change)
+        return found.form
+
     @property
     def _work(self) -> ufl.Form:
         return -ufl.derivative(self.integral, self.mesh.u, _v(self.mesh)) if self.conservative else self.integral
+
+
+class TermChange(NamedTuple):
+    """Change of a parameter of an energy term.
+
+    Attributes:
+        acting: The term and its factor.
+        parameter: Name of the parameter.
+        values: The change on all cells of the part, in the shape of `model.term_parameters.values`.
+    """
+
+    acting: Acting
+    parameter: str
+    values: NDArray[np.float64]
 
 
 class TermPool:
@@ -123,7 +165,7 @@ class TermPool:
     def _made(self, term: Any) -> _Forms | None:
         if term.part not in self.parts:
             return None
-        part, kinds = self.parts[term.part], energy_terms.kinds(term)
+        part, kinds = self.parts[term.part], term_parameters.kinds(term)
         mesh = part.mesh
         key = term.part, kinds
         if key not in self._symbols:
@@ -172,7 +214,7 @@ class Terms:
         """Set a vector to the nodal forces of some terms [N]; collective."""
         b.set(0.0)
         found = (forms for forms in map(self.pool.forms, terms) if forms)
-        self.pool.discretization.scatter_add(((forms.mesh, _vector(forms)) for forms in found), b)
+        self.pool.discretization.scatter_add(((forms.mesh, _vector(forms.mesh, forms.work)) for forms in found), b)
         return b
 
     def add_forces(self, terms: Sequence[Acting], b: PETSc.Vec, factor: float = 1.0) -> None:
@@ -180,6 +222,15 @@ class Terms:
         if terms:
             with self.pool.discretization.work(1) as (forces,):
                 b.axpy(factor, self.forces(terms, forces))
+
+    def derivative(self, change: TermChange, b: PETSc.Vec) -> PETSc.Vec:
+        """Set a vector to the derivative of the residual along a change of a term; collective."""
+        b.set(0.0)
+        forms = self.pool.forms(change.acting)
+        made = forms and forms.by_parameter(change.parameter, change.values)
+        shares = iter([(forms.mesh, _vector(forms.mesh, made))] if forms else [])
+        self.pool.discretization.scatter_add(shares, b)
+        return b
 
     def add_tangent(self, A: PETSc.Mat) -> None:
         """Add the derivatives of the residual to a tangent [N/m]; collective."""
@@ -207,7 +258,7 @@ def _v(mesh: PartMesh) -> Any:
     return ufl.TestFunction(mesh.u.function_space)
 
 
-def _vector(forms: _Forms) -> NDArray[np.float64]:
-    values = np.zeros(len(forms.mesh.u.x.array))
-    fem.assemble_vector(values, forms.work)
+def _vector(mesh: PartMesh, form: Any) -> NDArray[np.float64]:
+    values = np.zeros(len(mesh.u.x.array))
+    fem.assemble_vector(values, form)
     return values

@@ -34,16 +34,7 @@ def check_vector(name: str, given: Any, rows: list[int]) -> None:
 
 
 def check_matrix(name: str, given: Any, rows: list[int]) -> None:
-    """Refuse an object that is no matrix with the rows and columns of a problem.
-
-    Args:
-        name: Name in messages.
-        given: The object.
-        rows: First row of each process, and the number of all, as of `Discretization.rows`.
-
-    Raises:
-        ValueError: It is of another kind or size, or its rows are distributed otherwise.
-    """
+    """Refuse an object that is no matrix with the rows and columns of a problem; arguments are those of a vector."""
     _check_made(name, given, PETSc.Mat, "matrix", NEW_MATRIX)
     what = f"{name} is a PETSc matrix with"
     _check_rows(what, "rows", given.getOwnershipRanges().tolist(), rows, NEW_MATRIX)
@@ -61,6 +52,13 @@ def check_actions(name: str, given: Any, structure: Structure) -> None:
     expected = {name: (getattr(given, name), shape) for name in ("loads", "held", "displacement")}
     for part, pressure in given.pressures.items():
         expected[f"pressures of {part!r}"] = pressure, (len(structure.part(part, Membrane).cells),)
+    for part, natural in given.natural.items():
+        owner = structure.parts[part]
+        expected[f"natural shape of {part!r}"] = natural, (len(owner.cells), owner.dimension, owner.dimension)
+    for part, factors in given.prestress.items():
+        expected[f"prestress factors of {part!r}"] = factors, (len(structure.parts[part].cells),)
+    for part, tension in given.tensions.items():
+        expected[f"tension of {part!r}"] = tension, (len(structure.parts[part].cells), 2)
     for entry, (array, wanted) in expected.items():
         if np.shape(array) != wanted:
             raise ValueError(f"Actions {entry} has shape {np.shape(array)}; this structure takes {wanted}.")

@@ -7,6 +7,7 @@ their displacements change from stage to stage as data: nothing is compiled twic
 """
 
 import warnings
+from collections.abc import Iterable
 from dataclasses import replace
 from itertools import count
 from typing import NoReturn
@@ -18,17 +19,18 @@ from petsc4py import PETSc
 
 from .. import _dolfinx
 from ..checks import validation
-from ..model.fingerprints import fingerprints, of_settings
+from ..model import natural_shape
+from ..model.digests import fingerprints, of_settings
 from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
 from ..runtime.processes import refuse_differences, together
-from . import load_cases
+from . import gas, load_cases
 from .actions import Actions, unloaded
 from .assembler import Assembler
 from .discretization import Discretization
 from .fitting import check_actions, check_matrix, check_vector, nodal_values
-from .loaded_problem import LoadedProblem, loaded_problem
-from .part_forms import PartForms, mass_form, part_forms
+from .forms_of_parts import PartForms, mass_form, part_forms
+from .problem_under_actions import LoadedProblem, loaded_problem
 from .rounding import magnitudes
 from .stabilization import Stabilization
 
@@ -77,6 +79,8 @@ class Problem:
         with together(comm):
             validation.instance("Problem structure", structure, Structure)
             elastic = validation.truth("Problem elastic", elastic)
+            if not elastic:
+                natural_shape.refuse("Problem structure without elasticity", structure.parts)
         refuse_differences(comm, lambda: fingerprints(structure) | of_settings({"elastic": elastic}))
         _dolfinx.free_dropped(comm)
         self.structure, self.comm = structure, comm
@@ -105,12 +109,22 @@ class Problem:
         check_actions("actions", actions, self.structure)
         return loaded_problem(self._assembler, self._stabilizer, self.magnitudes, actions)
 
-    def actions_of(self, stage: Stage, start: Actions | None = None) -> Actions:
+    def allow_natural_shapes(self, parts: Iterable[str], given: Iterable[str] = ()) -> None:
+        """Compile the forms of a natural shape for some parts, which else happens when one is first met.
+
+        Args:
+            parts: Names of the parts.
+            given: Names of cables that get a given force, too.
+        """
+        self._assembler.allow_changes(set(parts), set(given))
+
+    def actions_of(self, stage: Stage, start: Actions | None = None, shape: ArrayLike | None = None) -> Actions:
         """Actions at the end of a stage.
 
         Args:
             stage: The stage; its `after` and `increments` have no effect.
             start: Actions at its start; those of the supports if None.
+            shape: Displacement at its start, shape (n, 3) [m]: a `FixedLength` needs it.
 
         Raises:
             ValueError: An argument is of another kind, does not fit the structure, or is not the same on all processes.
@@ -120,9 +134,33 @@ class Problem:
             validation.plain("actions_of stage", stage, Stage)
             check_stages(self.structure, [replace(stage, after=None)])
             check_actions("actions_of start", start, self.structure)
-        given = {f"{name} of stage {stage.name!r}": getattr(stage, name) for name in ("loads", "displacements")}
-        refuse_differences(self.comm, lambda: of_settings(given | {"start": start}))
-        return load_cases.at_end(self.structure, self._assembler.nodal_loads, stage, start)
+            known = None if shape is None else nodal_values("actions_of shape", shape, self.structure)
+        given = {
+            f"{name} of stage {stage.name!r}": getattr(stage, name) for name in ("loads", "displacements", "changes")
+        }
+        refuse_differences(self.comm, lambda: of_settings(given | {"start": start, "shape": known}))
+        return load_cases.at_end(self.structure, self._assembler.nodal_loads, stage, start, known)
+
+    def with_gas_of_start(
+        self, start: Actions, end: Actions, displacement: NDArray[np.float64], stage: str
+    ) -> tuple[Actions, Actions]:
+        """Actions at both ends of a stage, with gas of equal kinds, which a load factor can join.
+
+        The amount of gas that a stage seals is that in its chamber at the start.
+
+        Args:
+            start: Actions at the start of the stage.
+            end: Actions at its end.
+            displacement: Displacement at the start, shape (n, 3) [m].
+            stage: Name of the stage.
+
+        Raises:
+            ValueError: A chamber is sealed that has no volume.
+        """
+        if not end.gas and end.air is start.air:
+            return start, end
+        x = self.discretization.to_petsc(displacement)
+        return gas.at_start(start, end, lambda: self.under(start).chambers(x), self.structure.chambers, stage)
 
     def mass(self, A: PETSc.Mat | None = None) -> PETSc.Mat:
         """Consistent mass matrix [kg], independent of the state.

@@ -156,7 +156,7 @@ def _largest(e: Array) -> Array:
 def _shortened(
     derivatives: Derivatives, cells: NDArray[np.int64], e: Array, step: Array, g: Array
 ) -> tuple[Array, Array, Array]:
-    """Take steps, halved until the shape is possible and the stress falls; return strains and derivatives there."""
+    """Shorten steps until the shape is possible and the stress falls; return strains and derivatives there."""
     length, before = np.ones(len(e)), _norm(g)
     for _ in range(HALVINGS):
         trial = e + length[:, None] * step

@@ -1,6 +1,6 @@
 """Checks of objects on entry: of one kind, of no derived class, in a list; each raises one clear sentence."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from mpi4py import MPI
@@ -19,6 +19,8 @@ def instance(what: str, value: Any, kind: Any) -> None:
     """Refuse an object of another kind (a class, or several joined by |)."""
     if not isinstance(value, kind):
         hint = ", with brackets behind its name" if isinstance(value, type) else ""
+        inside = [key for key, entry in value.items() if isinstance(entry, kind)] if isinstance(value, Mapping) else []
+        hint = f", as its entry [{inside[0]!r}]" if inside else hint
         raise ValueError(f"{what} is {short_repr(value)}; give {with_article(expected(kind))}{hint}.")
 
 
@@ -44,7 +46,7 @@ def listed(name: str, values: Any, words: str, example: str, alone: bool) -> Non
         values: The list.
         words: Objects of the list.
         example: Name of a class of these, or "".
-        alone: True for one such object.
+        alone: True for one of them.
     """
     if isinstance(values, Sequence) and not isinstance(values, str | bytes | bytearray):
         return

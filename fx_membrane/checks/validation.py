@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .entries import all_are, described, entries, equal_rows, frozen_integers, misfit
+from .array_entries import all_are, described, entries, equal_rows, frozen_integers, misfit
 from .objects import communicator as communicator  # noqa: PLC0414  (others take all checks from here)
 from .objects import instance as instance  # noqa: PLC0414
 from .objects import instances as instances  # noqa: PLC0414
@@ -192,7 +192,7 @@ def unique_indices(name: str, value: ArrayLike, of: str) -> NDArray[np.int64]:
     return result
 
 
-def cells(name: str, value: ArrayLike, nodes: int, distinct: bool = True) -> NDArray[np.int64]:
+def cells(name: str, value: ArrayLike, nodes: int, distinct: bool = True, row: str = "cell") -> NDArray[np.int64]:
     """Make a read-only array of cells with that many nodes each; no cell may repeat a node, nor another cell."""
     wanted = f"an array of whole numbers of shape (n, {nodes}) with n >= 1"
     array = entries(name, value, wanted)
@@ -206,13 +206,13 @@ def cells(name: str, value: ArrayLike, nodes: int, distinct: bool = True) -> NDA
     twice = np.flatnonzero((ordered[:, 1:] == ordered[:, :-1]).any(axis=1))
     if len(twice):
         raise ValueError(
-            f"{name}: cell {twice[0]} has a node twice, {result[twice[0]].tolist()}; remove or mend the cell."
+            f"{name}: {row} {twice[0]} has a node twice, {result[twice[0]].tolist()}; remove or mend the {row}."
         )
     equal = equal_rows(ordered) if distinct else None
     if equal:
         raise ValueError(
-            f"{name}: cells {equal[0]} and {equal[1]} have the same nodes, {result[equal[0]].tolist()}; remove one, "
-            "or make the second a part of its own."
+            f"{name}: {row}s {equal[0]} and {equal[1]} have the same nodes, {result[equal[0]].tolist()}; remove one"
+            f"{', or make the second a part of its own' * (row == 'cell')}."
         )
     return result
 

@@ -46,8 +46,9 @@ def expected(kind: Any) -> str:
 
 
 def format_point(point: NDArray[np.float64]) -> str:
-    """Show a position in a message."""
-    return f"({', '.join(f'{coordinate:.6g}' for coordinate in point)})"
+    """Show a position in a message; rounding of coordinates is shown as zero."""
+    rounding = 1e-12 * np.abs(point).max(initial=0.0)
+    return f"({', '.join(f'{0.0 if abs(value) < rounding else value:.6g}' for value in point)})"
 
 
 def is_real(kind: type) -> bool:
@@ -63,7 +64,7 @@ def is_whole(kind: type) -> bool:
 
 
 def scalar(value: Any) -> Any:
-    """Take a value out of an array without dimensions."""
+    """Unwrap the value in an array without dimensions."""
     if not hasattr(value, "__array__") or isinstance(value, np.generic):
         return value
     array = np.asanyarray(value)

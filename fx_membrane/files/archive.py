@@ -1,11 +1,12 @@
-"""Archive of results: one file that is opened without the script, a zip of arrays and a JSON document.
+"""Archive of results, forms and cutting patterns: one file that is opened without the script.
 
-It holds numbers and texts only. Opening it runs no code of the file.
+It is a zip of arrays and a JSON document, and holds numbers and texts only. Opening it runs no code of the file.
 """
 
 import importlib.metadata
 import json
 import zipfile
+import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, cast
@@ -14,62 +15,108 @@ import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from ..assembly.actions import Actions
+from ..assembly.actions import ActingPond, Actions
+from ..assembly.gas import ChamberResult
 from ..checks import paths, validation
 from ..form_finding.form import Form, FormStep
 from ..model import materials
+from ..model.basins import Basin, StandingWater
+from ..model.cable_changes import FixedLength, GivenForce, UnstressedLength
+from ..model.chambers import Chamber
+from ..model.changes import LengthChange, NaturalStretch, PrestressFactor, TemperatureChange
 from ..model.energy_terms import Acting
+from ..model.gas import Air, Ambient, Gas, GasAmount, GasPressure, GasVolume, Seal
 from ..model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
-from ..model.parts import Cable, Mast, Membrane
+from ..model.parts import Cable, Mast, Membrane, Rope
+from ..model.ponds import Pond
 from ..model.stages import PrescribedDisplacement, Stage
 from ..model.structure import Structure
 from ..model.supports import Support
+from ..model.water_events import BasinResult, WaterEvent
+from ..patterns.flat_strips import CuttingPattern, FlatStrip, Side
+from ..patterns.proofs import PatternProof, SeamLengths, StripProof
+from ..patterns.stress_fit import StressErrors, StressFit
+from ..patterns.strips import Edge, Strips
 from ..results.balance import UnbalancedStateWarning
+from ..results.forces_of_state import Equilibrium, PondResult, TermResult
 from ..results.limits import Limits
-from ..results.part_results import BarResult, MembraneResult
-from ..results.states import (
-    Equilibrium,
-    Increment,
-    LostPrestressWarning,
-    StageResult,
-    StageResults,
-    TermResult,
-    UnstableStateWarning,
-)
+from ..results.part_results import BarResult, MembraneResult, RopeResult
+from ..results.shear_signs import ShearSignWarning
+from ..results.states import Increment, StageResult, StageResults
 from ..results.strain_limits import LargeStrainWarning
-from ..results.unfinished import Failure
+from ..results.told_states import CrushedGasWarning, LostPrestressWarning, UnstableStateWarning
+from ..results.unfinished_stages import Failure
 from ..runtime.processes import by_the_first, together
 from ..solvers.base import Iteration
 from ..solvers.outcome import Outcome
 from .plain_data import Decoder, Encoder
 from .whole_file import writing
 
-FORMAT = 4  # counts up when a field is added; 1 had no title, units and limits, 2 no failure, 3 no units of forms
+FORMAT = 8  # counts up with fields; 1 had no title, units and limits, 2 no failure, 3 no units of forms, 4 no changes,
+# 5 no ropes, ponds and gas, 6 no basins of ponds, 7 no cutting patterns
 KIND = "results of fx_membrane"
 DOCUMENT = "document.json"
-MODEL = (Structure, Membrane, Cable, Mast, Support, *materials.SHIPPED)
-STAGES = (Stage, PrescribedDisplacement, PointLoad, DistributedLoad, PlanLoad, Pressure)
-STATES = (StageResult, Limits, Actions, Acting, Equilibrium, MembraneResult, BarResult, TermResult)
+MODEL = (Structure, Membrane, Cable, Mast, Rope, Support, Chamber, *materials.SHIPPED)
+STAGES = (Stage, PrescribedDisplacement, PointLoad, DistributedLoad, PlanLoad, Pressure, Pond)
+CHANGES = (
+    *(NaturalStretch, TemperatureChange, LengthChange, PrestressFactor),
+    *(GivenForce, UnstressedLength, FixedLength),
+)
+GAS = (Ambient, GasPressure, GasVolume, GasAmount, Seal, Gas, Air, ChamberResult)
+STATES = (
+    StageResult,
+    Limits,
+    Actions,
+    Acting,
+    Equilibrium,
+    MembraneResult,
+    BarResult,
+    RopeResult,
+    TermResult,
+    PondResult,
+    *(ActingPond, Basin, StandingWater, BasinResult, WaterEvent),
+)
 HISTORY = (Increment, Iteration, Outcome)
 FORMS = (Form, FormStep)
-REMARKS = (UnstableStateWarning, LostPrestressWarning, UnbalancedStateWarning, LargeStrainWarning)
+PATTERNS = (
+    Strips,
+    Edge,
+    CuttingPattern,
+    FlatStrip,
+    Side,
+    PatternProof,
+    StripProof,
+    SeamLengths,
+    StressFit,
+    StressErrors,
+)
+REMARKS = (
+    *(UnstableStateWarning, LostPrestressWarning, UnbalancedStateWarning, LargeStrainWarning, ShearSignWarning),
+    CrushedGasWarning,
+)
 DAMAGED = (  # what a file raises that is none
     *(zipfile.BadZipFile, json.JSONDecodeError, UnicodeDecodeError, KeyError, TypeError, IndexError, AttributeError),
-    *(EOFError, NotImplementedError),
+    *(EOFError, NotImplementedError, zlib.error, RuntimeError, OverflowError, MemoryError, RecursionError),
 )
-CLASSES: dict[str, type] = {cls.__name__: cls for cls in (*MODEL, *STAGES, *STATES, *HISTORY, *REMARKS, *FORMS)}
+CLASSES: dict[str, type] = {
+    cls.__name__: cls for cls in (*MODEL, *STAGES, *CHANGES, *GAS, *STATES, *HISTORY, *REMARKS, *FORMS, *PATTERNS)
+}
+GROWN = (*STATES, *HISTORY, *FORMS, *PATTERNS)  # classes whose fields are None where an earlier version had them not
+WHOLE = (Form, Strips, CuttingPattern, PatternProof)  # kept as they are; results of stages have names beside them
+Saved = StageResults | Form | Strips | CuttingPattern | PatternProof
 
 
 @by_the_first
-def save_results(results: StageResults | Form, path: str | Path) -> None:
-    """Save the results of an analysis, or a form, in one file.
+def save_results(results: Saved, path: str | Path) -> None:
+    """Save the results of an analysis, a form, or a cutting pattern, in one file.
 
-    It has the structure, the stages, all arrays to the last bit, the versions of the programs and a format number. It
-    is written aside first: an existing file is replaced only by a complete one. Under MPI call it on all processes; the
-    first one writes.
+    It has structure, stages, all arrays to the last bit, versions of the programs and a format number. It is written
+    aside first: an existing file is replaced only by a complete one. Under MPI call it on all processes; the first one
+    writes.
 
     Args:
-        results: What `Analysis.run` returned, or `ConvergenceError.results`, or a form.
+        results: What `Analysis.run` returned, or `ConvergenceError.results`; a form; strips, a cutting pattern or its
+            proof.
         path: The file, of any name; its folder is made.
 
     Raises:
@@ -84,16 +131,22 @@ def save_results(results: StageResults | Form, path: str | Path) -> None:
         >>> load_results("output/rope.fxm")["pull"].cable("rope").force.round(1).tolist()
         [1012.2, 1012.2]
     """
-    validation.instance("save_results results", results, StageResults | Form)
+    write_archive(results, path)
+
+
+def write_archive(results: Saved, path: str | Path) -> None:
+    """Save results as `save_results`, on one process alone."""
+    validation.instance("save_results results", results, Saved)
     file = paths.path("path", path)
     paths.check_writable("path", file)
     encode = Encoder(CLASSES)
     content = (
         encode(results)
-        if isinstance(results, Form)
+        if isinstance(results, WHOLE)
         else {"results": encode(dict(results)), "stages": encode(results.stages), "names": _names(results)}
         | ({"limits": encode(results.limits)} if results.limits else {})
         | ({"failure": list(results.failure)} if results.failure else {})
+        | ({"last": encode(results.last)} if results.last else {})
     )
     document = {
         "kind": KIND,
@@ -116,11 +169,11 @@ def load_results(path: str | Path, classes: Sequence[type] = ()) -> Any:
         classes: Classes of your own laws and terms in it, which a file cannot hold.
 
     Returns:
-        The `StageResults` or the `Form` that was saved. Fields of results that the version had not that saved them are
-        None.
+        What was saved: `StageResults`, a `Form`, `Strips`, a `CuttingPattern` or a `PatternProof`. Fields
+        that the version had not that saved it are None.
 
     Raises:
-        ValueError: There is no such file; it is no archive of results, is damaged, or of a later format; it needs a
+        ValueError: The file does not exist; it is no archive of results, is damaged, or of a later format; it needs a
             class that is not given, or one that has other fields now.
     """
     with together(MPI.COMM_WORLD):
@@ -131,7 +184,7 @@ def load_results(path: str | Path, classes: Sequence[type] = ()) -> Any:
                 document = json.loads(archive.read(DOCUMENT))
                 _check(document, CLASSES | own)
                 arrays = {name[:-4]: _array(archive, name) for name in archive.namelist() if name != DOCUMENT}
-            return _opened(document, Decoder(CLASSES | own, arrays, document["objects"], (*STATES, *HISTORY, *FORMS)))
+            return _opened(document, Decoder(CLASSES | own, arrays, document["objects"], GROWN))
         except FileNotFoundError:
             raise ValueError(f"path is {str(file)!r}, which does not exist; correct the name.") from None
         except OSError as error:
@@ -148,19 +201,34 @@ def load_results(path: str | Path, classes: Sequence[type] = ()) -> Any:
             ) from None
 
 
+def origin_of(path: Path) -> dict[str, str]:
+    """Class of what is in an archive, its format and versions, read without arrays; empty for a file that is none."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            document = json.loads(archive.read(DOCUMENT))
+        if document["kind"] != KIND:
+            return {}
+        content, objects = document["content"], document["objects"]
+        held = objects[content["object"]]["class"] if "object" in content else StageResults.__name__
+        return {"holds": str(held), "format": str(document["format"]), **document["versions"]}
+    except (OSError, *DAMAGED):
+        return {}
+
+
 class UnopenedError(Exception):
     """Archive of a later format, or of classes that are not given."""
 
 
-def _opened(document: Any, decode: Decoder) -> StageResults | Form:
+def _opened(document: Any, decode: Decoder) -> Saved:
     content = document["content"]
     if "object" in content:
-        return cast(Form, decode(content))
+        return cast(Saved, decode(content))
     found = StageResults(decode(content["results"]), decode(content["stages"]))
     if "names" in content:
         found.title, found.force_unit, found.length_unit = map(str, content["names"])
     found.limits = decode(content["limits"]) if "limits" in content else None
     found.failure = Failure(*content["failure"]) if "failure" in content else None
+    found.last = decode(content["last"]) if "last" in content else None
     return found
 
 
@@ -188,9 +256,9 @@ def _array(archive: zipfile.ZipFile, name: str) -> NDArray[Any]:
 
 
 def _check(document: Any, classes: Mapping[str, type]) -> None:
-    if document["kind"] != KIND:
+    if document["kind"] != KIND or not isinstance(document["format"], int):
         raise KeyError(KIND)
-    if int(document["format"]) > FORMAT:
+    if document["format"] > FORMAT:
         raise UnopenedError(f"is an archive of results of a later version{_origin(document)}: install a newer one")
     missing = sorted({entry["class"] for entry in document["objects"]} - set(classes))
     if missing:

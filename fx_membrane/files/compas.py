@@ -38,7 +38,7 @@ def read_compas(source: str | Path) -> Net:
     """Read a network, graph or mesh that COMPAS wrote as JSON.
 
     Raises:
-        ValueError: There is no such file, it is no JSON, or has no nodes.
+        ValueError: The file does not exist, is no JSON, or has no nodes.
     """
     file = paths.path("source", source, spare=0)
     try:
@@ -74,9 +74,12 @@ def read(file: Path) -> Drawing:
     if len(net.edges):
         drawing.add(EDGES, net.edges)
     for count, faces in net.faces.items():
-        if count not in (3, 4):
-            raise ValueError(f"{file} has a face with {count} corners; give triangles or quadrilaterals.")
-        drawing.add(FACES, faces)
+        if count in (3, 4):
+            drawing.add(FACES, faces)
+        else:
+            words = f"{file} has a face with {count} corners; give triangles or quadrilaterals."
+            drawing.refused[FACES] = words
+            drawing.cells.setdefault(FACES, {})
     if len(net.supports):
         drawing.add(SUPPORTS, net.supports[:, None])
     return drawing

@@ -7,13 +7,14 @@ from typing import Any
 
 from .whole_file import writing
 
-SCRIPTS = {  # demos of the sources that no case file can hold
-    "dolfinx_in_and_out": "a dolfinx mesh with tags, and results as dolfinx functions",
-    "forms_alone": "the forms in a plain dolfinx script",
-    "own_energy": "an energy term of one's own",
-    "own_law": "a law of one's own",
-    "own_solver": "a solver of one's own",
-    "solvers": "several solvers compared",
+SCRIPTS = {  # demos of the sources without a case file of their own, each with the reason
+    "dolfinx_in_and_out": "its mesh and results are objects of dolfinx",
+    "forms_alone": "it uses the forms in a plain dolfinx script",
+    "own_energy": "an energy term of one's own is a class in Python",
+    "own_law": "a law of one's own is a class in Python",
+    "own_solver": "a solver of one's own is a class in Python",
+    "patterns": "the case file of the demo cone has its cutting pattern",
+    "solvers": "it compares solvers, and a case file has one; its models are in square_membrane and shade_pavilion",
 }
 
 

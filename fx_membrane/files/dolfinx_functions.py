@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .. import _dolfinx
 from ..checks import validation
-from ..model.fingerprints import of_settings
+from ..model.digests import of_settings
 from ..results.evaluation import STATES
 from ..results.states import StageResult
 from ..runtime.processes import refuse_differences, together

@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 from .. import _dolfinx
 from ..checks import validation
 from ..model.coincidence import COINCIDENT
-from ..model.fingerprints import fingerprints, of_settings
+from ..model.digests import fingerprints, of_settings
 from ..model.structure import Structure
 from ..runtime.processes import refuse_differences, together
 from .groups import Groups, Makers, check_arguments, structure
@@ -40,15 +40,15 @@ def structure_from_dolfinx(
 
     `points` has the nodes of the parts in the order of their input numbers, `mesh.geometry.input_global_indices`, one
     mesh after the other. The cells of a part are in the order of `mesh.topology.original_cell_index`. Edges, and cells
-    of a sub-mesh (`create_submesh`), have no such number: they are in the order of their nodes.
+    of a sub-mesh (`create_submesh`), have no input number: they are in the order of their nodes.
 
     Args:
         mesh: A mesh of straight simplices, in the plane (z = 0) or in space, or several. They may be distributed over
             processes; each must call this function.
         groups: For each name MeshTags and a value, or several values: `{"fabric": (cell_tags, 1), "rope": (edge_tags,
             [7, 8])}`; or a mesh, for all its cells.
-        parts: For each name, a function that makes a part of the cells (intervals or triangles) of that group,
-            or of its cells and the points of the structure: `{"fabric": lambda cells: Membrane(cells, Fabric(Et=500e3,
+        parts: For each name, a function that makes a part. It is given the cells (intervals or triangles) of that
+            group, and the points if it takes two arguments: `{"fabric": lambda cells: Membrane(cells, Fabric(Et=500e3,
             nu=0.3), prestress=1e3)}`.
         supports: For each name, the constrained components of the nodes of that group: `{"corners": "xyz"}`.
         separate: Pairs of names of parts that lie on each other without being joined, see `Structure`. They must be in

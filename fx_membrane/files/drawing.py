@@ -1,12 +1,13 @@
 """Cells by name as drawings have them: corners that may coincide, triangles, quadrilaterals and lines in one group."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ..checks import validation
+from ..checks.values import counted
 from ..runtime.messages import say
 
 Array = NDArray[np.float64]
@@ -26,6 +27,8 @@ class Drawing:
         cells: By name of the group and number of corners (1 for points), rows of corners, shape (cells, corners).
         unit: Name of the unit of length that the file tells; empty if it tells none.
         refused: By name of the group, the sentence that refuses it: it has a curve or a face that is no cell.
+        left_out: By kind of entity, the number of those that are no cells, as texts.
+        hidden: Names of groups that are other names of cells listed elsewhere; they can be asked for.
         loose: True if each cell has corners of its own: those at the same place are one node.
     """
 
@@ -36,6 +39,13 @@ class Drawing:
     unit: str = ""
     loose: bool = False
     refused: dict[str, str] = field(default_factory=dict)
+    left_out: dict[str, int] = field(default_factory=dict)
+    hidden: set[str] = field(default_factory=set)
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the groups."""
+        return [name for name in self.cells if name not in self.hidden]
 
     def add(self, name: str, cells: Cells) -> None:
         """Add cells of one kind to a group."""
@@ -75,7 +85,7 @@ def joined(drawing: Drawing, weld: float | None) -> Drawing:
         name: {corners: number[label[rows_]] for corners, rows_ in groups.items()}
         for name, groups in drawing.cells.items()
     }
-    found = Drawing(drawing.source, drawing.group, points[rows[order]], cells, drawing.unit, refused=drawing.refused)
+    found = replace(drawing, points=points[rows[order]], cells=cells, loose=False)
     for name, groups in cells.items():
         for corners, rows_ in groups.items():
             _refuse_collapsed(found, name, drawing.points[drawing.cells[name][corners]], rows_)
@@ -102,7 +112,7 @@ def triangles_of(drawing: Drawing, name: str, split: bool) -> Cells:
         return next(iter(groups.values()))
     if not split:
         raise ValueError(
-            f"{drawing.source}: {drawing.group} {name!r} has {len(groups[4])} quadrilaterals; split them by "
+            f"{drawing.source}: {drawing.group} {name!r} has {counted(len(groups[4]), 'quadrilateral')}; split by "
             "split_quadrilaterals, True in a script and true in a case file."
         )
     corners = groups[4]
@@ -142,7 +152,7 @@ def _group(drawing: Drawing, name: str) -> dict[int, Cells]:
     if name in drawing.refused:
         raise ValueError(drawing.refused[name])
     if name not in drawing.cells:
-        raise ValueError(f"{drawing.source} has no {drawing.group} {name!r}; it has {sorted(drawing.cells)}.")
+        raise ValueError(f"{drawing.source} has no {drawing.group} {name!r}; it has {sorted(drawing.names)}.")
     return drawing.cells[name]
 
 

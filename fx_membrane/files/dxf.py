@@ -17,9 +17,9 @@ BY_BLOCK = "0"  # layer of entities in a block that are on the layer of its INSE
 def read(file: Path) -> Drawing:
     """Read 3DFACE, MESH and polyface entities as faces, LINE and POLYLINE as lines, POINT as points, blocks included.
 
-    What lies on layer 0 in a block is on the layer of the INSERT, as DXF has it, also through blocks in blocks.
-    Curved entities (ARC, SPLINE, a bulge of a polyline) and faces with more than four corners are left out: their layer
-    is refused where it is asked for.
+    An entity on layer 0 in a block is on the layer of the INSERT, as DXF has it. So it is in nested blocks. Curved
+    entities (ARC, SPLINE, a bulge of a polyline) and faces with more than four corners are left out: their layer is
+    refused where it is asked for.
 
     Raises:
         ValueError: It is no DXF file.
@@ -36,12 +36,15 @@ def read(file: Path) -> Drawing:
     points: list[Any] = []
     cells: dict[tuple[str, int], list[list[int]]] = {}
     refused: dict[str, str] = {}
+    left_out: dict[str, int] = {}
     for entity, layer in _entities(document.modelspace(), BY_BLOCK, ()):
         try:
             found_corners = list(_cells(f"{file}: layer {layer!r} has ", entity))
         except ValueError as error:
             refused.setdefault(layer, str(error))
             continue
+        if not found_corners:
+            left_out[entity.dxftype()] = left_out.get(entity.dxftype(), 0) + 1
         for corners in found_corners:
             rows = list(range(len(points), len(points) + len(corners)))
             points += corners
@@ -49,7 +52,7 @@ def read(file: Path) -> Drawing:
     drawing = Drawing(str(file), "layer", np.array([tuple(point) for point in points], dtype=np.float64).reshape(-1, 3))
     for (layer, count), found in cells.items():
         drawing.add(layer, np.array(found, dtype=np.int64).reshape(-1, count))
-    drawing.loose, drawing.refused = True, refused
+    drawing.loose, drawing.refused, drawing.left_out = True, refused, left_out
     drawing.unit = UNITS.get(int(document.header.get("$INSUNITS", 0)), "")
     return drawing
 

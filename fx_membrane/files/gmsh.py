@@ -32,8 +32,8 @@ def structure_from_gmsh(
     Args:
         source: A mesh file of gmsh, format 2 or 4, or None for the meshed model open in this process. Files are read in
             a separate process: models open in gmsh here are unchanged.
-        parts: For each physical name, a function that makes a part of its cells (lines or triangles, of first order),
-            or of its cells and the points of the structure: `{"fabric": lambda cells: Membrane(cells, Fabric(Et=500e3,
+        parts: For each physical name, a function that makes a part. It is given the cells (lines or triangles, of first
+            order), and the points if it takes two arguments: `{"fabric": lambda cells: Membrane(cells, Fabric(Et=500e3,
             nu=0.3), prestress=1e3)}`.
         supports: For each physical name, the constrained components of its nodes: `{"corners": "xyz"}`. A group may be
             a part and a support: `{"fabric": "z"}` keeps a membrane flat.
@@ -95,7 +95,7 @@ def _rows(mesh: GmshMesh, tags: NDArray[np.int64]) -> NDArray[np.int64]:
     rows = np.searchsorted(mesh.tags, tags).clip(max=len(mesh.tags) - 1)
     missing = tags[mesh.tags[rows] != tags]
     if missing.size:
-        raise ValueError(f"The mesh has cells at node {missing[0]}, but no such node; write it again with gmsh.write.")
+        raise ValueError(f"The mesh has cells at node {missing[0]}, which it lacks; write it again with gmsh.write.")
     return rows
 
 

@@ -13,6 +13,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from ..runtime.child_process import run_script
+from ..runtime.gmsh_process import FAILED, NO_GMSH, not_started
 from . import gmsh_reader
 from .gmsh_reader import GmshMesh
 
@@ -33,7 +34,9 @@ def read(source: str | Path) -> GmshMesh:
         _copy(source, mesh)
         seconds = SECONDS + SECONDS_PER_MEGABYTE * mesh.stat().st_size // 2**20
         arguments = [mesh.name, arrays.name, str(seconds)]
-        code, words = run_script(gmsh_reader.__file__, arguments, Path(folder), seconds, f"gmsh has read {source}")
+        code, words = run_script(
+            gmsh_reader.__file__, arguments, Path(folder), seconds, lambda: f"gmsh has read {source}"
+        )
         if code:
             _refuse(source, code, words.replace("mesh.msh", Path(source).name), seconds)
         found = gmsh_reader.load(arrays)
@@ -74,9 +77,9 @@ def _copy(source: str | Path, target: Path) -> None:
 
 
 def _refuse(source: str | Path, code: int, words: str, seconds: int) -> None:
-    if code == gmsh_reader.NO_GMSH:
-        raise ImportError(f"gmsh does not start ({words}); install it: apt install python3-gmsh, or pip install gmsh.")
-    if code == gmsh_reader.NOT_READ:
+    if code == NO_GMSH:
+        raise not_started(words)
+    if code == FAILED:
         raise ValueError(f"{source} is not a file that gmsh can read ({words}); write it again with gmsh.write.")
     if code == NO_SCRIPT:
         raise RuntimeError(f"The process that reads {source} failed ({words}).")

@@ -1,6 +1,7 @@
 """Arrays of a gmsh model; as a script, those of a mesh file: `python -P gmsh_reader.py mesh.msh arrays.npz SECONDS`.
 
-The script runs in a separate process, since a damaged file may end it. So it needs gmsh and numpy only, never MPI.
+The script runs in a separate process, since a damaged file may end it. So it needs gmsh and numpy only, never MPI, and
+imports the package by its name.
 """
 
 import os
@@ -13,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-NO_GMSH, NOT_READ = 3, 4  # exit codes
+from fx_membrane.runtime.gmsh_process import started_gmsh, without_errors
 
 
 @dataclass(frozen=True)
@@ -110,24 +111,8 @@ def _main(source: str, target: str, seconds: str) -> None:
     # Counts in a damaged file ask for any amount of memory; sound ones need about ten times the size of the file.
     _limit(resource.RLIMIT_AS, 4 * 2**30 + 200 * os.path.getsize(source))
     _limit(resource.RLIMIT_CPU, int(seconds))
-    try:
-        import gmsh  # noqa: PLC0415  (its absence has an exit code)
-
-        gmsh.initialize(readConfigFiles=False)
-    except Exception as error:
-        print(error, file=sys.stderr)
-        sys.exit(NO_GMSH)
-    gmsh.option.setNumber("General.Terminal", 0)
-    gmsh.logger.start()
-    try:
-        gmsh.merge(source)
-        failure = ""
-    except Exception as error:  # gmsh raises nothing more precise
-        failure = str(error)
-    errors = [line.removeprefix("Error: ") for line in gmsh.logger.get() if line.startswith("Error")]
-    if failure or errors:
-        print((errors or [failure])[0], file=sys.stderr)
-        sys.exit(NOT_READ)
+    gmsh = started_gmsh()
+    without_errors(gmsh, lambda: gmsh.merge(source))
     save(mesh_of_model(gmsh.model), target)
 
 

@@ -19,6 +19,7 @@ READERS: dict[str, Callable[[Path], Drawing]] = {
     ".json": compas.read,
     ".msh": msh.read,
 }
+OWN = "m"  # unit of length of a structure that names none, as in `write_mesh`
 METRES = {"mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "km": 1e3, "in": 0.0254, "ft": 0.3048, "yd": 0.9144}
 
 
@@ -36,7 +37,7 @@ def structure_from_file(
 
     - .dxf: a group is a layer. Faces are 3DFACE, MESH and polyface meshes, lines are LINE and polylines, points are
       POINT; blocks are taken, too.
-    - .obj: a group is a group or an object, of faces or lines.
+    - .obj: a group is a group or an object, of faces, lines or points; faces may be in several groups.
     - .stl, .ply: the group of all faces has the name of the file without its ending.
     - .json: the groups "edges", "faces" and "supports" are those of a network, graph or mesh, by `is_support`.
     - .msh: a group is a physical group, see `structure_from_gmsh`.
@@ -54,8 +55,9 @@ def structure_from_file(
         weld: Distance within which nodes are joined, in the unit of the structure; what it joins is said on stderr.
         split_quadrilaterals: Split quadrilaterals into triangles along the shorter diagonal, concave ones along the
             inner one; they are refused otherwise.
-        unit: Unit of length of the structure: "m", "mm", "ft", ... A file that names its own is converted; without a
-            unit here its numbers are taken as they are, and its unit is said on stderr.
+        unit: Unit of length of the structure: "m", "mm", "ft", ... A DXF file that names its own is converted; the
+            numbers of other files are taken in this unit. Without a unit here, numbers are taken as they are. Both are
+            said on stderr, but for a DXF file in metres, or in the unit given.
 
     Raises:
         ValueError: An argument is of another kind; the ending is not known; the file cannot be read, or is not of that
@@ -70,8 +72,11 @@ def structure_from_file(
     if unit is not None:
         validation.choice("unit", unit, list(METRES), f"one of {list(METRES)}")
     if file.suffix.lower() == ".msh" and weld is None:
+        tell_lack_of_unit(str(file), "", unit)
         return structure_from_gmsh(file, parts, supports, separate)
     drawing = drawing_of(file, weld, unit)
+    tell_lack_of_unit(drawing.source, drawing.unit, unit)
+    tell_unit_taken(file, drawing, unit, "give unit=... to convert them")
     groups = Groups(
         points=drawing.points,
         cells={name: triangles_of(drawing, name, split) for name in parts},
@@ -82,14 +87,13 @@ def structure_from_file(
     return structure(groups, parts, supports or {}, separate)
 
 
-def drawing_of(file: Path, weld: float | None, unit: str | None, remedy: str = "unit='m' converts it") -> Drawing:
+def drawing_of(file: Path, weld: float | None, unit: str | None) -> Drawing:
     """Content of a mesh file, its corners joined and its unit converted, see `structure_from_file`.
 
     Args:
         file: The file.
         weld: Distance within which nodes are joined.
         unit: Unit of length of the content; that of the file if not given.
-        remedy: Clause on the way to name a unit, for the message on a file that names its own.
 
     Raises:
         ValueError: The ending is not known; the file cannot be read, or is not of that format; a cell collapses.
@@ -104,12 +108,23 @@ def drawing_of(file: Path, weld: float | None, unit: str | None, remedy: str = "
         drawing = READERS[ending](file)
     except OSError as error:
         raise ValueError(f"{file} cannot be read ({error.strerror}).") from None
-    _convert(drawing, unit, remedy)
+    if not (drawing.cells or drawing.refused):
+        there = ", ".join(f"{count} {kind}" for kind, count in drawing.left_out.items())
+        raise ValueError(
+            f"{file} has no faces, lines or points{f', only {there}' if there else ''}; export the mesh again."
+        )
+    if drawing.unit and unit:
+        drawing.points = drawing.points * (METRES[drawing.unit] / METRES[unit])
     return joined(drawing, weld)
 
 
-def _convert(drawing: Drawing, unit: str | None, remedy: str) -> None:
-    if drawing.unit and unit is None:
-        say(f"{drawing.source} is in {drawing.unit}, and is taken as it is; {remedy}.")
-    if drawing.unit and unit:
-        drawing.points = drawing.points * (METRES[drawing.unit] / METRES[unit])
+def tell_lack_of_unit(source: str, own: str, wanted: str | None) -> None:
+    """Say that the numbers of a file without a unit are taken in that of the structure."""
+    if wanted and not own:
+        say(f"{source} names no unit of length; its numbers are taken in {wanted}.")
+
+
+def tell_unit_taken(file: Path, drawing: Drawing, wanted: str | None, remedy: str) -> None:
+    """Say that numbers in another unit than metres are taken as they are, where none is wanted."""
+    if drawing.unit not in ("", OWN) and wanted is None:
+        say(f"{file} is in {drawing.unit}, and its numbers are taken as they are; {remedy}.")

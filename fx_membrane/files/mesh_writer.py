@@ -1,8 +1,8 @@
 """Meshes of structures, deformed states and found shapes, for other programs: msh, OBJ and DXF."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,18 +15,31 @@ from ..runtime.processes import by_the_first
 from . import dxf
 from .whole_file import writing
 
-POINT, LINE, TRIANGLE = 15, 1, 2  # types of elements in gmsh
-FORBIDDEN = {".dxf": '<>/\\":;?*|=`,', ".msh": '"', ".obj": ""}  # letters that names of groups cannot have
+ELEMENTS = {1: 15, 2: 1, 3: 2}  # of gmsh, by number of corners
+FORBIDDEN = {".dxf": '<>/\\":;?*|=`,', ".msh": '"', ".obj": "\\"}  # letters that names of groups cannot have
+
+
+class Group(NamedTuple):
+    """Cells under one name.
+
+    Attributes:
+        name: The name.
+        cells: Rows of their nodes, shape (cells, corners): 1 for points, 2 for lines, 3 for triangles.
+    """
+
+    name: str
+    cells: NDArray[np.int64]
 
 
 @by_the_first
 def write_mesh(shape: Structure | StageResult | Form, path: str | Path, *, length_unit: str | None = None) -> None:
-    """Write the mesh of a structure, of a deformed state or of a found shape, in the format of the ending.
+    """Write the mesh of a structure, a deformed state or a found shape, in the format of the ending.
 
     - `.msh`: gmsh's format 2.2, a physical group for each part, and one for each support, "support 0 xyz";
       `structure_from_gmsh` reads it back, to the last bit.
-    - `.obj`: a group for each part, faces and lines.
-    - `.dxf`: a layer for each part, 3DFACE and LINE; a layer "supports" of points; the unit of length.
+    - `.obj`: an object for each part, faces and lines; no supports.
+    - `.dxf`: a layer for each part, 3DFACE and LINE; the unit of length; layers of points, "supports" for nodes held in
+      all directions, "supports z" and the like for others.
 
     Numbers are not converted: the name of the unit goes into a DXF file, and the other formats have none. An existing
     file is replaced by a complete one. Under MPI call it on all processes; the first one writes.
@@ -57,51 +70,91 @@ def write_mesh(shape: Structure | StageResult | Form, path: str | Path, *, lengt
     unit = validation.text("length_unit", own if length_unit is None else length_unit)
     file = paths.path("path", path)
     ending = file.suffix.lower()
+    groups = [Group(name, part.cells) for name, part in structure.parts.items()]
+    write_groups(file, points, [*groups, *SUPPORTS.get(ending, _none)(structure)], unit)
+
+
+def write_groups(file: Path, points: NDArray[np.float64], groups: Sequence[Group], unit: str) -> None:
+    """Write groups of cells in the format of the ending.
+
+    Args:
+        file: The file.
+        points: Positions of the nodes, shape (n, 3).
+        groups: The groups.
+        unit: Name of the unit of length, for DXF; empty for none.
+
+    Raises:
+        ValueError: The ending is not known; a name has letters that the format does not allow; the file cannot be
+            written.
+        ImportError: ezdxf is not installed.
+    """
+    ending = file.suffix.lower()
     if ending not in WRITERS:
         raise ValueError(f"path is {str(file)!r}; give a name that ends in {', '.join(WRITERS)}.")
     paths.check_writable("path", file)
-    for name in structure.parts:
+    for name, _ in groups:
         bad = [letter for letter in name if letter in FORBIDDEN[ending] or not letter.isprintable()]
-        if bad:
+        if bad or (ending == ".obj" and name != " ".join(name.split())):
+            letter = repr(bad[0]) if bad else "more than one space, or one at an end,"
             raise ValueError(
-                f"Part {name!r} has {bad[0]!r} in its name, which {ending[1:]} files cannot have; name it otherwise."
+                f"Part {name!r} has {letter} in its name, which {ending[1:]} files cannot have; name it otherwise."
             )
     with writing(file, encoding="utf-8") as stream:
-        WRITERS[ending](stream, structure, points, unit)
+        WRITERS[ending](stream, points, groups, unit)
 
 
-def _write_msh(stream: IO[str], structure: Structure, points: NDArray[np.float64], unit: str) -> None:
-    groups: list[tuple[str, int, int, Any]] = [
-        (name, part.dimension, TRIANGLE if part.dimension == 2 else LINE, part.cells)
-        for name, part in structure.parts.items()
-    ]
-    groups += [
-        (f"support {number} {support.components}", 0, POINT, np.asarray(support.nodes)[:, None])
+def _none(structure: Structure) -> list[Group]:
+    return []
+
+
+def _by_support(structure: Structure) -> list[Group]:
+    return [
+        Group(f"support {number} {support.components}", np.asarray(support.nodes)[:, None])
         for number, support in enumerate(structure.supports)
     ]
+
+
+def _by_components(structure: Structure) -> list[Group]:
+    """Nodes that are held in the same components, those in all of them first."""
+    kinds = sorted(map(tuple, np.unique(structure.supported, axis=0).tolist()), reverse=True)
+    return [
+        Group(
+            "supports" if all(kind) else f"supports {''.join(np.array(list('xyz'))[list(kind)])}",
+            np.flatnonzero((structure.supported == kind).all(axis=1))[:, None],
+        )
+        for kind in kinds
+        if any(kind)
+    ]
+
+
+SUPPORTS: dict[str, Callable[[Structure], list[Group]]] = {".msh": _by_support, ".dxf": _by_components}
+
+
+def _write_msh(stream: IO[str], points: NDArray[np.float64], groups: Sequence[Group], unit: str) -> None:
     stream.write(f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n{len(groups)}\n")
-    for tag, (name, dimension, _, _) in enumerate(groups, 1):
-        stream.write(f'{dimension} {tag} "{name}"\n')
+    for tag, (name, cells) in enumerate(groups, 1):
+        stream.write(f'{cells.shape[1] - 1} {tag} "{name}"\n')
     stream.write(f"$EndPhysicalNames\n$Nodes\n{len(points)}\n")
     stream.writelines(f"{row} {x!r} {y!r} {z!r}\n" for row, (x, y, z) in enumerate(points.tolist(), 1))
-    stream.write(f"$EndNodes\n$Elements\n{sum(len(cells) for *_, cells in groups)}\n")
+    stream.write(f"$EndNodes\n$Elements\n{sum(len(cells) for _, cells in groups)}\n")
     number = 0
-    for tag, (_, _, kind, cells) in enumerate(groups, 1):
+    for tag, (_, cells) in enumerate(groups, 1):
         for row in (cells + 1).tolist():
             number += 1
-            stream.write(f"{number} {kind} 2 {tag} {tag} {' '.join(map(str, row))}\n")
+            stream.write(f"{number} {ELEMENTS[len(row)]} 2 {tag} {tag} {' '.join(map(str, row))}\n")
     stream.write("$EndElements\n")
 
 
-def _write_obj(stream: IO[str], structure: Structure, points: NDArray[np.float64], unit: str) -> None:
+def _write_obj(stream: IO[str], points: NDArray[np.float64], groups: Sequence[Group], unit: str) -> None:
+    """Name objects, `o`: the name of a group, `g`, ends at a space."""
     stream.writelines(f"v {x!r} {y!r} {z!r}\n" for x, y, z in points.tolist())
-    for name, part in structure.parts.items():
-        stream.write(f"g {name}\n")
-        kind = "f" if part.dimension == 2 else "l"
-        stream.writelines(f"{kind} {' '.join(map(str, row))}\n" for row in (part.cells + 1).tolist())
+    for name, cells in groups:
+        stream.write(f"o {name}\n")
+        kind = "plf"[cells.shape[1] - 1]
+        stream.writelines(f"{kind} {' '.join(map(str, row))}\n" for row in (cells + 1).tolist())
 
 
-def _write_dxf(stream: IO[str], structure: Structure, points: NDArray[np.float64], unit: str) -> None:
+def _write_dxf(stream: IO[str], points: NDArray[np.float64], groups: Sequence[Group], unit: str) -> None:
     try:
         import ezdxf  # noqa: PLC0415  (optional)
     except ImportError:
@@ -110,21 +163,21 @@ def _write_dxf(stream: IO[str], structure: Structure, points: NDArray[np.float64
     document = ezdxf.new("R2010", units=codes.get(unit, 0))  # $INSUNITS
     document.header["$MEASUREMENT"] = int(unit not in dxf.IMPERIAL)
     space = document.modelspace()
-    for name, part in structure.parts.items():
+    for name, cells in groups:
         layer = {"layer": name}
         if not document.layers.has_entry(name):
             document.layers.add(name)
-        for corners in points[part.cells].tolist():
-            if part.dimension == 2:
+        for corners in points[cells].tolist():
+            if len(corners) == 3:
                 space.add_3dface(corners, dxfattribs=layer)
-            else:
+            elif len(corners) == 2:
                 space.add_line(*corners, dxfattribs=layer)
-    for node in np.flatnonzero(structure.supported.any(axis=1)):
-        space.add_point(points[node].tolist(), dxfattribs={"layer": "supports"})
+            else:
+                space.add_point(corners[0], dxfattribs=layer)
     document.write(stream)
 
 
-WRITERS: dict[str, Callable[[IO[str], Structure, NDArray[np.float64], str], None]] = {
+WRITERS: dict[str, Callable[[IO[str], NDArray[np.float64], Sequence[Group], str], None]] = {
     ".msh": _write_msh,
     ".obj": _write_obj,
     ".dxf": _write_dxf,

@@ -12,13 +12,14 @@ from mpi4py import MPI
 
 from ..checks import paths, validation
 from ..results.states import StageResult, StageResults
-from ..results.tables import cell_columns
+from ..results.tables import DEPTH, cell_columns
 from ..runtime.processes import by_the_first, together
 from .whole_file import writing
 
 SERIES = "series.pvd"
 STATES = ("taut", "wrinkled", "slack")
 TRIANGLE, LINE = 5, 3  # types of cells in VTK
+FILE = re.compile(r"\d{4,}\.vtm")
 STEP = re.compile(r'<DataSet timestep="([^"]+)" file="([^"]+)"/>')
 
 
@@ -31,13 +32,14 @@ class ParaViewSeries:
 
     Give it to `Analysis.run(stages, observe=series)` for every load increment. Each step is a complete file before the
     series names it. Its time is the number of the stage in the run, from 0, plus the load factor. Nodes have
-    `displacement` ("Warp By Vector" shows the current shape), loads and reactions; cells have stresses, forces, strains
-    and `state`: 0 taut, 1 wrinkled, 2 slack. Names tell units. The field data of a step have the name of the stage.
+    `displacement` ("Warp By Vector" shows the current shape), loads, reactions and the depth of water. Cells have its
+    mean depth, stresses, forces, strains and `state`: 0 taut, 1 wrinkled, 2 slack. Names tell units. The field data of
+    a step have the name of the stage.
 
     Under MPI make it, and call it, on all processes; the first one writes.
 
     Args:
-        folder: The folder; it is made. An earlier series in it is replaced.
+        folder: The folder; it is made. An earlier series in it is removed, with all its steps.
         append: Keep the steps of an earlier series, as in a run that a checkpoint file continues.
         force_unit: Name of the force unit of the structure and its loads; nothing is converted.
         length_unit: Name of the length unit.
@@ -78,6 +80,8 @@ class ParaViewSeries:
                 if append and (self._folder / SERIES).exists():
                     found = STEP.findall((self._folder / SERIES).read_text(encoding="utf-8"))
                     self._steps = {float(time): file for time, file in found}
+                elif not append:
+                    _remove_series(self._folder)
 
     @by_the_first
     def __call__(self, state: StageResult) -> None:
@@ -129,8 +133,17 @@ def write_paraview(
     validation.instance("write_paraview results", results, StageResults)
     force, length = results.units(force_unit, length_unit)
     series = ParaViewSeries(folder, force_unit=force, length_unit=length)
-    for state in results.values():
+    for state in results.states.values():
         series(state)
+
+
+def _remove_series(folder: Path) -> None:
+    """Remove the files of an earlier series, its steps that no series names among them; others stay."""
+    (folder / SERIES).unlink(missing_ok=True)
+    for file in folder.glob("*.vtm"):
+        if FILE.fullmatch(file.name):
+            shutil.rmtree(file.with_suffix(""), ignore_errors=True)
+            file.unlink(missing_ok=True)
 
 
 def _write(state: StageResult, file: Path, units: tuple[str, str]) -> None:
@@ -181,6 +194,8 @@ def _block(state: StageResult, name: str, units: tuple[str, str]) -> Any:
     grid.point_data["displacement"] = state.displacement[nodes]
     grid.point_data[f"load [{force}]"] = state.loads[nodes]
     grid.point_data[f"reaction [{force}]"] = state.reactions[nodes]
+    if part.dimension == 2 and state.ponds:
+        grid.point_data[f"{DEPTH} [{length}]"] = state.water_depth[nodes]
     columns = cell_columns(state, name, force, length)
     word = columns.pop("state")
     grid.cell_data["state"] = np.array([STATES.index(entry) for entry in word.tolist()], dtype=np.uint8)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..results.states import Remark
+from ..results.told_states import Remark
 
 Array = NDArray[Any]
 
@@ -64,8 +64,9 @@ class Encoder:
             fields = {name: self(content) for name, content in _fields(value).items()}
             self.objects.append({"class": name, "fields": fields})
             return {"object": len(self.objects) - 1}
-        if type(value) in (list, tuple):
-            return {type(value).__name__: [self(entry) for entry in value]}
+        if type(value) in (list, tuple, frozenset):
+            entries = sorted(value) if isinstance(value, frozenset) else value  # equal sets give equal files
+            return {type(value).__name__: [self(entry) for entry in entries]}
         if isinstance(value, Mapping) and all(isinstance(key, str) for key in value):
             return {"mapping": {key: self(entry) for key, entry in value.items()}}
         raise ValueError(
@@ -101,6 +102,7 @@ class Decoder:
             "mapping": lambda entries: {key: self(entry) for key, entry in entries.items()},
             "list": lambda entries: [self(entry) for entry in entries],
             "tuple": lambda entries: tuple(map(self, entries)),
+            "frozenset": lambda entries: frozenset(map(self, entries)),
         }
         for entry in objects:
             self._objects.append(self._made(entry))
@@ -108,8 +110,8 @@ class Decoder:
     def __call__(self, code: Any) -> Any:
         """Decode a value.
 
-            Raises:
-        XX, IndexError, KeyError, TypeError: It is no code of an `Encoder`.
+        Raises:
+            ValueError, IndexError, KeyError, TypeError, AttributeError: It is no code of an `Encoder`.
         """
         if not isinstance(code, dict):
             return code

@@ -2,12 +2,14 @@
 
 import importlib.util
 import os
+import re
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from . import surface_reader
 from .drawing import Drawing
@@ -36,6 +38,8 @@ def read(file: Path) -> Drawing:
             raise ValueError(damaged)
         with np.load(target) as arrays:
             points, begin, nodes = arrays["points"], arrays["begin"], arrays["nodes"]
+    if file.suffix.lower() == ".ply":
+        _check_whole(file, len(points), begin, nodes)
     drawing = Drawing(str(file), "surface", points, loose=file.suffix.lower() == ".stl")
     sizes = np.diff(begin)
     for corners in np.unique(sizes):
@@ -46,6 +50,26 @@ def read(file: Path) -> Drawing:
     if not drawing.cells or not (np.isfinite(points).all() and 0 <= nodes.min() <= nodes.max() < len(points)):
         raise ValueError(damaged)
     return drawing
+
+
+def _check_whole(file: Path, points: int, begin: NDArray[np.int64], nodes: NDArray[np.int64]) -> None:
+    """Refuse a PLY file that ends before its last face, which VTK fills up with what it has read before.
+
+    Raises:
+        ValueError: It does.
+    """
+    head, _, body = file.read_bytes().partition(b"end_header")
+    found = {name: int(count) for name, count in re.findall(rb"element\s+(\w+)\s+(\d+)", head)}
+    vertices, faces = found.get(b"vertex", 0), found.get(b"face", 0)
+    whole = (points, len(begin) - 1) == (vertices, faces) and bool((np.diff(begin) > 0).all())
+    if whole and b"ascii" in head:
+        per_vertex = len(re.findall(rb"property\s+(?!list)", head.partition(b"element face")[0]))
+        whole = len(body.split()) >= per_vertex * vertices + faces + len(nodes)
+    if not whole:
+        raise ValueError(
+            f"{file} ends too early, or is damaged: its head tells of {vertices} vertices and {faces} faces; export "
+            "the surface again."
+        )
 
 
 def _begins_well(file: Path) -> bool:

@@ -7,11 +7,11 @@ from pathlib import Path
 
 from .. import __version__
 from ..checks import paths, validation
-from ..model.parts import Cable, Mast, Membrane
+from ..model.parts import Cable, Mast, Membrane, Rope
+from ..results.plain_summary import summary
 from ..results.states import StageResult, StageResults
-from ..results.summary import summary
 from ..results.tables import Columns, cell_columns, node_columns
-from ..results.unfinished import unfinished
+from ..results.unfinished_stages import unfinished
 from ..runtime.processes import by_the_first
 from .whole_file import writing
 
@@ -20,7 +20,8 @@ FORMULA = (
     *"\uff1d\uff0b\uff0d\uff20",
 )  # first letters of computed cells; the last: full width
 LONE = "backslashreplace"  # of lone surrogates in names, which no encoding has
-CELLS = {"membranes.csv": Membrane, "cables.csv": Cable, "masts.csv": Mast}
+CELLS = {"membranes.csv": Membrane, "cables.csv": Cable, "masts.csv": Mast, "ropes.csv": Rope}
+TABLES = ("nodes.csv", *CELLS, "summary.json")
 
 
 @by_the_first
@@ -29,9 +30,10 @@ def write_tables(
 ) -> None:
     """Write the results of an analysis as tables: CSV for spreadsheets, JSON for scripts.
 
-    `nodes.csv` has a row for each stage and node, `membranes.csv`, `cables.csv` and `masts.csv` one for each stage,
-    part and cell. Their first row names each column with its unit. `summary.json` has sums of forces, extremes with
-    cell and place, iterations and remarks of each stage, and the stages that a failed run lacks. Numbers have all their
+    `nodes.csv` has a row for each stage and node, `membranes.csv`, `cables.csv`, `masts.csv` and `ropes.csv` one for
+    each stage, part and cell. Their first row names each column with its unit. With ponds in any stage, nodes and
+    membranes have the depth of the water. `summary.json` has sums of forces, extremes with places, iterations, water
+    and its events, and remarks of each stage. It names the stages that a failed run lacks. Numbers have all their
     digits. A name that a spreadsheet would take for a formula begins with an apostrophe. Files of earlier calls are
     replaced, each by a complete one. Under MPI call it on all processes; the first one writes.
 
@@ -55,14 +57,17 @@ def write_tables(
     """
     validation.instance("write_tables results", results, StageResults)
     validation.instances("write_tables results", list(results.values()), StageResult)
+    states = results.states
     units = results.units(force_unit, length_unit)
     place = paths.path("folder", folder)
     paths.check_writable("folder", place / "summary.json")
-    _write_csv(place / "nodes.csv", (({"stage": name}, node_columns(state, *units)) for name, state in results.items()))
+    water = any(state.ponds for state in states.values())
+    nodes = (({"stage": name}, node_columns(state, *units, water)) for name, state in states.items())
+    _write_csv(place / "nodes.csv", nodes)
     for file, kind in CELLS.items():
         tables = [
-            ({"stage": stage, "part": name}, cell_columns(state, name, *units))
-            for stage, state in results.items()
+            ({"stage": stage, "part": name}, cell_columns(state, name, *units, water))
+            for stage, state in states.items()
             for name in state.structure.parts_of(kind)
         ]
         if tables:
@@ -70,7 +75,7 @@ def write_tables(
     document = {
         "fx_membrane": __version__,
         "units": dict(zip(("force", "length"), units, strict=True)),
-        "stages": {name: summary(state) for name, state in results.items()},
+        "stages": {name: summary(state) for name, state in states.items()},
         "unfinished": [
             {"verdict": check.verdict.value, "check": check.name, "remedy": check.remedy}
             for check in unfinished(results)
@@ -86,11 +91,12 @@ def _write_csv(file: Path, tables: Iterator[tuple[dict[str, str], Columns]]) -> 
         for number, (names, columns) in enumerate(tables):
             if number == 0:
                 writer.writerow([*names, *columns])
-            same = [_quoted(name) for name in names.values()]
+            same = [quoted(name) for name in names.values()]
             writer.writerows(
                 [*same, *row] for row in zip(*(column.tolist() for column in columns.values()), strict=True)
             )
 
 
-def _quoted(name: str) -> str:
+def quoted(name: str) -> str:
+    """Put an apostrophe before a name that a spreadsheet would take for a formula."""
     return f"'{name}" if name.startswith(FORMULA) else name

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.measures import measures, normals, projected
+from ..geometry.sizes import measures, normals, projected
 from ..model.parts import Membrane
 from .plan import Plan, place
 
@@ -13,7 +13,7 @@ UPRIGHT = 0.99  # component of a normal along x, above which the warp of a membr
 
 
 def reference_of(cells: NDArray[np.int64], points: Array, warp: Array, stress: Array) -> Plan:
-    """Take the present shape of a membrane for the reference of its stress.
+    """Make the present shape of a membrane the reference of its stress.
 
     Args:
         cells: Nodes of the cells, shape (cells, 3).

@@ -1,4 +1,4 @@
-"""The result of form finding, whichever method found it."""
+"""Form: the result of every method of form finding."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..checks.values import counted
-from ..model.energy_terms import described
+from ..model import natural_shape
 from ..model.structure import Structure
 from ..model.supports import Support
+from ..model.term_parameters import described
 from ..runtime.notebook_pictures import picture_html, picture_png, table
 
 
@@ -37,12 +38,13 @@ class Form:
 
     Attributes:
         points: Positions of the nodes, shape (n, 3) [m].
-        forces: By part, axial forces of cables and masts, shape (cells,) [N], and Cauchy stress times thickness of
-            membranes in the warp/weft frame, shape (cells, 2, 2) [N/m]. `force_density` gives those of its branches
+        forces: By part, axial forces of cables and masts, shape (cells,) [N]. Of membranes, Cauchy stress times
+            thickness in the warp/weft frame, shape (cells, 2, 2) [N/m]. `force_density` gives those of its branches
             under "net".
         reactions: Forces of supports, and of constraints of nodes, shape (n, 3) [N]; zero where free.
         steps: The steps of a method that takes several.
-        converged: True if the form has the forces asked for, within the tolerances of its method.
+        converged: True if the form meets the conditions of its method, which may be far from the wish: `differences`
+            says how far, `remarks` in words.
         made: As `structure`; None for a net of force densities.
         wish: By part, the forces wished for where the cells now are, as `forces`; empty where a method has none in
             space, as `force_density` and `projected_stress`.
@@ -105,12 +107,13 @@ class Form:
         return picture_png(self)
 
 
-def refuse_terms(structure: Structure) -> None:
-    """Refuse a structure with energy terms.
+def refuse_unfit(structure: Structure) -> None:
+    """Refuse a structure with energy terms or natural shapes.
 
     Raises:
         ValueError: It has one.
     """
+    natural_shape.refuse("Form finding", structure.parts)
     if structure.terms:
         raise ValueError(
             f"The structure has energy terms ({described(structure.terms[0])}), which form finding does not take; "

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
-from ..geometry.measures import SLIVER, aspects, measures, normals
+from ..geometry.sizes import SLIVER, aspects, measures, normals
 from ..model.parts import Membrane
 
 Array = NDArray[np.float64]
@@ -99,6 +99,12 @@ def _stress(name: str, part: Membrane, points: Array, field: Field | None) -> Ar
     if field is not None:
         try:
             value = validation.finite("its value", field(points[part.cells].mean(axis=1).T))
+            n = len(part.cells)
+            if value.shape not in {(), (n,), (2,), (n, 2), (2, 2), (n, 2, 2)}:
+                raise ValueError(
+                    f"it gives shape {value.shape}; give numbers, pairs along warp and weft, or tensors, for each of "
+                    f"the {n} cells: ({n},), ({n}, 2) or ({n}, 2, 2)."
+                )
             per_cell = value[:, None] if value.shape == (len(part.cells),) else value
             part = replace(part, prestress=per_cell)
         except ValueError as error:

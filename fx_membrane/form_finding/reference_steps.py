@@ -12,9 +12,9 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
-from ..geometry.measures import measures, normals, projected
+from ..assembly.problem_under_actions import LoadedProblem
+from ..geometry.sizes import measures, normals, projected
 from ..model.loads import PlanLoad
 from ..model.parts import Membrane, Part
 from ..model.stages import Stage
@@ -24,17 +24,18 @@ from ..results.states import StageResult
 from ..solvers.base import Iteration, Solution
 from ..solvers.newton import Newton
 from ..solvers.progress import Pulse
+from .balance.load_settling import LoadSettling
 from .balance.membrane_balance import nodal_loads
+from .density_steps import abandoned, wish_of
 from .form import Form, FormStep
+from .form_loads import words_of_loads
 from .masts.bar_balance import fallen_mast
 from .masts.mast_balance import Balance, Step, balance_masts
-from .natural_step import abandoned, wish_of
 from .reasons.few_supports import all_held
 from .reasons.no_form import established
-from .shape_change import change_of_shape, check_collapse, collapse
+from .shape_change import change_of_shape, check_collapse, collapse, is_sound
 
-SAME = 1e-12  # relative change of the loads that counts as none
-REPEATS = 100  # maximum number of solves of a step
+REPEATS = 200  # maximum number of solves of a step: enough where each leaves 84 % of the change of the loads
 
 
 class _Shape(NamedTuple):
@@ -47,89 +48,138 @@ class _Shape(NamedTuple):
     steps: tuple[FormStep, ...]
 
 
-def steps_of_reference(
-    structure: Structure,
-    stage: Stage,
-    is_settled: Callable[[FormStep], bool],
-    most: int,
-    pulse: Pulse,
-    comm: MPI.Intracomm,
-) -> tuple[Form, str]:
-    """Form with places of free mast heads searched for where needed, and the collapse that ended it in words.
+class Course:
+    """Course of the steps: the present shape, and the searches for places of free mast heads on the way.
 
-    Raises:
-        RuntimeError: There is no form after the first step.
+    Attributes:
+        points: The present shape, shape (n, 3) [m].
+        steps: Steps from the present start on.
+        limit: Maximum number of steps from there.
+        searched: True once places of mast heads were searched for.
+        nearest: The sound shape of least error of the stress; None before the first step.
     """
-    points, converged, searched, collapse_told = structure.points, False, False, ""
-    shape, nearest, fallen = None, None, None
-    steps: tuple[FormStep, ...] = ()
 
-    def monitor(number: int, entry: Iteration) -> None:
-        pulse(f"step {len(steps) + 1}, iteration {number}, residual {entry.residual:.1e}")
+    def __init__(
+        self,
+        structure: Structure,
+        stage: Stage,
+        is_settled: Callable[[FormStep], bool],
+        most: int,
+        pulse: Pulse,
+        comm: MPI.Intracomm,
+    ):
+        self.structure, self.stage, self.is_settled = structure, stage, is_settled
+        self.pulse, self.comm, self.limit = pulse, comm, most
+        self.points, self.searched = structure.points, False
+        self.steps: tuple[FormStep, ...] = ()
+        self.nearest: _Shape | None = None
+        self._step = self.stepper(structure)
 
-    def stepper(of: Structure) -> Step:
-        problem = Problem(of, comm, elastic=False)
-        solve, record = Newton(line_search=False).prepare(problem), StateEvaluator(problem)
-        return lambda points, number: _step(record, lambda loaded, x: solve(loaded, x, monitor), stage, points, number)
+    def form(self) -> tuple[Form, str]:
+        """Form with places of free mast heads searched for where needed, and the collapse that ended it in words.
 
-    def fits(points: NDArray[np.float64], state: StageResult) -> bool:
-        return is_settled(_stressed(structure, points, state)[2])
+        Raises:
+            RuntimeError: There is no form after the first step.
+        """
+        shape, told, converged = self._run()
+        made = replace(self.structure, points=shape.points, parts=shape.parts)
+        wish = wish_of(self.structure.parts)
+        form = Form(shape.points, shape.forces, shape.reactions, shape.steps, converged, made, wish)
+        return replace(form, remarks=all_held(self.structure)), told
 
-    step, limit = stepper(structure), most
-    while len(steps) < limit and not converged:
-        try:
-            state = step(points, len(steps) + 1)
-        except RuntimeError as failure:
-            found, words = None, str(failure)
-            if not searched:
-                try:
-                    found = balance_masts(structure, stage, stepper, fits, pulse, comm, limit, words)
-                except RuntimeError as missing:
-                    words = str(missing)
-            if found is None:
-                if nearest is None:
+    def _run(self) -> tuple[_Shape, str, bool]:
+        """Return the last shape, the collapse or the fallen mast that ended the steps in words, and convergence."""
+        shape, told, converged = None, "", False
+        fallen: tuple[_Shape, str] | None = None
+        while len(self.steps) < self.limit and not converged:
+            try:
+                shape = self.advance()
+            except RuntimeError as failure:
+                words = self.begin_anew_after(failure)
+                if not words:
+                    continue
+                if self.nearest is None:
                     raise RuntimeError(words) from failure
-                collapse_told = abandoned(len(nearest.steps), words)
-                shape = nearest
+                shape, told = self.nearest, abandoned(len(self.nearest.steps), words)
                 break
-            searched, points, steps = True, found.points, ()
-            step, limit = stepper(found.structure), found.steps
-            continue
-        parts, forces, entry = _stressed(structure, points, state)
-        points, steps = points + state.displacement, (*steps, entry)
-        shape = _Shape(points, parts, forces, state.reactions, steps)
-        if nearest is None or entry.stress_error < nearest.steps[-1].stress_error:
-            nearest = shape
-        converged = is_settled(entry)
-        if converged and (words := fallen_mast(structure, points)):
-            fallen = (shape, f"The form is in equilibrium with the forces prescribed, but {words}")
-            found = None if searched else _standing(structure, stage, stepper, fits, pulse, comm, limit)
-            if found is None:
-                break
-            searched, points, steps, converged = True, found.points, (), False
-            step, limit = stepper(found.structure), found.steps
-    if fallen is not None and (not converged or shape is fallen[0]):
-        shape, collapse_told, converged = *fallen, False
-    assert shape is not None
-    made = replace(structure, points=shape.points, parts=shape.parts)
-    form = Form(shape.points, shape.forces, shape.reactions, shape.steps, converged, made, wish_of(structure.parts))
-    return replace(form, remarks=all_held(structure)), collapse_told
+            converged = self.is_settled(shape.steps[-1])
+            if converged and (words := fallen_mast(self.structure, self.points)):
+                fallen = shape, f"The form is in equilibrium with the forces prescribed, but {words}"
+                if not self.begin_with_standing_masts():
+                    break
+                converged = False
+        if fallen is not None and (not converged or shape is fallen[0]):
+            return *fallen, False
+        assert shape is not None
+        return shape, told, converged
 
+    def advance(self) -> _Shape:
+        """Advance by one step; return the shape after it.
 
-def _standing(
-    structure: Structure,
-    stage: Stage,
-    stepper: Callable[[Structure], Step],
-    fits: Callable[[NDArray[np.float64], StageResult], bool],
-    pulse: Pulse,
-    comm: MPI.Intracomm,
-    limit: int,
-) -> Balance | None:
-    """Find a shape near the first one in which free masts stand, where the steps let them fall; None without one."""
-    try:
-        return balance_masts(structure, stage, stepper, fits, pulse, comm, limit, "")
-    except RuntimeError:
-        return None
+        Raises:
+            RuntimeError: There is no equilibrium, or the shape collapses.
+        """
+        state = self._step(self.points, len(self.steps) + 1)
+        parts, forces, entry = _stressed(self.structure, self.points, state)
+        self.points, self.steps = self.points + state.displacement, (*self.steps, entry)
+        shape = _Shape(self.points, parts, forces, state.reactions, self.steps)
+        is_nearer = self.nearest is None or entry.stress_error < self.nearest.steps[-1].stress_error
+        if is_nearer and (self.nearest is None or is_sound(self.structure, self.points)):
+            self.nearest = shape
+        return shape
+
+    def begin_anew_after(self, failure: RuntimeError) -> str:
+        """Begin anew where free masts balance, after a step that failed; else return the reason in words."""
+        words = str(failure)
+        if self.searched:
+            return words
+        try:
+            return "" if self.begin(self.balance(words)) else words
+        except RuntimeError as missing:
+            return str(missing)
+
+    def begin_with_standing_masts(self) -> bool:
+        """Begin anew near the first shape, where free masts stand; return False where they do not."""
+        if self.searched:
+            return False
+        try:
+            return self.begin(self.balance(""))
+        except RuntimeError:
+            return False
+
+    def balance(self, words: str) -> Balance | None:
+        """Search for places of free mast heads where their forces balance.
+
+        Raises:
+            RuntimeError: There are none.
+        """
+        return balance_masts(
+            self.structure, self.stage, self.stepper, self.fits, self.pulse, self.comm, self.limit, words
+        )
+
+    def begin(self, found: Balance | None) -> bool:
+        """Begin anew from what a search has found; return False if that is nothing."""
+        if found is None:
+            return False
+        self.searched, self.points, self.steps = True, found.points, ()
+        self._step, self.limit = self.stepper(found.structure), found.steps
+        return True
+
+    def stepper(self, of: Structure) -> Step:
+        """Return the function that takes a step of a structure, with a problem and a solver of its own."""
+        problem = Problem(of, self.comm, elastic=False)
+        solve, record = Newton(line_search=False).prepare(problem), StateEvaluator(problem)
+        return lambda points, number: _step(
+            record, lambda loaded, x: solve(loaded, x, self.monitor), self.stage, points, number
+        )
+
+    def monitor(self, number: int, entry: Iteration) -> None:
+        """Tell an iteration."""
+        self.pulse(f"step {len(self.steps) + 1}, iteration {number}, residual {entry.residual:.1e}")
+
+    def fits(self, points: NDArray[np.float64], state: StageResult) -> bool:
+        """Return True if the stress of a state is that prescribed."""
+        return self.is_settled(_stressed(self.structure, points, state)[2])
 
 
 def _step(
@@ -147,7 +197,9 @@ def _step(
     structure = record.problem.structure
     found = _equilibrium(record.problem, solve, stage, points)
     if found is None:
-        raise RuntimeError(collapse(structure, number))
+        loads = words_of_loads(stage.loads)
+        heavy = f"It bears {loads}: give a larger prestress or smaller loads if that is more than its stress holds."
+        raise RuntimeError(f"{collapse(structure, number)} {heavy if loads else ''}".strip())
     state = record(stage.name, *found, ())
     check_collapse(structure, points + state.displacement, number)
     return state
@@ -164,7 +216,7 @@ def _equilibrium(
     Raises:
         RuntimeError: The loads do not settle.
     """
-    x, shape, before = problem.create_vector(), reference, None
+    x, shape, before, have_settled = problem.create_vector(), reference, None, LoadSettling()
     in_plan = [load for load in stage.loads if isinstance(load, PlanLoad)]  # of an analysis: per area of the first plan
     others = replace(stage, loads=[load for load in stage.loads if not isinstance(load, PlanLoad)])
     for _ in range(REPEATS):
@@ -173,7 +225,7 @@ def _equilibrium(
         problem.discretization.move(reference)
         actions = replace(actions, loads=actions.loads + nodal_loads(problem.structure, in_plan, shape))
         loaded = problem.under(actions)
-        if before is not None and np.abs(actions.loads - before).max() <= SAME * np.abs(actions.loads).max():
+        if before is not None and have_settled(before, actions.loads):
             return loaded, x
         if not solve(loaded, x).converged:
             if before is None:
@@ -182,8 +234,8 @@ def _equilibrium(
         shape, before = reference + problem.to_numpy(x), actions.loads
     reason = established(problem.structure, problem.structure.points)
     raise RuntimeError(
-        "Form finding found no shape for the distributed loads: they grow with the form faster than the "
-        f"prestress can hold. {reason} Give a larger prestress or smaller loads.".replace("  ", " ")
+        f"Form finding found no shape for the loads, {words_of_loads(stage.loads)}: they grow with the form faster "
+        f"than the prestress can hold. {reason} Give a larger prestress or smaller loads.".replace("  ", " ")
     )
 
 

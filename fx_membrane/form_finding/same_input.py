@@ -5,15 +5,17 @@ from typing import Any
 
 from mpi4py import MPI
 
-from ..model.fingerprints import fingerprint, fingerprints, of_settings
+from ..model.digests import fingerprint, fingerprints, of_settings
+from ..model.ropes import refuse_ropes
 from ..model.structure import Structure
 from ..runtime.processes import refuse_differences
+from .wishes import SurfaceDirection
 
 
 def refuse_different_input(
     structure: Structure, settings: Mapping[str, Any], fields: Mapping[str, Mapping[str, Any] | None]
 ) -> None:
-    """Refuse a structure, settings, or functions of place that differ between processes, on all of them.
+    """Refuse ropes, and a structure, settings, or functions of place that differ between processes, on all of them.
 
     Args:
         structure: The structure.
@@ -21,15 +23,20 @@ def refuse_different_input(
         fields: Functions of place by part, by their name; they are compared by their values at the centres of cells.
 
     Raises:
-        ValueError: They differ.
+        ValueError: They differ; a part is a rope.
     """
+    refuse_ropes("Form finding", structure)
 
     def digests() -> dict[str, str]:
         found = fingerprints(structure) | of_settings(settings)
         for what, by_part in fields.items():
             for name, field in (by_part or {}).items():
-                centres = structure.points[structure.parts[name].cells].mean(axis=1).T
-                found[f"{what} of part {name!r}, as a function of place"] = fingerprint(field(centres))
+                cells = structure.parts[name].cells
+                if isinstance(field, SurfaceDirection):
+                    values = field.vectors(name, structure.points, cells)
+                else:
+                    values = field(structure.points[cells].mean(axis=1).T)
+                found[f"{what} of part {name!r}, as a function of place"] = fingerprint(values)
         return found
 
     refuse_differences(MPI.COMM_WORLD, digests)

@@ -4,20 +4,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..checks import validation
-from ..geometry.measures import measures, normals
+from ..geometry.sizes import grown_slender, measures, normals
 from ..geometry.topology import boundary_edges
-from ..model.parts import Bar
+from ..model.parts import Part
 from ..model.structure import Structure
-from .reasons.as_asked import Asked
-from .reasons.line_tangents import line_tangents, unit
+from .reasons.asked_structure import Asked
 from .reasons.no_form import cause, established
+from .reasons.sewn_surfaces import cells_of
+from .reasons.tangents import line_tangents, unit
+from .reasons.unheld import lone_head
 
 # Fraction of its first length, or of the root of its first area, below which a cell counts as collapsed.
 GONE = 1e-3
+SOUND = 5e4  # aspect of cells with a rounding of 2e-6 of their forces: above, a shape moves by 1e-12 of its size
 GONE_MAST = 1e-2  # no sliding of nodes makes a mast short
 STOPPED = "Form finding stopped at step"
 HOLD = (
-    "hold the mast head as a support in form finding, and add mast and stays by masts_and_stays, with forces that "
+    "hold the mast head as a support in form finding, and add mast and stays by masts_and_stays: their forces "
     "balance the reactions of the form; or change the forces that meet there, or the first shape."
 )
 
@@ -25,13 +28,14 @@ HOLD = (
 def change_of_shape(structure: Structure, points: NDArray[np.float64], displacement: NDArray[np.float64]) -> float:
     """Largest displacement beyond sliding in surfaces and along lines, over the mean length of the edges [-].
 
-    Lines are those of cables and masts, and the edges of membranes. No node slides where they end, meet, or turn.
-    Between
-    these nodes the relative change of length of a cable or a mast counts too: it shows a short one that shrinks.
+    Lines are those of cables and masts, and the edges of membranes. A seam between membranes of one stress is none: it
+    may lie anywhere in the surface. No node slides where lines end, meet, or turn. Between these nodes the relative
+    change of length of a cable or a mast counts too: it shows a short one that shrinks.
     """
-    lines, edges = [], []
+    lines, edges = _rims(structure), []
     for part in structure.parts.values():
-        lines.append(boundary_edges(part.cells) if part.dimension == 2 else part.cells)
+        if part.dimension == 1:
+            lines.append(part.cells)
         size = measures(points, part.cells)
         edges.append(np.sqrt(2 * size) if part.dimension == 2 else size)
     segments = np.unique(np.sort(np.concatenate(lines)), axis=0)  # a cable on the edge of a membrane is one line
@@ -52,6 +56,17 @@ def change_of_shape(structure: Structure, points: NDArray[np.float64], displacem
             ratio = measures(points + displacement, bars) / measures(points, bars)
             largest = max(largest, float(np.abs(ratio - 1).max(initial=0.0)))
     return largest
+
+
+def _rims(structure: Structure) -> list[NDArray[np.int64]]:
+    """Edges of membranes, without seams between those of one stress, each of shape (k, 2)."""
+    alike: dict[bytes, list[str]] = {}
+    for name, part in structure.parts.items():
+        if part.dimension == 2:
+            stress = part.prestress_tensors()
+            key = stress[0].tobytes() if (stress == stress[0]).all() else name.encode()
+            alike.setdefault(key, []).append(name)
+    return [boundary_edges(cells_of(structure, names)) for names in alike.values()]
 
 
 def check_collapse(structure: Structure, points: NDArray[np.float64], step: int, asked: Asked | None = None) -> None:
@@ -75,12 +90,17 @@ def check_collapse(structure: Structure, points: NDArray[np.float64], step: int,
         if part.dimension == 1:
             for cell in np.flatnonzero(gone | (now * GONE > first))[:1]:
                 force = part.prestress_tensors()[cell, 0, 0]
-                words = _unbalanced(step, name, part, int(cell), force, first[cell], now[cell])
+                words = _unbalanced(structure, step, name, part, int(cell), force, first[cell], now[cell])
                 reason = "" if part.is_strut else established(structure, structure.points, asked)
                 raise RuntimeError(f"{words} {reason}".strip())
-        torn |= bool(gone.any())
+        torn |= bool(gone.any()) or len(grown_slender(points, part.cells, structure.points)) > 0
     if torn:  # after the bars, a possible cause of it
         raise RuntimeError(collapse(structure, step, points, asked))
+
+
+def is_sound(structure: Structure, points: NDArray[np.float64]) -> bool:
+    """Return True if no cell of a shape has become so slender that its balance loses digits."""
+    return not any(len(grown_slender(points, part.cells, structure.points, SOUND)) for part in structure.parts.values())
 
 
 def collapse(
@@ -95,13 +115,12 @@ def collapse(
                 length = measures(structure.points, part.cells[[cell]])[0]
                 return (
                     f"{STOPPED} {step}: the shape collapses. The mast in cell {cell} of part "
-                    f"{name!r}, of the length {length:.4g} and the force {force[cell]:g}, has a free end, and no form "
-                    f"was found that balances the forces there; {HOLD}"
+                    f"{name!r}, of the length {length:.4g} and the force {force[cell]:g}, has a free end; no form was "
+                    f"found that balances the forces there; {HOLD}"
                 )
     reason = cause(structure, structure.points, asked) or (
-        "There is none where edge cables are too weak (force over stress of the fabric below half their span), where "
-        "rings are too far apart, where a fabric is held at one point within it, or where an edge has neither cable "
-        "nor support."
+        "There is none where edge cables are too weak: force over stress of the fabric is below half their span. "
+        "Other reasons are rings too far apart, fabric held at one point, or an edge without cable and support."
     )
     where = "" if points is None else _where(structure, points)
     remedy = "Change the prestress or the supports."
@@ -121,12 +140,17 @@ def _where(structure: Structure, points: NDArray[np.float64]) -> str:
     return words
 
 
-def _unbalanced(step: int, name: str, part: Bar, cell: int, force: float, first: float, now: float) -> str:
+def _unbalanced(
+    structure: Structure, step: int, name: str, part: Part, cell: int, force: float, first: float, now: float
+) -> str:
     kind = "mast" if part.is_strut else "cable"
     fate = "shrinks to a point" if now < first else "grows without bound"
     remedy = "change its force, the forces that meet at its ends, or the loads; or hold its ends by supports."
     if kind == "mast":
         remedy = HOLD if force else f"give it a force as prestress, or {HOLD}"
+        free = ~np.all(structure.supported, axis=1)[part.cells[cell]]
+        if free.any() and (lone := lone_head(structure, int(part.cells[cell][free][0]))):
+            remedy = f"{lone[:1].lower()}{lone[1:]}; then add the mast there by masts_and_stays."
     return (
         f"{STOPPED} {step}: the {kind} in cell {cell} of part {name!r}, with the force {force:g}, "
         f"{fate} (its length was {first:.4g} and is {now:.3g}): no length was found that balances the forces at its "

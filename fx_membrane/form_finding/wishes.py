@@ -2,14 +2,16 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
 from ..checks.calls import unfit
-from ..geometry.measures import normals, projected
+from ..geometry.sizes import normals
+from ..geometry.symmetric_tensors import components, tensors
+from ..geometry.vector_columns import columns, projected
 from ..model.by_value import ByValue
 from ..model.parts import Membrane
 from ..model.structure import Structure
@@ -56,6 +58,26 @@ class RadialDirection(ByValue):
         return np.asarray(arm - (arm @ axis)[:, None] * axis)
 
 
+@runtime_checkable
+class SurfaceDirection(Protocol):
+    """Direction that depends on the whole surface of a membrane, not on the place alone."""
+
+    def vectors(self, name: str, points: Array, triangles: NDArray[np.int64]) -> Array:
+        """Vectors of the direction in the cells of a shape, shape (cells, 3).
+
+        Args:
+            name: Name of the membrane, for messages.
+            points: Positions of all nodes, shape (n, 3) [m].
+            triangles: Cells, shape (cells, 3).
+
+        Raises:
+            ValueError: There is none.
+        """
+
+
+Directed = Field | SurfaceDirection
+
+
 class Wish(NamedTuple):
     """Stress wished for in a membrane.
 
@@ -64,6 +86,7 @@ class Wish(NamedTuple):
         part: The membrane.
         direction: Function of the centres of cells, shape (3, cells), that returns vectors whose projection is the warp
             there, shape (cells, 3); None for equal stress in all directions, which has no warp.
+        along: Direction that depends on the surface, from which the function is that on one shape; None without one.
         size: Function of the centres that returns tensors along warp and weft, shape (cells, 2, 2) [N/m].
     """
 
@@ -71,18 +94,46 @@ class Wish(NamedTuple):
     part: Membrane
     direction: Callable[[Array], Array] | None
     size: Size
+    along: SurfaceDirection | None = None
+
+    def on(self, points: Array) -> "Wish":
+        """Fix the direction on the surface of a shape, shape (n, 3) [m].
+
+        Raises:
+            ValueError: There is none on this surface.
+        """
+        if self.along is None:
+            return self
+        vectors = self.along.vectors(self.name, points, self.part.cells)
+        return self._replace(direction=lambda x: vectors)
 
     def at(self, corners: Array, normal: Array) -> tuple[Array, Array]:
-        """Take the wish where cells are: unit tangents, shape (cells, 3), and tensors, shape (cells, 2, 2) [N/m].
+        """Evaluate the wish in cells: unit tangents, shape (cells, 3), and tensors, shape (cells, 2, 2) [N/m].
 
         Args:
             corners: Positions of the nodes of the cells, shape (cells, 3, 3) [m].
             normal: Unit normals of the cells, shape (cells, 3) [-].
         """
-        centres = corners.mean(axis=1).T
+        at = columns(corners)
+        warp, size = self.in_columns(at.mean(axis=0), at[1] - at[0], np.ascontiguousarray(normal.T))
+        return np.ascontiguousarray(warp.T), tensors(size)
+
+    def in_columns(self, centres: Array, side: Array, normal: Array) -> tuple[Array, Array]:
+        """Evaluate the wish in copies of cells, in columns: unit tangents, (3, ..., cells), and components.
+
+        Args:
+            centres: Centres of the cells, shape (3, ..., cells) [m].
+            side: Vectors along a side, of the same shape [m].
+            normal: Unit normals of the cells, of the same shape [-].
+
+        Returns:
+            The unit tangents, and the components of the stress as in `symmetric_tensors` [N/m]: shape (3, ..., cells),
+            or (3, 1, cells) where all copies have the same.
+        """
+        size = _of_copies(self.size, centres)
         if self.direction is None:
-            return projected(corners[:, 1] - corners[:, 0], normal), self.size(centres)
-        return projected(self.direction(centres), normal), self.size(centres)
+            return projected(side, normal), components(size)
+        return projected(np.moveaxis(_of_copies(self.direction, centres), -1, 0), normal), components(size)
 
     def check(self, points: Array) -> None:
         """Refuse a wish that does not fit a shape.
@@ -98,6 +149,16 @@ class Wish(NamedTuple):
         check_tension(self.name, self.part, points, self.at(corners, normals(points, self.part.cells))[1])
 
 
+def _of_copies(function: Callable[[Array], Array], centres: Array) -> Array:
+    """Call a function of place for each copy of all cells, shape (3, ..., cells); once where its values stay."""
+    if centres.ndim == 2:
+        return function(centres)
+    if isinstance(function, RadialDirection):  # of each place alone
+        return function(centres.reshape(3, -1)).reshape(*centres.shape[1:], 3)
+    values = [function(centres[:, copy]) for copy in range(centres.shape[1])]
+    return values[0][None] if all(value is values[0] for value in values) else np.stack(values)
+
+
 def wishes_of(structure: Structure, stress: Any, warp: Any) -> dict[str, Wish]:
     """Wishes for the membranes of a structure: functions of place, in the place of their prestress and their warp.
 
@@ -110,22 +171,26 @@ def wishes_of(structure: Structure, stress: Any, warp: Any) -> dict[str, Wish]:
         if part.dimension == 2:
             direction, tensors = _direction(name, part, directions.get(name)), part.prestress_tensors()
             size = _size(name, part, direction is not None, sizes[name]) if name in sizes else lambda x, t=tensors: t
-            found[name] = Wish(name, part, direction, size)
+            along = directions.get(name)
+            wish = Wish(name, part, direction, size, along if isinstance(along, SurfaceDirection) else None)
+            found[name] = wish.on(structure.points)
             found[name].check(structure.points)
     return found
 
 
-def _functions(structure: Structure, what: str, given: Any) -> dict[str, Field]:
+def _functions(structure: Structure, what: str, given: Any) -> dict[str, Any]:
     validation.instance(what, given, Mapping | None)
     for name, field in (given or {}).items():
         if not (isinstance(name, str) and name in structure.parts_of(Membrane)):
             raise ValueError(f"{what} names {validation.short_repr(name)}, which is no membrane of the structure.")
+        if what == "warp" and isinstance(field, SurfaceDirection):
+            continue
         if shown := unfit(field, 1):
             raise ValueError(f"{what} of part {name!r} is {shown}; give a function of place, or the value in the part.")
     return dict(given or {})
 
 
-def _direction(name: str, part: Membrane, field: Field | None) -> Callable[[Array], Array] | None:
+def _direction(name: str, part: Membrane, field: Directed | None) -> Callable[[Array], Array] | None:
     if field is None:
         if part.warp is None:
             return None
@@ -134,6 +199,8 @@ def _direction(name: str, part: Membrane, field: Field | None) -> Callable[[Arra
     if isinstance(field, RadialDirection):
         validation.plain(f"warp of part {name!r}", field, RadialDirection)
         return field
+    if isinstance(field, SurfaceDirection):  # that on the first shape takes its place
+        return lambda x: np.zeros((len(part.cells), 3))
 
     def vectors_at(x: Array) -> Array:
         value = validation.finite(f"warp of part {name!r}, as a function of place: its value", field(x))

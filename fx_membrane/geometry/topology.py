@@ -107,14 +107,14 @@ def with_one_sense(triangles: NDArray[np.int64]) -> tuple[NDArray[np.int64], str
     signs, branch = _signs(topology), _branch(topology)
     if signs is None:
         return triangles, (
-            "has only one side, like a Moebius strip, so that a normal, a pressure and a shear have no direction on "
-            "it; cut it into parts along a line of edges."
+            "has only one side, like a Moebius strip: a normal, a pressure and a shear have no direction on it; "
+            "cut it into parts along a line of edges."
         )
     turned = np.where(signs[:, None] > 0, triangles, triangles[:, [0, 2, 1]])
     if branch is None:
         return turned, ""
     return turned, (
-        f"branches at the edge between nodes {branch[0]} and {branch[1]}, so that it has no two sides, and a normal, a "
+        f"branches at the edge between nodes {branch[0]} and {branch[1]}, and has no two sides: a normal, a "
         "pressure and a shear no direction; make each sheet a part of its own."
     )
 

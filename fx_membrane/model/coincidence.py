@@ -1,6 +1,7 @@
 """Coincident nodes that no part shares."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,28 @@ LINE = np.sqrt([0.2, 0.3, 0.5])  # a direction of length one; the nodes of a reg
 
 class CoincidentNodesWarning(UserWarning):
     """Coincident nodes that no part shares: shared nodes join parts, equal positions do not."""
+
+
+def checked_pairs(separate: Any, parts: Mapping[str, Part]) -> list[tuple[str, str]]:
+    """Pairs of names of parts that may coincide.
+
+    Args:
+        separate: The pairs as given.
+        parts: Parts by name.
+
+    Raises:
+        ValueError: They are no pairs of names, or a part is not there.
+    """
+    pairs: Sequence[Any] = separate if isinstance(separate, list | tuple) else [separate]
+    for pair in pairs:
+        if not isinstance(pair, list | tuple) or len(pair) != 2:
+            raise ValueError(f'separate has {validation.short_repr(pair)}; give pairs of names, [("top", "bottom")].')
+        for name in pair:
+            if not isinstance(name, str) or name not in parts:
+                raise ValueError(
+                    f"separate names part {validation.short_repr(name)}, which does not exist; those are {list(parts)}."
+                )
+    return [(validation.text("separate", a), validation.text("separate", b)) for a, b in pairs]
 
 
 def coincident_nodes(
@@ -45,7 +68,7 @@ def coincident_nodes(
     if not len(pairs):
         return ""
     a, b = pairs[np.lexsort(pairs.T[::-1])[0]]
-    count = f" ({len(pairs)} such pairs in all)" if len(pairs) > 1 else ""
+    count = f" ({len(pairs)} pairs in all)" if len(pairs) > 1 else ""
     (first, one), (second, other) = _first_cell(parts, a), _first_cell(parts, b)
     return (
         f"Nodes {a} and {b} are at the same place, {validation.format_point(points[a])}, but nothing joins "

@@ -27,21 +27,16 @@ A term acts in two places. In `Stage(loads=[...])` it is a load: the load factor
 The density is integrated over the whole part, with a weight of zero outside `cells`: it must be finite there, too.
 """
 
-import dataclasses
 from abc import abstractmethod
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..checks import validation
 from ..checks.values import expected, with_article
 from . import own_classes, term_trial
+from .term_parameters import described, kinds, names, values
 
-Array = NDArray[np.float64]
-
-RESERVED = ("part", "cells", "quadrature_degree")
 METHODS = ("energy", "virtual_work")
 MOST = 30  # quadrature degree
 
@@ -160,11 +155,6 @@ def is_conservative(term: Any) -> bool:
     return callable(getattr(term, "energy", None))
 
 
-def described(term: Any) -> str:
-    """Name of a term in messages and tables: its class and its part."""
-    return f"{type(term).__name__} on {term.part!r}"
-
-
 def check(what: str, term: Any) -> None:
     """Check the fields of a term, and keep them as numbers, texts and read-only arrays.
 
@@ -184,7 +174,7 @@ def check(what: str, term: Any) -> None:
     validation.positive_integer(f"{name} quadrature_degree", degree, most=MOST)
     if getattr(term, "cells", None) is not None:
         validation.keep(term, cells=validation.unique_indices(f"{name} cells", term.cells, "cell"))
-    for entry in _parameters(term):
+    for entry in names(term):
         if entry.startswith("_"):
             raise ValueError(f"{name} has a parameter {entry}; give it a name without an underscore before it.")
         given = getattr(term, entry)
@@ -204,8 +194,8 @@ def check_on(structure: Any, what: str, term: Any) -> None:
         term: The term.
 
     Raises:
-        ValueError: There is no such part or cell; an array has another length; the method fails, returns no scalar in
-            UFL, or one that does not depend on the displacement; it asks for a normal of a surface that has none.
+        ValueError: The part or a cell does not exist; an array has another length; the method fails, returns no scalar
+            in UFL, or one that does not depend on the displacement; it asks for a normal of a surface that has none.
     """
     if term.part not in structure.parts:
         raise ValueError(
@@ -221,68 +211,3 @@ def check_on(structure: Any, what: str, term: Any) -> None:
         raise ValueError(f"{named} {fault}.")
     if term_trial.trial(term, part.dimension, kinds(term)).oriented:
         structure.check_sides(term.part)
-
-
-def kinds(term: Any) -> term_trial.Kinds:
-    """Kinds of the parameters of a term: terms of a class and of equal kinds share their forms."""
-    found = []
-    for name in _parameters(term):
-        shape = np.shape(getattr(term, name))
-        uniform = shape in ((), (3,))
-        found.append((name, "constant" if uniform else "cells", 3 if shape[-1:] == (3,) else 1))
-    return tuple(found)
-
-
-def signature(term: Any) -> str:
-    """Digest of the formula of a term."""
-    return term_trial.signature(term, kinds(term))
-
-
-def values(term: Any, count: int, named: str = "") -> dict[str, Array]:
-    """Parameters of a term on a part, by name: shape () or (3,) for all cells, (cells, 1) or (cells, 3) for each.
-
-    Outside the cells of the term a parameter of each has the value of its first.
-
-    Args:
-        term: The term.
-        count: Number of cells of the part.
-        named: Name of the term in messages.
-
-    Raises:
-        ValueError: An array has another length.
-    """
-    cells = chosen(term, count)
-    found: dict[str, Array] = {}
-    for name in _parameters(term):
-        value = np.asarray(getattr(term, name), dtype=np.float64)
-        if value.shape not in ((), (3,)):
-            if value.ndim > 2 or len(value) != len(cells) or value.shape[1:] not in ((), (1,), (3,)):
-                n = len(cells)
-                raise ValueError(
-                    f"{named} has the parameter {name} of shape {value.shape}; give a number, a vector (3,), or one "
-                    f"for each of its {n} cells: ({n}, 1) or ({n}, 3). Shape (3,) is always one vector."
-                )
-            rows = value.reshape(len(cells), -1)
-            value = np.repeat(rows[:1], count, axis=0)
-            value[cells] = rows
-        found[name] = value
-    return found
-
-
-def touched(structure: Any, terms: Sequence[Any]) -> NDArray[np.bool_]:
-    """Nodes on which terms act, shape (n,)."""
-    found = np.zeros(len(structure.points), dtype=bool)
-    for term in terms:
-        cells = structure.parts[term.part].cells
-        found[cells[chosen(term, len(cells))]] = True
-    return found
-
-
-def chosen(term: Any, count: int) -> NDArray[np.int64]:
-    """Numbers of the cells on which a term acts."""
-    cells = getattr(term, "cells", None)
-    return np.arange(count) if cells is None else np.asarray(cells)
-
-
-def _parameters(term: Any) -> list[str]:
-    return [entry.name for entry in dataclasses.fields(term) if entry.name not in RESERVED]

@@ -19,7 +19,7 @@ E is the Green-Lagrange strain and sigma0 the prestress, both of shape (d, d) in
 and 1 in bars. `parameters` has the fields of the law by name, as constants in UFL: another number compiles nothing. The
 stress at E = 0 is the prestress, as by the term inner(sigma0, E).
 
-What a class inherits from one with another energy belongs to that energy, and is not used.
+Members that a class inherits from one with another energy belong to that energy, and are not used.
 """
 
 import dataclasses
@@ -41,6 +41,7 @@ Array = NDArray[np.float64]
 SAMPLES = (-0.2, -0.01, 0.003, 0.05, 0.4, 3.0)  # strains at which energies are compared
 CALL = "energy(E, sigma0, parameters)"
 EXAMPLE = "inner(sigma0, E) + parameters.k * inner(E, E) / 2"
+SMALL = 1e-4  # strain of differences at rest
 STRETCHES = np.geomspace(1e-3, 1e4, 36)  # strains at which a compressive prestress may be taken up
 
 
@@ -107,6 +108,19 @@ def is_directed(law: Law) -> bool:
     return _differs_by_direction(law) if directed is None else bool(directed)
 
 
+def is_mirror_symmetric(law: Law) -> bool:
+    """Return True if the energy of a membrane law is the same for the opposite shear: seen from the other side."""
+    turned = np.diag([1.0, -1.0])
+    sigma0 = float(law.stiffness) * np.array([[0.02, 0.006], [0.006, 0.01]])
+    for size in (0.003, 0.05):
+        E = size * np.array([[0.8, 0.5], [0.5, 0.3]])
+        rest = value(law, 0 * E, sigma0)
+        here, there = value(law, E, sigma0), value(law, turned @ E @ turned, turned @ sigma0 @ turned)
+        if not abs(there - here) <= 1e-9 * abs(here - rest):
+            return False
+    return True
+
+
 def carries_compression(law: Law, dimension: int) -> bool:
     """Return True if a law says that it has no relaxed energy."""
     if not _has_own(type(law), "relaxed_energy"):
@@ -156,6 +170,30 @@ def _text(law: Law, E: Array, sigma0: Array) -> str:
         return f"{value(law, E, sigma0):.9e}"
     except (ArithmeticError, ValueError):  # as the logarithm of a negative number
         return "none"
+
+
+def elasticity(law: Law, dimension: int) -> Array:
+    """Differentiate the stress by the strain, at rest without prestress, shape (d, d, d, d) [N/m, of bars N].
+
+    From differences of the energy, which are exact to rounding where it is quadratic.
+    """
+    pairs = [(0, 0)] if dimension == 1 else [(0, 0), (1, 1), (0, 1)]
+    basis = [np.zeros((dimension, dimension)) for _ in pairs]
+    for unit, (i, j) in zip(basis, pairs, strict=True):
+        unit[i, j] = unit[j, i] = 1.0 if i == j else 0.5
+    none = np.zeros((dimension, dimension))
+
+    def curvature(E: Array) -> float:
+        ends = sum(value(law, sign * SMALL * E, none) for sign in (1.0, -1.0))
+        return (ends - 2 * value(law, none, none)) / SMALL**2
+
+    found = np.zeros((dimension,) * 4)
+    for a, (i, j) in zip(basis, pairs, strict=True):
+        for b, (k, m) in zip(basis, pairs, strict=True):
+            entry = (curvature(a + b) - curvature(a - b)) / 4
+            for p, q in {(i, j), (j, i)}:
+                found[p, q, k, m] = found[p, q, m, k] = entry
+    return found
 
 
 def value(law: Law, E: Array, sigma0: Array) -> float:

@@ -12,6 +12,7 @@ from ..checks import validation
 from . import energy_terms
 from .by_value import ByValue
 from .energy_terms import Term
+from .ponds import Pond, check_pond
 from .structure import Structure
 
 
@@ -125,7 +126,7 @@ def _check_cells(load: _SpreadLoad | Pressure) -> None:
         validation.keep(load, cells=validation.unique_indices(f"{type(load).__name__} cells", load.cells, "cell"))
 
 
-OwnLoad = PointLoad | DistributedLoad | PlanLoad | Pressure
+OwnLoad = PointLoad | DistributedLoad | PlanLoad | Pressure | Pond
 Load = OwnLoad | Term
 
 
@@ -145,6 +146,9 @@ def check_load(structure: Structure, stage: str, load: Load) -> None:
         energy_terms.check_on(structure, stage, load)
         return
     assert isinstance(load, OwnLoad)
+    if isinstance(load, Pond):
+        check_pond(structure, stage, load)
+        return
     if isinstance(load, PointLoad):
         structure.check_nodes(f"{stage}: a point load", np.asarray(load.nodes))
         return

@@ -250,7 +250,12 @@ SHIPPED = (Fabric, OrthotropicFabric, NeoHooke, MooneyRivlin, Axial)
 
 def check(what: str, material: Any, dimension: int) -> None:
     """Refuse what is no law for cells of a dimension; the energy of a law that is not `SHIPPED` is tried."""
-    law_check.check(what, material, dimension, own=type(material) not in SHIPPED)
+    law_check.check(what, material, dimension, own=not is_shipped(material))
+
+
+def is_shipped(material: Any) -> bool:
+    """Return True for a law of the package, False for one of a user's own."""
+    return type(material) in SHIPPED
 
 
 def _woven(parameters: Any) -> tuple[Any, Any, Any, Any]:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ..checks.values import counted
 from ..geometry.topology import connected
-from . import energy_terms
+from . import term_parameters
 from .energy_terms import Term
 from .parts import Mast
 from .structure import Structure
@@ -31,7 +31,7 @@ def check_supports(structure: Structure, held: NDArray[np.bool_], terms: Sequenc
         ValueError: A piece is free; the message names a node, the parts of the piece and the motion, or the free end of
             a mast.
     """
-    on_terms = energy_terms.touched(structure, [*structure.terms, *terms])
+    on_terms = term_parameters.touched(structure, [*structure.terms, *terms])
     _check_masts(structure, held | on_terms[:, None])
     pieces = _pieces(structure)
     for nodes in pieces:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..checks import validation
-from ..geometry.measures import SLENDER, SLIVER, aspects
+from ..geometry.sizes import SLENDER, SLIVER, aspects
 from .parts import Part
 
 

@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike
 
 from ..checks import validation
 from .by_value import ByValue
+from .changes import Change, check_change
+from .gas import GasChange, check_gas_change, refuse_among_loads, refuse_two_gases
 from .loads import Load, check_load, checked_loads
 from .structure import Structure
 
@@ -61,12 +63,15 @@ class Stage(ByValue):
         displacements: Displacements that this stage prescribes.
         increments: Number of equal load increments to begin with, at most a million; a failed one is halved, see
             `Analysis`.
-        after: Name of the stage that ends where this one starts; its loads and prescribed displacements are kept;
-            without it the stage starts from the reference shape.
+        after: Name of the stage that ends where this one starts; its loads, prescribed displacements and changes are
+            kept; without it the stage starts from the reference shape.
+        changes: Changes of natural shape, prestress and forces, made one after the other: `TemperatureChange`,
+            `LengthChange`, `UnstressedLength`, `NaturalStretch`, `PrestressFactor`, `GivenForce`, `FixedLength`;
+            and of the gas in chambers and the air around: `GasPressure`, `GasVolume`, `GasAmount`, `Seal`, `Ambient`.
 
     Raises:
-        ValueError: increments is not a positive whole number, or more than a million; an entry is not a load or a
-            prescribed displacement, or is of a class derived from one.
+        ValueError: increments is not a positive whole number, or more than a million; an entry is no load, prescribed
+            displacement or change, or is of a class derived from one.
 
     Example:
         >>> snow = Stage("snow", [DistributedLoad((0, 0, -600.0), "roof")], after="prestress", increments=2)
@@ -79,12 +84,16 @@ class Stage(ByValue):
     displacements: Sequence[PrescribedDisplacement] = ()
     increments: int = 1
     after: str | None = None
+    changes: Sequence[Change | GasChange] = ()
 
     def __post_init__(self) -> None:
         validation.keep(self, name=validation.name("stage", self.name))
         what = f"Stage {self.name!r}:"
         moves = validation.instances(f"{what} displacements", self.displacements, PrescribedDisplacement)
+        refuse_among_loads(f"{what} loads", self.loads, "give it in changes")
         validation.keep(self, loads=checked_loads(f"{what} loads", self.loads), displacements=moves)
+        validation.keep(self, changes=validation.instances(f"{what} changes", self.changes, Change | GasChange))
+        refuse_two_gases(what, self.changes)
         validation.keep(
             self, increments=validation.positive_integer(f"{what} increments", self.increments, most=INCREMENTS)
         )
@@ -106,6 +115,11 @@ def check_stages(structure: Structure, stages: Sequence[Stage]) -> None:
         _check_order(stage, stages[:position], stages[position + 1 :])
         for load in stage.loads:
             check_load(structure, f"Stage {stage.name!r}", load)
+        for change in stage.changes:
+            if isinstance(change, GasChange):
+                check_gas_change(structure, f"Stage {stage.name!r}", change)
+            else:
+                check_change(structure, f"Stage {stage.name!r}", change)
         for entry in stage.displacements:
             structure.check_nodes(f"Stage {stage.name!r}: a prescribed displacement", np.asarray(entry.nodes))
 

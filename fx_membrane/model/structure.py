@@ -7,21 +7,23 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from html import escape
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
 from ..checks.values import counted
-from ..geometry.measures import normals, projected
 from ..geometry.one_side import with_one_side
+from ..geometry.sizes import normals, projected
 from ..runtime.notebook_pictures import picture_html, picture_png, table
-from . import energy_terms, slivers
+from . import energy_terms, laws, slivers
 from .by_value import ByValue
-from .coincidence import CoincidentNodesWarning, coincident_nodes
+from .chambers import Chamber, checked_chambers
+from .coincidence import CoincidentNodesWarning, checked_pairs, coincident_nodes
 from .energy_terms import Term
 from .parts import Bar, Kind, Membrane, Part
+from .ropes import natural_stretch_of
 from .supports import Support
 
 
@@ -39,27 +41,31 @@ class Structure(ByValue):
     A closed piece, or one at a right angle to the first, keeps the sense of its own first cell; make it a part of its
     own.
 
-    A membrane without two sides (a Moebius strip, or sheets that branch) is allowed. It is refused where `normals` are
-    asked for or a pressure acts. One prestress tensor with shear for all its cells is refused, too. Its cells keep
-    their sense, in a branching membrane that of their sheet. So do the signs of shear in each cell: in the results, and
-    in prestress tensors given per cell.
+    A membrane without two sides (a Moebius strip, or sheets that branch) is allowed. Its cells keep their sense, in a
+    branching membrane that of their sheet. It is refused where `normals` are asked for or a pressure acts. So is one
+    shear of prestress or natural stretch for all cells. So is a law that tells a shear from its opposite. A shear in
+    warp/weft axes then has the sign of each cell: results tell that (`ShearSignWarning`), and tables have no number for
+    it. Prestress tensors per cell are taken in the axes of the cells in `parts`.
 
     Args:
         points: Reference (prestressed) position of the nodes, shape (n, 3) [m]. The row is the number of the node.
-        parts: Membranes, cables and masts by name. Parts that share a node are hinged together there. Names must be
-            unique: of two equal keys, a Python dictionary keeps the last in silence.
+        parts: Membranes, cables, masts and ropes by name. Parts that share a node are hinged together there. A
+            rope slides over its nodes. Names must be unique: of two equal keys, a Python dictionary keeps the last in
+            silence.
         supports: Constrained nodes.
         separate: Pairs of names of parts that lie on each other without being joined, as the two skins of a cushion:
             `[("top", "bottom")]`. Their nodes may coincide. Pair a part with itself for a slit.
         terms: Terms of your own that act in every stage, and in full: an elastic bed, the ground that a cable touches;
             see `EnergyTerm`.
+        chambers: Enclosed gas by name, see `Chamber`: cushions, air halls, balloons.
 
     Raises:
         ValueError: A cell names a node that does not exist; it has no area or no length, or is normal to its warp; a
             triangle is more than 1e7 times as long as it is high; the structure or a part is of a class derived from
             `Structure`, `Membrane`, `Cable` or `Mast`; a support is on a node that does not exist or that no part uses;
-            a value is not finite; a membrane without two sides has one prestress tensor with shear; separate names a
-            part that is not there; a term does not fit, see `EnergyTerm`.
+            a value is not finite; a membrane without two sides has one shear for all cells, or a law unsymmetric about
+            the warp; separate names a part that is not there; a term does not fit, see `EnergyTerm`; a chamber is not
+            closed, or is inside out.
 
     Warns:
         CoincidentNodesWarning: Nodes of the parts are closer than 1e-9 of the size of the structure, not all of them
@@ -81,6 +87,7 @@ class Structure(ByValue):
     supports: Sequence[Support] = ()
     separate: Sequence[tuple[str, str]] = ()
     terms: Sequence[Term] = ()
+    chambers: Mapping[str, Chamber] = field(default_factory=dict)
     _no_sides: dict[str, str] = field(init=False, repr=False, default_factory=dict)  # membrane: reason
 
     if TYPE_CHECKING:  # the field holds an array, but lists may be given
@@ -92,6 +99,7 @@ class Structure(ByValue):
             supports: Sequence[Support] = ...,
             separate: Sequence[tuple[str, str]] = ...,
             terms: Sequence[Term] = ...,
+            chambers: Mapping[str, Chamber] = ...,
         ) -> None: ...
 
     def __post_init__(self) -> None:
@@ -103,7 +111,7 @@ class Structure(ByValue):
         object.__setattr__(self, "parts", parts)
         object.__setattr__(self, "supports", validation.instances("supports", self.supports, Support))
         if not self.parts:
-            raise ValueError("The structure has no parts; give at least one Membrane, Cable or Mast.")
+            raise ValueError("The structure has no parts; give at least one Membrane, Cable, Mast or Rope.")
         count = len(self.points)
         for name, part in self.parts.items():
             validation.plain(f"Part {name!r}", part, Part)
@@ -116,10 +124,11 @@ class Structure(ByValue):
         object.__setattr__(self, "parts", {name: self._turned(name, part) for name, part in self.parts.items()})
         for number, support in enumerate(self.supports):
             self.check_nodes(f"Support {number}", np.asarray(support.nodes))
-        object.__setattr__(self, "separate", self._checked_separate())
+        object.__setattr__(self, "separate", checked_pairs(self.separate, self.parts))
         object.__setattr__(self, "terms", energy_terms.checked("terms", self.terms))
         for term in self.terms:
             energy_terms.check_on(self, "terms", term)
+        object.__setattr__(self, "chambers", checked_chambers(self))
         self._warn_of_coincident_nodes()
 
     def __repr__(self) -> str:
@@ -202,23 +211,31 @@ class Structure(ByValue):
         if name in self._no_sides:
             raise ValueError(f"Part {name!r} {self._no_sides[name]}")
 
+    def has_sides(self, name: str) -> bool:
+        """Return False for a membrane without two sides: it has only one, like a Moebius strip, or branches."""
+        return name not in self._no_sides
+
     def check_shear(self, name: str, tensor: ArrayLike, what: str) -> None:
-        """Refuse one tensor with shear for all cells of a membrane without two sides: its sign depends on the cell.
+        """Refuse one shear for all cells of a membrane without two sides: its sign depends on the cell.
 
         Args:
             name: Name of the part.
-            tensor: A prestress in one of the forms that the part takes.
+            tensor: A prestress or natural stretch in one of the forms that the part takes.
             what: Name of the tensor.
 
         Raises:
             ValueError: It has a shear, and the part has only one side, like a Moebius strip, or branches.
         """
         values = np.asarray(tensor)
-        if name in self._no_sides and values.shape == (2, 2) and values[0, 1]:
-            raise ValueError(f"Part {name!r}, with shear in its {what} {values.tolist()}, {self._no_sides[name]}")
+        if name not in self._no_sides or values.shape[-2:] != (2, 2):
+            return
+        shear = values[..., [0, 1], [1, 0]].reshape(-1, 2)
+        if shear[0].any() and (shear == shear[0]).all():
+            first = values.reshape(-1, 2, 2)[0].tolist()
+            raise ValueError(f"Part {name!r}, with shear in its {what} {first}, {self._no_sides[name]}")
 
     def part(self, name: str, kind: type[Kind]) -> Kind:
-        """Part of a name and a kind, Membrane, Cable or Mast.
+        """Part of a name and a kind, Membrane, Cable, Mast or Rope.
 
         Raises:
             ValueError: There is no part of that name and kind.
@@ -231,13 +248,15 @@ class Structure(ByValue):
         return found[name]
 
     def parts_of(self, kind: type[Kind]) -> dict[str, Kind]:
-        """Parts of one kind by name: `Membrane`, `Cable` or `Mast`.
+        """Parts of one kind by name: `Membrane`, `Cable`, `Mast` or `Rope`.
 
         Raises:
             ValueError: The kind is none of these.
         """
         if not isinstance(kind, type) or kind not in (Bar, *get_args(Part)):
-            raise ValueError(f"The kind of a part is {validation.short_repr(kind)}; give Membrane, Cable or Mast.")
+            raise ValueError(
+                f"The kind of a part is {validation.short_repr(kind)}; give Membrane, Cable, Mast or Rope."
+            )
         return {name: part for name, part in self.parts.items() if isinstance(part, kind)}
 
     def check_nodes(self, what: str, nodes: NDArray[np.int64]) -> None:
@@ -254,32 +273,26 @@ class Structure(ByValue):
                 f"{what} is on node {loose[0]}, which no part uses, at {where}; mend the number or add the part."
             )
 
-    def _checked_separate(self) -> list[tuple[str, str]]:
-        pairs: Sequence[Any] = self.separate if isinstance(self.separate, list | tuple) else [self.separate]
-        for pair in pairs:
-            if not isinstance(pair, list | tuple) or len(pair) != 2:
-                raise ValueError(
-                    f'separate has {validation.short_repr(pair)}; give pairs of names, [("top", "bottom")].'
-                )
-            for name in pair:
-                if not isinstance(name, str) or name not in self.parts:
-                    raise ValueError(
-                        f"separate names part {validation.short_repr(name)}, which does not exist; those are "
-                        f"{list(self.parts)}."
-                    )
-        return [(validation.text("separate", a), validation.text("separate", b)) for a, b in pairs]
-
     def _warn_of_coincident_nodes(self) -> None:
         found = coincident_nodes(self.points, self.parts, np.all(self.supported, axis=1), self.separate)
         if found:
             warnings.warn(found, CoincidentNodesWarning, stacklevel=4)
 
     def _turned(self, name: str, part: Part) -> Part:
-        """Turn the cells of a part to one sense; store the reason if it has no two sides, until that matters."""
+        """Turn the cells of a membrane to one sense, give a rope its natural stretch.
+
+        The reason why a membrane has no two sides is stored until that matters.
+        """
+        if part.shares_tension:
+            return replace(part, natural_stretch=natural_stretch_of(name, part, self.points))
         if part.dimension != 2:
             return part
         cells, reason = with_one_side(self.points, part.cells)
         if reason:
             self._no_sides[name] = reason
             self.check_shear(name, part.prestress, "prestress")
+            self.check_shear(name, part.natural_stretch, "natural stretch")
+            if not laws.is_mirror_symmetric(part.material):
+                law = validation.short_repr(part.material)
+                raise ValueError(f"Part {name!r}, with a law that tells a shear from its opposite, {law}, {reason}")
         return part if np.array_equal(cells, part.cells) else replace(part, cells=cells)

@@ -98,8 +98,10 @@ def signature(term: Any, kinds: Kinds) -> str:
         except UnfitError:
             found.append("")
             continue
-        every = sum((p if p.ufl_shape == () else p[0] for p in _parameters(dimension, kinds)), ufl.as_ufl(0.0))
-        found.append((form + _symbols(dimension)[2] * every * ufl.dx).signature())  # it numbers those in use
+        weight, domain = _symbols(dimension)[2], _symbols(dimension)[4]
+        numbers = [p if p.ufl_shape == () else p[0] for p in _parameters(dimension, kinds)]
+        every = sum(numbers, ufl.as_ufl(0.0)) if numbers else 1.0
+        found.append((form + weight * every * ufl.dx(domain)).signature())  # it numbers those in use
     return " ".join(found)
 
 

@@ -1,9 +1,19 @@
 """Pictures of structures and results."""
 
 from .animations import animation
-from .colours import STATES
+from .colour_scale import STATES
 from .contour_maps import contours, trajectories
 from .curves import compare_convergence, convergence
+from .cutting_patterns import cutting_pattern
 from .wireframes import wireframe
 
-__all__ = ["STATES", "animation", "compare_convergence", "contours", "convergence", "trajectories", "wireframe"]
+__all__ = [
+    "STATES",
+    "animation",
+    "compare_convergence",
+    "contours",
+    "convergence",
+    "cutting_pattern",
+    "trajectories",
+    "wireframe",
+]

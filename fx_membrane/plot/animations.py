@@ -23,10 +23,10 @@ from .fields import Checked, Field
 from .figures import empty, plain
 from .marks import Strokes, strokes
 from .movies import checked_movie, write
-from .panels import Look, Panel, checked_look, draw_panels, setting, size
+from .panels import Look, Panel, checked_look, draw_panels, setting, size, without_unseen
 from .scene import INK
 from .screen import obstacle
-from .shown import Shape, Shown, shown
+from .subjects import Shape, Shown, shown
 
 States = StageResults | Sequence[Shape] | EquilibriumPath | StageResult
 
@@ -94,11 +94,8 @@ def animation(
     subjects, names, givens = _checked(states, motion, frames, scale)
     swift = motion is not None or isinstance(states, EquilibriumPath)
     pause = (0.08 if swift else 0.8) if seconds is None else validation.positive("seconds", seconds)
-    if isinstance(states, EquilibriumPath) and (forces or set(lines) - {"warp"}):
-        raise ValueError(
-            "An EquilibriumPath has displacements only, without forces or lines of stress; give a list of its states, "
-            "[path.state(point) for point in ...]."
-        )
+    if isinstance(states, EquilibriumPath):
+        _refuse_stress_of_path(forces or bool(set(lines) - {"warp"}))
     factor = 1.0 if scale is None or motion is not None else scale
     given = Look(factor, view, mirror, lines, spacing, forces, axes, force_unit, length_unit)
     looks = [checked_look(subject, given) for subject in subjects]
@@ -110,11 +107,23 @@ def animation(
     if len({tuple(entry) for entry in drawn}) > 1:
         raise ValueError("fields returns other titles for some of the states; return the same for all.")
     options = checked_options(drawn[0], antisymmetric, ranges, smoothed)
-    panels = panels_of([means(*pair, options.smoothed) for pair in zip(subjects, drawn, strict=True)], options)
+    every = panels_of([means(*pair, options.smoothed) for pair in zip(subjects, drawn, strict=True)], options)
+    panels = [
+        without_unseen(subject, shows, look, told=fields is not None and number == 0)
+        for number, (subject, shows) in enumerate(zip(subjects, every, strict=True))
+    ]
     if reason := obstacle():
         warnings.warn(f"{file} is not drawn: {reason}", stacklevel=3)
         return
     write(file, _frames(file.name, subjects, names, panels, look), pause)
+
+
+def _refuse_stress_of_path(asked: bool) -> None:
+    if asked:
+        raise ValueError(
+            "An EquilibriumPath has displacements only, without forces or lines of stress; give a list of its states, "
+            "[path.state(point) for point in ...]."
+        )
 
 
 def _checked(
@@ -164,7 +173,7 @@ def _names(states: Sequence[Any]) -> list[str]:
 def _swinging(
     state: Any, motion: ArrayLike, count: int, scale: float | None
 ) -> tuple[list[Shown], list[str], list[Any]]:
-    """One period of a motion about a state."""
+    """Shapes, titles and states of one period of a motion about a state."""
     subject = shown("animation with a motion", state)
     shape = validation.finite("motion", motion)
     if shape.shape != subject.structure.points.shape:

@@ -4,14 +4,15 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .scene import INK
-from .windows import Window
+from .windows import Window, window_of
 
 Array = NDArray[np.float64]
 
-SHORT = 0.12  # length of an axis on the screen over the size of the window below which it is left out
+SHORT = 0.12  # length of an axis on the screen over the size of the window below which its ends alone are told
+ALONG = 0.99  # cosine of the angle to the view from which an axis is a point
 SMALL = 9  # size of texts [points]
 PIECES = (1, 2, 5)
 
@@ -23,13 +24,17 @@ def box_of(shapes: Sequence[Array]) -> Array:
     return np.array([[ends[i, 0], ends[j, 1], ends[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 
 
+def edges_of(box: Array, view: ArrayLike) -> dict[int, Array]:
+    """Edges of a box that x, y and z are drawn along, each (2, 3); no axis that points to the eye."""
+    window = window_of([box], view)
+    return {number: _edge(window, box, number) for number in range(3) if abs(window.view[number]) < ALONG}
+
+
 def draw_axes(axes: Any, window: Window, box: Array, unit: str) -> None:
-    """Draw x, y and z along three edges of a box, with ticks and their values, and make room for them."""
+    """Draw x, y and z with ticks and values along three edges of a box; make room for them."""
     middle = window.seen(box).mean(axis=0)
-    for number, name in enumerate("xyz"):
-        edge = _edge(window, box, number)
-        if edge is not None:
-            _draw_axis(axes, window, edge, number, middle, name + in_brackets(unit))
+    for number, edge in edges_of(box, window.view).items():
+        _draw_axis(axes, window, edge, number, middle, "xyz"[number] + in_brackets(unit))
     left, right, low, high = window.extent
     room = 0.10 * window.size
     axes.set_xlim(left - room, right + room)
@@ -68,16 +73,12 @@ def round_length(most: float) -> float:
     return float(max(piece * power for piece in PIECES if piece * power <= most * (1 + 1e-12)))
 
 
-def _edge(window: Window, box: Array, number: int) -> Array | None:
-    """Edge of a box along an axis, the lowest of its outline, or the leftmost of an upright one; None if too short."""
+def _edge(window: Window, box: Array, number: int) -> Array:
+    """Edge of a box along an axis, the lowest of its outline, or the leftmost of an upright one."""
     order = np.moveaxis(box.reshape(2, 2, 2, 3), number, 2).reshape(4, 2, 3)
     seen = window.seen(order.reshape(-1, 3)).reshape(4, 2, 2)
-    along = seen[0, 1] - seen[0, 0]
-    length = float(np.linalg.norm(along))
-    if length < SHORT * window.size:
-        return None
-    across = np.array([-along[1], along[0]]) / length
-    offset = seen[:, 0] @ across
+    along = _along(window, number)
+    offset = seen[:, 0] @ np.array([-along[1], along[0]])
     outer = [int(offset.argmin()), int(offset.argmax())]
     upright = abs(along[1]) > 2 * abs(along[0])
     rank = seen[outer].mean(axis=1)[:, 0 if upright else 1]
@@ -85,20 +86,29 @@ def _edge(window: Window, box: Array, number: int) -> Array | None:
     return np.asarray(order[outer[int(rank.argmax() if beside else rank.argmin())]])
 
 
+def _along(window: Window, number: int) -> Array:
+    """Direction of a coordinate on the screen, a unit vector."""
+    seen = window.axes[:, number]
+    return np.asarray(seen / np.linalg.norm(seen))
+
+
 def _draw_axis(axes: Any, window: Window, edge: Array, number: int, middle: Array, name: str) -> None:
     import matplotlib.ticker  # noqa: PLC0415
 
-    seen = window.seen(edge)
-    along = seen[1] - seen[0]
-    share = float(np.linalg.norm(along)) / window.size
-    out = np.array([-along[1], along[0]]) / np.linalg.norm(along)
-    out *= np.sign(out @ (seen.mean(axis=0) - middle)) or 1.0
+    seen, along = window.seen(edge), _along(window, number)
+    share = float(np.linalg.norm(seen[1] - seen[0])) / window.size
+    out = np.array([-along[1], along[0]])
+    out *= np.sign(round(float(out @ (seen.mean(axis=0) - middle)) / window.size, 9)) or 1.0
     axes.plot(*seen.T, color=INK, linewidth=0.9, clip_on=False)
     low, high = edge[:, number]
+    if share < SHORT:  # no room for ticks
+        ends = dict.fromkeys(f"{end + 0.0:.3g}" for end in (low, high))
+        _text(axes, seen.mean(axis=0) + 0.02 * window.size * out, out, f"{name}\n{' to '.join(ends)}")
+        return
     ticks = matplotlib.ticker.MaxNLocator(nbins=max(2, int(7 * share)), steps=[1, 2, 5, 10]).tick_values(low, high)
     size = high - low
     for tick in ticks[(ticks >= low - 1e-9 * size) & (ticks <= high + 1e-9 * size)]:
-        place = seen[0] + (tick - low) / size * along
+        place = seen[0] + (tick - low) / size * (seen[1] - seen[0])
         axes.plot(*np.stack([place, place + 0.012 * window.size * out]).T, color=INK, linewidth=0.9, clip_on=False)
         _text(axes, place + 0.02 * window.size * out, out, f"{tick + 0.0:.10g}")
     _text(axes, seen.mean(axis=0) + 0.075 * window.size * out, out, name)

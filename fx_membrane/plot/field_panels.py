@@ -4,10 +4,10 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from ..checks import validation
-from .colours import colours
+from .colour_scale import colours
 from .fields import Checked, Field, checked, checked_range, joined, smooth
 from .panels import Panel
-from .shown import Shown
+from .subjects import Shown
 
 
 class Options(NamedTuple):

@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
-from ..checks.entries import all_are, entries
-from ..geometry.measures import measures
+from ..checks.array_entries import all_are, entries
+from ..geometry.sizes import measures
 from ..model.parts import Part
 from ..results.states import StageResult
-from .shown import Shown
+from .subjects import Shown
 
 FAR = 1e4  # displacements drawn larger than this multiple of the structure have no visible shape
 STATES = ("taut", "wrinkled", "slack")

@@ -12,7 +12,7 @@ from typing import Any
 
 from ..checks import paths
 
-PAPER = {"dpi": 160, "bbox_inches": "tight"}
+DOTS = 160  # [1/inch]
 
 
 def empty(width: float, height: float) -> Any:
@@ -40,10 +40,10 @@ def checked_path(path: str | Path) -> Path:
     return file
 
 
-def save(figure: Any, file: Path) -> None:
+def save(figure: Any, file: Path, dots: int = DOTS) -> None:
     """Write a whole figure or none, in the format of the ending; make its folder."""
     with whole(file) as part:
-        figure.savefig(part, **PAPER)
+        figure.savefig(part, dpi=dots, bbox_inches="tight")
 
 
 @contextmanager

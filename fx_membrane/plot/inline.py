@@ -9,13 +9,13 @@ import numpy as np
 from ..analysis.path import EquilibriumPath
 from ..form_finding.form import Form
 from ..results.states import StageResult, StageResults
-from .colours import colours
+from .colour_scale import colours
 from .contour_maps import VIEW
 from .figures import empty, plain
 from .panels import Look, Panel, draw_panels, setting, size
 from .scene import INK
 from .screen import obstacle
-from .shown import Shown, shown
+from .subjects import Shown, shown
 
 DOTS = 90  # [1/inch]
 LINES = "#1f6f8b"

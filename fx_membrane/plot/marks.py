@@ -10,13 +10,13 @@ from scipy.sparse.csgraph import connected_components
 
 from ..checks import validation
 from ..model.parts import Membrane
-from ..surfaces.even_lines import least_spacing
 from ..surfaces.shapes import surface_of
+from ..surfaces.spread_lines import least_spacing
 from ..surfaces.stress_lines import stress_trajectories, wrinkle_lines
 from ..surfaces.surface_lines import SurfaceLine, warp_lines
 from ..surfaces.tracing import shares_of
 from ..surfaces.walking import Terrain
-from .shown import Shown
+from .subjects import Shown
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -30,9 +30,19 @@ NAMES = {
     "wrinkles": "wrinkles",
     "slack": "slack",
 }
-PLAIN = {"stress I": "#a3161b", "stress II": "#1d4f91", "warp": "#30343b", "wrinkles": "#7a2f8f", "slack": "#30343b"}
-COLOURED = {"stress I": "#000000", "stress II": "#ffffff", "warp": "#5b3a1e", "wrinkles": "#ff3df2", "slack": "#000000"}
-WIDTHS = {"stress I": 3.5, "stress II": 3.5, "warp": 3.0, "wrinkles": 4.0, "slack": 2.5}  # [pixels]
+# Inks on the colour of fabric, and on the colours of a field: apart from each other for colour-blind eyes, too.
+PLAIN = {"stress I": "#b3400a", "stress II": "#1d4f91", "warp": "#30343b", "wrinkles": "#c957a0", "slack": "#30343b"}
+COLOURED = {"stress I": "#000000", "stress II": "#ffffff", "warp": "#ff8c1a", "wrinkles": "#ff3df2", "slack": "#000000"}
+WIDTHS = {"stress I": 5.0, "stress II": 5.0, "warp": 5.5, "wrinkles": 6.0, "slack": 4.5}  # [pixels]
+DASHED = ("warp",)
+BLACK, WHITE = "#000000", "#ffffff"
+
+
+def border(kind: str, plain: bool) -> str:
+    """Colour beside a line, by which it is seen on any ground, also in grey; empty for none."""
+    if plain:
+        return WHITE if kind == "slack" else ""
+    return WHITE if COLOURED[kind] == BLACK else BLACK
 
 
 class Strokes(NamedTuple):
@@ -118,6 +128,35 @@ def hatching(points: Array, cells: Integers, across: Array, pitch: float) -> tup
     short = ((level - start) / np.maximum(end - start, tiny))[:, None] * (far - near) + near
     long = ((level - low) / np.maximum(high - low, tiny))[:, None] * (corners[:, 2] - corners[:, 0]) + corners[:, 0]
     return np.stack([short, long], axis=1), owner
+
+
+def dashes(places: Array, counts: Integers, length: float) -> tuple[Array, Integers]:
+    """Cut lines into dashes and gaps of one length.
+
+    Args:
+        places: Points of all lines, one line after the other, shape (k, 3) [m].
+        counts: Number of points of each line, shape (lines,).
+        length: Length of a dash [m].
+
+    Returns:
+        Points of the straight pieces of all dashes, two for each, shape (pieces * 2, 3), and their numbers, all two.
+    """
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(places, axis=0), axis=1))])
+    first = np.cumsum(counts) - counts
+    along = (along - np.repeat(along[first], counts)) / length
+    piece = np.setdiff1d(np.arange(len(places) - 1), first[1:] - 1)  # from each point to the next of its line
+    low, high = along[piece], along[piece + 1]
+    start = np.floor(low / 2)
+    count = np.where(high > low, np.floor(high / 2) - start + 1, 0).astype(np.int64)
+    owner = np.repeat(np.arange(len(piece)), count)
+    dash = 2 * (start[owner] + np.arange(len(owner)) - (np.cumsum(count) - count)[owner])
+    ends = np.clip(np.stack([dash, dash + 1]), low[owner], high[owner])
+    kept = ends[1] > ends[0]
+    owner, ends = owner[kept], ends[:, kept]
+    share = (ends - low[owner]) / (high - low)[owner]
+    one, other = places[piece[owner]], places[piece[owner] + 1]
+    found = one + share[..., None] * (other - one)
+    return found.swapaxes(0, 1).reshape(-1, 3), np.full(len(owner), 2)
 
 
 def _bare(count: int, cells: Integers, lines: Integers, levels: Array) -> Integers:

@@ -53,7 +53,7 @@ def _write_gif(file: Path, frames: Iterator[Image], seconds: float) -> None:
     table = PIL.Image.fromarray(np.concatenate([frame[::3, ::3] for frame in map(np.asarray, images)]))
     found = table.quantize(256 - len(EXACT), dither=PIL.Image.Dither.NONE).getpalette() or []
     shades = np.reshape(found[: 3 * (256 - len(EXACT))], (-1, 3))
-    apart = np.abs(shades[:, None] - EXACT).max(axis=2).min(axis=1) > 6  # Pillow does not tell nearer ones apart
+    apart = np.abs(shades[:, None] - EXACT).max(axis=2).min(axis=1) > 9  # Pillow does not tell nearer ones apart
     palette = PIL.Image.new("P", (1, 1))
     palette.putpalette(np.concatenate([shades[apart], EXACT]).ravel().tolist())
     first, *rest = [image.quantize(palette=palette, dither=PIL.Image.Dither.NONE) for image in images]

@@ -1,5 +1,6 @@
-"""One picture of a structure with its title, colour bars, legend of lines, axes and length scale (matplotlib)."""
+"""Picture of a structure with its title, colour bars, legend of lines, axes and length scale (matplotlib)."""
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -8,15 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
-from ..surfaces.even_lines import checked_spacing
 from ..surfaces.shapes import surface_of
+from ..surfaces.spread_lines import checked_spacing
 from ..surfaces.walking import Terrain
-from .colours import colour_bar, colours
-from .dimensions import box_of, draw_axes, draw_scale, in_brackets
+from .colour_scale import colour_bar, colours
+from .dimensions import box_of, draw_axes, draw_scale, edges_of, in_brackets
 from .fields import checked_scale
-from .marks import COLOURED, NAMES, PLAIN, Strokes, checked_kinds
+from .marks import COLOURED, DASHED, NAMES, PLAIN, Strokes, border, checked_kinds
 from .scene import INK, Bars, Colours, picture
-from .shown import Shown
+from .subjects import Shown
 from .windows import Window, mirrored, window_of
 
 Array = NDArray[np.float64]
@@ -69,6 +70,27 @@ class Panel:
     colours: Colours | None = None
     limited: bool = False
     antisymmetric: bool = field(default=False, kw_only=True)
+
+
+def seen(shown: Shown, panel: Panel, look: Look) -> bool:
+    """Tell if a field colours anything: cables and masts coloured by their forces do not show it."""
+    parts = shown.structure.parts
+    if isinstance(panel.numbers, Mapping):
+        return any(parts[name].dimension == 2 or not look.forces for name in panel.numbers)
+    return not look.forces or any(part.dimension == 2 for part in parts.values())
+
+
+def without_unseen(shown: Shown, panels: Sequence[Panel], look: Look, *, told: bool) -> list[Panel]:
+    """Leave out fields that nothing shows, with a warning if it is to be told; one picture of the forces stays."""
+    found = [panel for panel in panels if panel.colours is None or seen(shown, panel, look)]
+    lost = [panel.title for panel in panels if panel not in found]
+    if lost and told:
+        warnings.warn(
+            f"{', '.join(map(repr, lost))}: only cables and masts could show it, and forces=True colours them by their "
+            "forces; leave forces out to see it.",
+            stacklevel=4,
+        )
+    return found or [Panel("")]
 
 
 def checked_look(shown: Shown, look: Look) -> Look:
@@ -126,7 +148,7 @@ def setting(subjects: Sequence[Shown], groups: Sequence[Sequence[Strokes]], look
     if "slack" in look.lines and any(len(shown.slack) for shown in subjects):
         present.add("slack")
     return Setting(
-        window_of([box] if look.axes else shapes, look.view),
+        window_of([*shapes, *(edges_of(box, look.view).values() if look.axes else ())], look.view),
         box,
         _force_colours(subjects) if look.forces else None,
         tuple(kind for kind in look.lines if kind in present),
@@ -134,10 +156,10 @@ def setting(subjects: Sequence[Shown], groups: Sequence[Sequence[Strokes]], look
 
 
 def _force_colours(subjects: Sequence[Shown]) -> Colours:
-    every = {str(number): np.concatenate(list(shown.forces.values())) for number, shown in enumerate(subjects)}
-    shades, _ = colours(every, symmetric=False, limits=None)
-    if shades.map == "coolwarm":  # colours that fields do not have
-        return Colours("PuOr_r", shades.low, shades.high, shades.bands)
+    forces = np.concatenate([force for shown in subjects for force in shown.forces.values()])
+    shades, _ = colours({"all": forces}, symmetric=False, limits=None)
+    if shades.map == "coolwarm":  # colours that fields do not have; a mast must not make all cables pale
+        return Colours("PuOr_r", float(forces.min()), float(forces.max()), shades.bands, halves=True)
     low, high = shades.low, shades.high
     if high - low < EVEN * max(abs(low), abs(high)):
         low, high = low - EVEN * abs(low), high + EVEN * abs(high)
@@ -163,7 +185,7 @@ def draw_panels(
             draw_axes(axes, same.window, same.box, look.length_unit)
             draw_scale(axes, same.window, look.length_unit)
         if same.kinds:
-            _legend(axes, same.kinds, PLAIN if panel.colours is None else COLOURED)
+            _legend(axes, same.kinds, plain=panel.colours is None)
         if panel.colours is not None:
             name = panel.title if bars is not None else ""
             colour_bar(figure, axes, panel.colours, panel.limited, name)
@@ -173,26 +195,28 @@ def draw_panels(
             colour_bar(figure, axes, same.bars, False, f"Force of {kinds}{in_brackets(look.force_unit)}")
 
 
-def _legend(axes: Any, kinds: Sequence[str], inks: Mapping[str, str]) -> None:
+def _legend(axes: Any, kinds: Sequence[str], plain: bool) -> None:
     import matplotlib.lines  # noqa: PLC0415
     import matplotlib.patches  # noqa: PLC0415
     import matplotlib.patheffects  # noqa: PLC0415
 
-    outline = [matplotlib.patheffects.withStroke(linewidth=3.2, foreground=INK)]  # white is seen on white
-    handles: list[Any] = []
+    inks, handles = PLAIN if plain else COLOURED, list[Any]()
     for kind in kinds:
-        name, ink = NAMES[kind], inks[kind]
+        name, ink, beside = NAMES[kind], inks[kind], border(kind, plain)
         if kind == "slack":
             swatch: Any = matplotlib.patches.Patch(
                 facecolor="white", edgecolor=ink, hatch="/////", linewidth=0.8, label=name
             )
         else:
-            effects = outline if ink == "#ffffff" else None
-            swatch = matplotlib.lines.Line2D([], [], color=ink, linewidth=2.0, label=name, path_effects=effects)
+            style: Any = (0, (3, 1.5)) if kind in DASHED else "-"
+            effects = [matplotlib.patheffects.withStroke(linewidth=3.6, foreground=beside)] if beside else None
+            swatch = matplotlib.lines.Line2D(
+                [], [], color=ink, linewidth=2.2, linestyle=style, label=name, path_effects=effects
+            )
         handles.append(swatch)
     axes.legend(
         handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.01), ncols=min(len(kinds), 3), frameon=False,
-        fontsize=10, labelcolor=INK,
+        fontsize=10, labelcolor=INK, handlelength=2.6,
     )  # fmt: skip
 
 

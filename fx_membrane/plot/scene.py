@@ -9,31 +9,58 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..model.parts import Part
 from ..results.states import StageResult
-from .marks import COLOURED, PLAIN, WIDTHS, Strokes, hatching
-from .shown import Shown
+from .marks import COLOURED, DASHED, PLAIN, WIDTHS, Strokes, border, dashes, hatching
+from .subjects import Shown
 from .windows import Window, mirrored, screen_axes, window_of
 
 __all__ = ["FABRIC", "INK", "MAST", "Bars", "Colours", "picture", "screen_axes"]
 
+Array = NDArray[np.float64]
+Numbers = Mapping[str, Array] | Array
+
 INK = "#30343b"
 MAST = "#8a5a2b"
 FABRIC = "#e8e4da"
-PAPER = "#ffffff"
-HATCH = 0.012  # distance of hatching lines over the longer side of the window
+HATCH = 0.014  # distance of hatching lines over the longer side of the window
+BORDER = 5.0  # both borders of a line together [pixels]
+DASH = 0.014  # length of a dash and of a gap over the same
 LIFT = 2e-3  # distance by which lines are drawn nearer to the eye, over the same
 
-Array = NDArray[np.float64]
-Numbers = Mapping[str, Array] | Array
+SHADED = {"ambient": 0.5, "diffuse": 0.6}
+EVEN = {"ambient": 0.8, "diffuse": 0.25}  # a colour of a value looks as in its scale, however it is turned to the light
 
 
 @dataclass(frozen=True)
 class Colours:
-    """Map from values to colours: a matplotlib map, its range and the number of bands."""
+    """Map from values to colours.
+
+    Attributes:
+        map: A matplotlib map, or colours.
+        low: Value of the first colour.
+        high: Value of the last colour.
+        bands: Number of bands.
+        halves: True if zero is in the middle, with a scale of its own on either side.
+    """
 
     map: str | Sequence[str]
     low: float
     high: float
     bands: int
+    halves: bool = False
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Places of the first and the last colour on the scale."""
+        return (-1.0, 1.0) if self.halves else (self.low, self.high)
+
+    def placed(self, values: Array) -> Array:
+        """Places of values on the scale."""
+        return np.where(values < 0, -values / self.low, values / self.high) if self.halves else values
+
+    def ticks(self, count: int) -> tuple[Array, Array]:
+        """Places that divide the scale evenly, an odd number, and their values."""
+        places = np.linspace(*self.ends, count)
+        return places, np.where(places < 0, -self.low * places, self.high * places) if self.halves else places
 
 
 @dataclass(frozen=True)
@@ -85,11 +112,12 @@ def picture(
                 look = _look(part, lined=bool(strokes) or slack is not None)
                 if values is not None and shades is not None:
                     look |= _scale(shades)
-                body = _body(shape, part, values, turn)
+                    values = values[0], shades.placed(turn * values[1])
+                body = _body(shape, part, values)
                 if part.dimension == 1:
                     body = body.tube(radius=(2.0 if part.is_strut else 1.0 if bars is None else 1.4) * radius)
-                plotter.add_mesh(body, ambient=0.5, diffuse=0.6, **look)
-            _add_lines(plotter, shape, window, strokes, slack, PLAIN if colours is None else COLOURED)
+                plotter.add_mesh(body, **(SHADED if shades is None or values is None else EVEN), **look)
+            _add_lines(plotter, shape, window, strokes, slack, plain=colours is None)
         _aim(plotter, window)
         return np.asarray(plotter.screenshot(return_img=True), dtype=np.uint8)
     finally:
@@ -113,14 +141,14 @@ def _values(parts: Mapping[str, Part], name: str, field: Numbers | None, count: 
     return "point", at_nodes
 
 
-def _body(shape: Array, part: Part, values: tuple[str, Array] | None, sign: int) -> Any:
+def _body(shape: Array, part: Part, values: tuple[str, Array] | None) -> Any:
     import pyvista  # noqa: PLC0415
 
     cells = np.column_stack([np.full(len(part.cells), part.cells.shape[1]), part.cells]).ravel()
     body = pyvista.PolyData(shape, **{"lines" if part.dimension == 1 else "faces": cells})
     if values is not None:
         data = body.cell_data if values[0] == "cell" else body.point_data
-        data["values"] = sign * values[1]
+        data["values"] = values[1]
     return body
 
 
@@ -133,7 +161,7 @@ def _look(part: Part, lined: bool) -> dict[str, Any]:
 
 def _scale(colours: Colours) -> dict[str, Any]:
     return {
-        "color": None, "scalars": "values", "clim": (colours.low, colours.high), "cmap": colours.map,
+        "color": None, "scalars": "values", "clim": colours.ends, "cmap": colours.map,
         "n_colors": colours.bands, "show_scalar_bar": False,
     }  # fmt: skip
 
@@ -144,18 +172,21 @@ def _add_lines(
     window: Window,
     strokes: Sequence[Strokes],
     slack: NDArray[np.int64] | None,
-    inks: Mapping[str, str],
+    plain: bool,
 ) -> None:
     """Draw lines a little nearer to the eye than their surface, which hides those behind it."""
     lift = LIFT * window.size * window.view
+    inks = PLAIN if plain else COLOURED
     groups = [(group.kind, group.at(shape), group.counts) for group in strokes if len(group.counts)]
     if slack is not None and len(slack):
         ends, _ = hatching(shape, slack, (window.axes[0] - window.axes[1]) / np.sqrt(2), HATCH * window.size)
         groups.append(("slack", ends.reshape(-1, 3), np.full(len(ends), 2)))
-    for kind, places, counts in groups:
-        if kind == "slack":  # dark lines on light ones are seen on any ground, also in grey
+    for kind, points, sizes in groups:
+        dashed = kind in DASHED
+        places, counts = dashes(points, sizes, DASH * window.size) if dashed else (points, sizes)
+        if beside := border(kind, plain):
             under = _polylines(places + 0.5 * lift, counts)
-            plotter.add_mesh(under, color=PAPER, line_width=WIDTHS[kind] + 3.0, lighting=False)
+            plotter.add_mesh(under, color=beside, line_width=WIDTHS[kind] + BORDER, lighting=False)
         body = _polylines(places + lift, counts)
         plotter.add_mesh(body, color=inks[kind], line_width=WIDTHS[kind], lighting=False)
 

@@ -22,6 +22,7 @@ class Window(NamedTuple):
         low: Left and lower bound along these, shape (2,) [m].
         high: Right and upper bound, shape (2,) [m].
         depth: Least and largest extent along the view, shape (2,) [m].
+        longer: Longer side [pixels].
     """
 
     view: Array
@@ -29,6 +30,7 @@ class Window(NamedTuple):
     low: Array
     high: Array
     depth: Array
+    longer: int
 
     @property
     def extent(self) -> tuple[float, float, float, float]:
@@ -43,7 +45,7 @@ class Window(NamedTuple):
     @property
     def pixels(self) -> tuple[int, int]:
         """Width and height."""
-        sides = np.round(LONGER * (self.high - self.low) / self.size).astype(int)
+        sides = np.round(self.longer * (self.high - self.low) / self.size).astype(int)
         return int(sides[0]), int(sides[1])
 
     def seen(self, points: Array) -> Array:
@@ -61,7 +63,7 @@ def window_of(shapes: Sequence[Array], view: ArrayLike) -> Window:
     longer = float((high - low).max())
     half = np.maximum((high - low)[:2] / 2 + MARGIN * longer, FLAT * longer / 2)
     middle = (low + high)[:2] / 2
-    return Window(eye, axes, middle - half, middle + half, np.array([low[2], high[2]]))
+    return Window(eye, axes, middle - half, middle + half, np.array([low[2], high[2]]), LONGER)
 
 
 def mirrored(points: Array, mirror: str | None) -> list[Array]:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
-from ..checks.entries import entries
+from ..checks.array_entries import entries
 from ..model.parts import Part
 from ..runtime.processes import by_the_first
 from .figures import checked_path, empty, plain, save

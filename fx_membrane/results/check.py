@@ -1,7 +1,9 @@
-"""One check of a state: number, limit, verdict, place and remedy."""
+"""Check of a state: number, limit, verdict, place and remedy."""
 
 from enum import Enum
 from typing import NamedTuple
+
+from .reader_words import for_readers
 
 
 class Verdict(Enum):
@@ -13,7 +15,7 @@ class Verdict(Enum):
 
 
 class Check(NamedTuple):
-    """One check of a state.
+    """Check of a state.
 
     Attributes:
         name: The fact that is checked.
@@ -35,5 +37,5 @@ class Check(NamedTuple):
 
     @property
     def advice(self) -> str:
-        """Place and remedy in one text."""
-        return ": ".join(filter(None, (self.place, self.remedy)))
+        """Place and remedy in one text, for readers with and without a script."""
+        return ": ".join(filter(None, (self.place, for_readers(self.remedy))))

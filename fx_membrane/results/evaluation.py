@@ -10,13 +10,16 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from .. import _dolfinx
-from ..assembly.loaded_problem import LoadedProblem
-from ..assembly.part_forms import PartForms
+from ..assembly.forms_of_parts import PartForms
 from ..assembly.problem import Problem
+from ..assembly.problem_under_actions import LoadedProblem
+from ..assembly.ropes import RopeState, unstressed_length
 from ..forms import kinematics, stress
 from ..solvers.base import LIMITS
-from .part_results import BarResult, MembraneResult
-from .states import Equilibrium, Increment, StageResult, TermResult
+from .forces_of_state import Equilibrium, TermResult
+from .part_results import BarResult, MembraneResult, RopeResult
+from .states import Increment, StageResult
+from .water_of_state import pond_results
 
 STATES = np.array(["taut", "wrinkled", "slack"])  # in the order of `forms.wrinkling`
 
@@ -39,7 +42,8 @@ class StateEvaluator:
 
     def __init__(self, problem: Problem):
         self.problem = problem
-        self.expressions = {name: part.compiled("results", _expression) for name, part in problem.parts.items()}
+        for part in problem.parts.values():
+            part.compiled("results", _expression)
 
     def __call__(
         self, name: str, problem: LoadedProblem, x: PETSc.Vec, increments: tuple[Increment, ...]
@@ -51,7 +55,9 @@ class StateEvaluator:
             problem.residual(x, b)
             residual, displacement = discretization.to_numpy(b), discretization.to_numpy(x)
         terms = tuple(TermResult(*acting, forces) for acting, forces in problem.term_forces(x))
-        loads = actions.loads + problem.pressure_loads(x) + sum(entry.forces for entry in terms)
+        loads = (
+            actions.loads + problem.pressure_loads(x) + sum(entry.forces for entry in terms) + problem.integral_loads(x)
+        )
         reactions = np.where(actions.held, residual, 0.0)
         unbalanced = np.abs(np.where(actions.held, 0.0, residual)).max(axis=1)
         position = problem.structure.points + displacement
@@ -75,11 +81,13 @@ class StateEvaluator:
             ),
             increments=increments,
             terms=terms,
+            ponds=pond_results(problem, x),
+            chambers=problem.chambers(x),
             owner=self.problem,
-            parts={name: self._part_result(name) for name in problem.structure.parts},
+            parts={name: self._part_result(name, problem.assembler.ropes) for name in problem.structure.parts},
         )
 
-    def _part_result(self, name: str) -> MembraneResult | BarResult:
+    def _part_result(self, name: str, ropes: Mapping[str, RopeState]) -> MembraneResult | BarResult:
         discretization = self.problem.discretization
         part = self.problem.structure.parts[name]
         shapes = MEMBRANE if part.dimension == 2 else BAR
@@ -87,23 +95,30 @@ class StateEvaluator:
         fields: dict[str, NDArray[Any]] = {}
         for field, shape in shapes.items():  # one by one: they fill the memory
             fields[field] = discretization.gather_cells(name, here.pop(field)).reshape(-1, *shape)
-        state = STATES[fields.pop("state").astype(int)]
+        states = STATES[fields.pop("state").astype(int)]
         if part.dimension == 2:
-            return MembraneResult(**fields, state=state)
-        slack = state == "slack"
+            return MembraneResult(**fields, state=states)
+        slack = states == "slack"
         if not part.carries_compression:  # cables without force, or with rounding
             slack |= fields["force"] <= LIMITS.rounding * (part.material.stiffness + np.abs(part.prestress))
+        if part.shares_tension:
+            state = ropes[name]
+            return RopeResult(
+                **fields, slack=slack, length=state.length, unstressed_length=unstressed_length(part, state)
+            )
         return BarResult(**fields, slack=slack)
 
     def _cell_values(self, name: str, shapes: Mapping[str, tuple[int, ...]]) -> dict[str, NDArray[np.float64]]:
         """Quantities in the cells of this process, in the order of its mesh, shape (its cells, size)."""
-        part = self.problem.parts.get(name)
-        count = len(part.mesh.cell_rows) if part else 0
         sizes = [math.prod(shape) for shape in shapes.values()]
+        part = self.problem.parts.get(name)
+        if part is None:
+            return {field: np.empty((0, size)) for field, size in zip(shapes, sizes, strict=True)}
+        count, evaluate = len(part.mesh.cell_rows), part.compiled("results", _expression)
         fields = {field: np.empty((count, size)) for field, size in zip(shapes, sizes, strict=True)}
         for first in range(0, count, CHUNK):
             end = min(first + CHUNK, count)
-            columns = np.split(self.expressions[name](np.arange(first, end)), np.cumsum(sizes)[:-1], axis=1)
+            columns = np.split(evaluate(np.arange(first, end)), np.cumsum(sizes)[:-1], axis=1)
             for field, column in zip(fields.values(), columns, strict=True):
                 field[first:end] = column
         return fields

@@ -9,6 +9,7 @@ from ..checks import validation
 from ..geometry.extremes import first_largest
 from .check import Check, Verdict
 from .places import cell_place, node_place
+from .plain_numbers import plain
 from .states import StageResult
 
 
@@ -39,13 +40,14 @@ class Limits:
             validation.keep(self, **{kind: values})
 
 
-def limit_checks(result: StageResult, limits: Limits) -> Iterator[Check]:
-    """Check a state against limits of the design: displacement, and utilisation of parts."""
+def limit_checks(result: StageResult, limits: Limits, length: str = "") -> Iterator[Check]:
+    """Check a state against limits of the design: displacement, in a unit of length, and utilisation of parts."""
     if limits.displacement is not None:
         size = np.linalg.norm(result.displacement, axis=1)
         node = first_largest(size)
         remedy = "Raise the prestress or the stiffness, or hold it by more cables."
-        yield _judged("displacement", size[node], limits.displacement, remedy, node_place(result.structure, node))
+        place = node_place(result.structure, node)
+        yield _judged("displacement", size[node], limits.displacement, remedy, place, length)
     for name, limit in {**limits.stress, **limits.force}.items():
         if name in result.parts:
             values = np.abs(result.parts[name].principal).max(axis=1) / limit
@@ -55,7 +57,8 @@ def limit_checks(result: StageResult, limits: Limits) -> Iterator[Check]:
             yield _judged(f"utilisation of {name!r}", values[cell], 1.0, remedy, place)
 
 
-def _judged(name: str, number: float, limit: float, remedy: str, place: str) -> Check:
+def _judged(name: str, number: float, limit: float, remedy: str, place: str, unit: str = "") -> Check:
+    found, most = f"{plain(number, 3)} {unit}".rstrip(), f"{plain(limit, 4)} {unit}".rstrip()
     if number <= limit:
-        return Check(name, f"{number:.3g}", f"{limit:.4g}", Verdict.PASS, design=True)
-    return Check(name, f"{number:.3g}", f"{limit:.4g}", Verdict.FAIL, remedy, place, design=True)
+        return Check(name, found, most, Verdict.PASS, design=True)
+    return Check(name, found, most, Verdict.FAIL, remedy, place, design=True)

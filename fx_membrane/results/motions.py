@@ -1,6 +1,6 @@
 """Nodes that have moved far and masts that have tilted since the start of a stage, in words.
 
-What is prescribed is meant: only motion beyond it counts.
+Prescribed motion is meant: only motion beyond it counts.
 """
 
 from typing import NamedTuple
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.extremes import first_largest
-from ..geometry.measures import lengths
+from ..geometry.sizes import lengths
 from ..model.parts import Mast
 from ..model.structure import Structure
 from ..solvers.base import LIMITS

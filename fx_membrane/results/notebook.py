@@ -5,9 +5,10 @@ from html import escape
 from typing import Any
 
 from ..runtime.notebook_pictures import picture_html, table
-from .checks import checks
+from .plain_numbers import plain
+from .plain_summary import summary
+from .state_checks import checks
 from .states import StageResult
-from .summary import summary
 
 COLOURS = {"PASS": "#1c7c4a", "WARN": "#a35c00", "FAIL": "#b3261e"}
 
@@ -34,7 +35,7 @@ def states_html(results: Sequence[StageResult], length: str) -> str:
             escape(result.name),
             str(len(result.increments)),
             str(sum(entry.total_iterations for entry in result.increments)),
-            f"{result.largest_displacement:.5g}",
+            plain(result.largest_displacement),
             "<br>".join(escape(remark) for remark in result.remarks),
         ]
         for result in results
@@ -49,4 +50,4 @@ def _extremes(result: StageResult) -> Iterator[list[str]]:
         for quantity, ends in part.items():
             if isinstance(ends, dict):
                 least, largest = ends["least"], ends["largest"]
-                yield [escape(name), quantity, f"{least['value']:.5g}", f"{largest['value']:.5g}", str(largest["cell"])]
+                yield [escape(name), quantity, plain(least["value"]), plain(largest["value"]), str(largest["cell"])]

@@ -1,6 +1,6 @@
 """Owner of a result: the problem on whose meshes and forms it was computed, and on which later questions go on."""
 
-from typing import Any, Protocol
+from typing import Any
 
 from mpi4py import MPI
 
@@ -9,16 +9,25 @@ from ..assembly.problem import Problem
 from ..model.structure import Structure
 
 
-class Owned(Protocol):
-    """A result that keeps its problem."""
+class Owned:
+    """A result that keeps its problem.
+
+    Attributes:
+        structure: The structure.
+        owner: The problem; None in a copy.
+    """
+
+    structure: Structure
+    owner: Problem | None
 
     @property
-    def structure(self) -> Structure:
-        """The structure."""
+    def problem(self) -> Problem:
+        """Meshes and forms of the structure; in a copy they are made on first use, by all processes together."""
+        return problem_of(self)
 
-    @property
-    def owner(self) -> Problem | None:
-        """The problem; None in a copy."""
+    def __getstate__(self) -> dict[str, Any]:
+        """State for copies and files, without the owner: meshes and PETSc objects belong to this process."""
+        return {name: value for name, value in vars(self).items() if name != "owner"}
 
 
 def problem_of(result: Owned, comm: MPI.Intracomm | None = None) -> Problem:
@@ -40,11 +49,6 @@ def problem_of(result: Owned, comm: MPI.Intracomm | None = None) -> Problem:
     if kept is None or _same(kept.comm, comm):
         object.__setattr__(result, "owner", made)
     return made
-
-
-def without_owner(result: Owned) -> dict[str, Any]:
-    """Fields of a result for copies and files, without the problem."""
-    return {name: value for name, value in vars(result).items() if name != "owner"}
 
 
 def _same(one: MPI.Intracomm, other: MPI.Intracomm) -> bool:

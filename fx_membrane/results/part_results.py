@@ -6,15 +6,20 @@ from typing import ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ..checks.values import counted
+from ..runtime.notebook_pictures import table
+from .plain_numbers import plain
+
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class MembraneResult:
     """State of a membrane; stresses are forces per length, divide by the thickness for [Pa].
 
     Attributes:
-        strain: Green-Lagrange strain in the warp/weft frame, shape (cells, 2, 2) [-].
+        strain: Green-Lagrange strain in the warp/weft frame, shape (cells, 2, 2) [-]. It counts from the natural shape
+            where there is one, or else from the reference shape.
         second_piola_kirchhoff: Stress per reference length in the warp/weft frame, shape (cells, 2, 2) [N/m], Gil (32).
         cauchy: Stress per current length in global axes, shape (cells, 3, 3) [N/m].
         principal: Principal values of `cauchy`, the larger first, shape (cells, 2) [N/m].
@@ -34,6 +39,23 @@ class MembraneResult:
     warp_weft_stress: Array
     state: NDArray[np.str_]
 
+    def __repr__(self) -> str:
+        kinds = ", ".join(f"{np.count_nonzero(self.state == kind)} {kind}" for kind in ("taut", "wrinkled", "slack"))
+        return f"MembraneResult({counted(len(self.state), 'cell')}: {kinds}; principal stress {_range(self.principal)})"
+
+    def _repr_html_(self) -> str:
+        """Show the extremes in notebooks, each with its cell."""
+        rows = {
+            "principal stress I": self.principal[:, 0],
+            "principal stress II": self.principal[:, 1],
+            "stress along warp": self.warp_weft_stress[:, 0],
+            "stress along weft": self.warp_weft_stress[:, 1],
+            "strain warp [-]": self.strain[:, 0, 0],
+            "strain weft [-]": self.strain[:, 1, 1],
+            "strain shear [-]": self.strain[:, 0, 1],
+        }
+        return _extremes(repr(self), rows)
+
     @property
     def taut(self) -> NDArray[np.bool_]:
         """Cells that are neither wrinkled nor slack, shape (cells,)."""
@@ -45,12 +67,13 @@ class MembraneResult:
         return self.state == "slack"
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class BarResult:
     """State of cables or masts.
 
     Attributes:
-        strain: Green-Lagrange strain, shape (cells,) [-].
+        strain: Green-Lagrange strain with respect to the natural length where there is one, or else to the reference
+            length, shape (cells,) [-].
         force: Axial force in the current shape, tension positive, shape (cells,) [N].
         slack: Cells without tension, shape (cells,); False for masts, and for cables with `compression_stiffness=1`.
     """
@@ -59,6 +82,14 @@ class BarResult:
     strain: Array
     force: Array
     slack: NDArray[np.bool_]
+
+    def __repr__(self) -> str:
+        slack = f"{np.count_nonzero(self.slack)} slack"
+        return f"{type(self).__name__}({counted(len(self.force), 'cell')}: {slack}; force {_range(self.force)})"
+
+    def _repr_html_(self) -> str:
+        """Show the extremes in notebooks, each with its cell."""
+        return _extremes(repr(self), {"force": self.force, "strain [-]": self.strain})
 
     @property
     def taut(self) -> NDArray[np.bool_]:
@@ -69,3 +100,35 @@ class BarResult:
     def principal(self) -> Array:
         """Axial force as the one principal value of a bar, shape (cells, 1) [N]; see `MembraneResult`."""
         return self.force[:, None]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RopeResult(BarResult):
+    """State of a rope; strain, force and slack are equal in all its segments.
+
+    Attributes:
+        length: Current length of the whole rope [m].
+        unstressed_length: Its length without stress, for a rope with a prestress [m]: by the Green-Lagrange strain
+            that belongs to it. Of a rope of given force, the length that gives this force when it is fixed.
+    """
+
+    length: float
+    unstressed_length: float
+
+    @property
+    def tension(self) -> float:
+        """Tension of the whole rope [N]."""
+        return float(self.force[0])
+
+
+def _range(values: Array) -> str:
+    return f"{plain(values.min())} to {plain(values.max())}"
+
+
+def _extremes(title: str, rows: dict[str, Array]) -> str:
+    """Table of the least and the largest value of each quantity, with their cells."""
+    cells = [
+        [name, *(text for cell in (values.argmin(), values.argmax()) for text in (plain(values[cell]), str(cell)))]
+        for name, values in rows.items()
+    ]
+    return f"<b>{title}</b>" + table(["quantity", "least", "in cell", "largest", "in cell"], cells)

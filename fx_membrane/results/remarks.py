@@ -1,34 +1,39 @@
 """Remarks on a state that a user must see before its numbers: unstable, fallen, held by slack parts, strained too far.
 
-All warnings on a state are issued from them. They follow from the result and from where its stage began, so that they
-are the same on every process, after a restart and wherever they are shown: in `report`, on the result itself.
+All warnings on a state are issued from them. They follow from the result and the start of its stage. So they are the
+same on every process, after a restart and wherever they are shown: in `report`, on the result itself.
 """
 
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from ..assembly.actions import unloaded
 from ..checks.values import counted
 from ..geometry.extremes import first_largest
+from ..model.cell_tensors import once
 from ..model.parts import Cable, Mast
 from ..model.structure import Structure
 from ..solvers.outcome import Outcome
 from .balance import UnbalancedStateWarning, balance_remarks
-from .loose_masts import Loose, loose_masts
+from .crushed_gas import gas_remarks
+from .initial_stress import reference_stress
+from .mast_freedom import Loose, loose_masts
 from .motions import Motion, motion_of
 from .principal import principal_values
+from .shear_signs import ShearSignWarning, shear_remarks
 from .slack_forces import Push, pushes
-from .states import LostPrestressWarning, Remark, StageResult
+from .states import StageResult
 from .strain_limits import LargeStrainWarning, strain_remarks
+from .told_states import CrushedGasWarning, LostPrestressWarning, Remark
 
 LEFT = 0.01  # share of its prestress, below which a part has lost it
 SHOWN = 3  # load factors and parts that are named
-TOLD_ONCE = (LargeStrainWarning, UnbalancedStateWarning)  # by one process for all
+TOLD_ONCE = (CrushedGasWarning, LargeStrainWarning, UnbalancedStateWarning, ShearSignWarning)  # by one process for all
 
 
 def remarked(result: StageResult, start: NDArray[np.float64] | None, loaded: bool = True) -> StageResult:
@@ -39,7 +44,7 @@ def remarked(result: StageResult, start: NDArray[np.float64] | None, loaded: boo
         start: Displacements at the start of its stage, shape (n, 3) [m]; None where motion is not to be judged.
         loaded: False if its loads are rounding; its balance is then not judged.
     """
-    found = [*_remarks(result, start), *strain_remarks(result)]
+    found = [*_remarks(result, start), *gas_remarks(result), *strain_remarks(result), *shear_remarks(result)]
     if loaded and result.increments:  # a start is no equilibrium that a solver has found
         found += balance_remarks(result)
     return replace(result, remarks=tuple(found))
@@ -84,8 +89,8 @@ def _far(result: StageResult, motion: Motion) -> str:
     far = f"{motion.moved}, more than half the size of what is connected with it" if motion.moved else ""
     return (
         f"{reached} {', and '.join(filter(None, (far, motion.tilted)))}: it has fallen, snapped, hung down or been "
-        "stretched into quite another shape. If that is not meant, check units and stiffness, that every mast has its "
-        "stays, and whether something is slack or missing; `equilibrium_path` shows the way there."
+        "stretched into quite another shape. If that is not meant, check units, stiffness, the stays of every mast, "
+        "and whether something is slack or missing; `equilibrium_path` shows the way there."
     )
 
 
@@ -154,7 +159,7 @@ def _loss(result: StageResult, lost: Sequence[str], stands: bool) -> str:
     structure = result.structure
     nodes = np.unique(np.concatenate([structure.parts[name].cells.ravel() for name in lost]))
     motion = np.linalg.norm(result.displacement[nodes], axis=1)
-    whole = all(name in lost for name, part in structure.parts.items() if _tensions(structure, name).max() > 0)
+    whole = all(name in lost for name in structure.parts if _given(result, name) > 0)
     farthest = nodes[first_largest(motion)]
     left = (
         f"no cell of {_listed(lost)} has more than {100 * LEFT:g} % of it left, and node {farthest} has "
@@ -175,14 +180,17 @@ def _loss(result: StageResult, lost: Sequence[str], stands: bool) -> str:
 
 def _has_lost_its_prestress(result: StageResult, name: str) -> bool:
     """Return True if a part that was given tension has almost none left."""
-    given = _tensions(result.structure, name).max()
+    given = _given(result, name)
     part = result.parts[name]
     return bool(given > 0 and (part.slack | (part.principal[:, 0] <= LEFT * given)).all())
 
 
-def _tensions(structure: Structure, name: str) -> NDArray[np.floating[Any]]:
-    """Largest prestress of each cell of a part, shape (cells,); negative without tension."""
-    return principal_values(structure.parts[name].prestress_tensors())[:, -1]
+def _given(result: StageResult, name: str) -> float:
+    """Largest tension that a part was given in the reference shape, as built or by stages [N/m or N]."""
+    changed = result.actions
+    built = replace(changed, natural=unloaded(result.structure).natural)  # before its natural shape was changed
+    found = [reference_stress(result.structure, name, actions) for actions in (built, changed)]
+    return max(float(principal_values(once(stress)).max()) for stress in found)
 
 
 def _hanging(structure: Structure, push: Push) -> str:

@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..assembly.part_forms import stiffness
+from ..assembly.forms_of_parts import stiffness
 from ..geometry.extremes import TIE, first_largest
-from ..geometry.measures import lengths
+from ..geometry.sizes import lengths
 from ..model.parts import Mast
 from ..model.structure import Structure
 from .part_results import MembraneResult
@@ -28,7 +28,7 @@ class Push(NamedTuple):
     """Slack or wrinkled parts of one kind that hold nodes by their compression.
 
     Attributes:
-        compression: Of each such part, its most compressed cell at these nodes and its compression [N or N/m].
+        compression: Of each part, its most compressed cell at these nodes and its compression [N or N/m].
         largest: Largest force of cables and masts [N], or largest principal stress of membranes [N/m], in
             the cells at these nodes.
         nodes: Nodes that these parts hold, the one with the largest force first.

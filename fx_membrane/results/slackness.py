@@ -4,6 +4,7 @@ import numpy as np
 
 from ..model.parts import Cable
 from ..model.restraint import loose_ends
+from .initial_stress import reference_stress
 from .principal import principal_values
 from .states import StageResult
 
@@ -26,7 +27,11 @@ def slack_parts(state: StageResult) -> str:
     if not most:
         return ""
     words = [f"{name!r} is slack in {np.count_nonzero(slack[name])} of {len(slack[name])} cells" for name in most]
-    given = [repr(name) for name in most if principal_values(state.structure.parts[name].prestress_tensors()).max() > 0]
+    given = [
+        repr(name)
+        for name in most
+        if principal_values(reference_stress(state.structure, name, state.actions)).max() > 0
+    ]
     advice = ": give it prestress, or a shorter length to begin with."
     if given:
         advice = (

@@ -6,54 +6,37 @@ Arrays follow the user's own order of nodes and cells, and every process has all
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..assembly.actions import Actions
+from ..assembly.gas import ChamberResult
 from ..assembly.problem import Problem
 from ..checks import validation
 from ..checks.values import counted
-from ..model.parts import Cable, Mast, Membrane
+from ..model.parts import Cable, Mast, Membrane, Rope
 from ..model.stages import Stage
 from ..model.structure import Structure
+from ..model.water_events import BasinResult, WaterEvent
 from ..runtime.notebook_pictures import picture_png
 from ..solvers.base import Iteration
 from ..solvers.outcome import Outcome
-from .owner import problem_of, without_owner
-from .part_results import BarResult, MembraneResult
-from .unfinished import Failure
+from .forces_of_state import Equilibrium, PondResult, TermResult
+from .owner import Owned
+from .part_results import BarResult, MembraneResult, RopeResult
+from .told_states import Remark
+from .unfinished_stages import Failure
+from .water_depth import mean_depths
 
 Array = NDArray[np.float64]
 
-
-class UnstableStateWarning(UserWarning):
-    """Equilibrium that is unstable, very far from the start of the stage, or held by slack parts."""
-
-
-class LostPrestressWarning(UserWarning):
-    """State in which a prestressed part has almost no tension left in any cell."""
-
-
-class Remark(str):
-    """A sentence on a state.
-
-    Attributes:
-        category: Class of the warning that tells it.
-    """
-
-    category: type[UserWarning]
-
-    def __new__(cls, sentence: str, category: type[UserWarning] = UnstableStateWarning) -> Self:
-        """Make a sentence of a category."""
-        remark = super().__new__(cls, sentence)
-        remark.category = category
-        return remark
+NO_CHAMBERS: dict[str, ChamberResult] = {}
 
 
 class Increment(NamedTuple):
-    """One load increment.
+    """Load increment.
 
     Attributes:
         load_factor: Fraction of the stage's own loads and displacements, in (0, 1].
@@ -62,6 +45,9 @@ class Increment(NamedTuple):
         outcome: Outcome, the gravest of those that apply.
         extra_iterations: Number of iterates missing from `iterations`: those of rejected attempts and of the homotopy.
         fallen: Sentence on the parts that only slack parts held before; empty unless the outcome is FALLEN.
+        chambers: Gas in the chambers at its end, by name.
+        basins: Rain in the basins of membranes at its end.
+        events: Water that ran over, and basins that merged or parted, at its end.
     """
 
     load_factor: float
@@ -69,6 +55,9 @@ class Increment(NamedTuple):
     outcome: Outcome = Outcome.CONVERGED
     extra_iterations: int = 0
     fallen: str = ""
+    chambers: Mapping[str, ChamberResult] = NO_CHAMBERS
+    basins: tuple[BasinResult, ...] = ()
+    events: tuple[WaterEvent, ...] = ()
 
     @property
     def total_iterations(self) -> int:
@@ -76,43 +65,8 @@ class Increment(NamedTuple):
         return len(self.iterations) - 1 + self.extra_iterations
 
 
-class TermResult(NamedTuple):
-    """State of an energy term.
-
-    Attributes:
-        term: The term.
-        factor: Its factor: 1 for a term of the structure, the load factor for one of the last stage.
-        forces: Its forces on the nodes, shape (n, 3) [N].
-    """
-
-    term: Any
-    factor: float
-    forces: Array
-
-
-@dataclass(frozen=True, eq=False)
-class Equilibrium:
-    """Balance of all forces on the structure in its current shape; moments about the origin.
-
-    Attributes:
-        loads: Sum of the loads, shape (3,) [N].
-        reactions: Sum of the reactions, shape (3,) [N].
-        load_moment: Moment of the loads, shape (3,) [N m].
-        reaction_moment: Moment of the reactions, shape (3,) [N m].
-        residual: Largest unbalanced force at a free component [N].
-        unbalanced: Largest unbalanced force at a free component of each node, shape (n,) [N].
-    """
-
-    loads: Array
-    reactions: Array
-    load_moment: Array
-    reaction_moment: Array
-    residual: float
-    unbalanced: Array
-
-
 @dataclass(frozen=True, eq=False, repr=False)
-class StageResult:
+class StageResult(Owned):
     """The final state of a stage.
 
     Attributes:
@@ -123,11 +77,13 @@ class StageResult:
             energy terms.
         loads: Loads on the nodes, those of pressures and energy terms in the current shape, shape (n, 3) [N].
         reactions: Forces of the supports and the prescribed displacements, shape (n, 3) [N]; zero at free components.
-        energy: Total potential energy [J], without pressures and terms without a potential.
+        energy: Total potential energy [J], that of gas included, without pressures and terms without a potential.
         equilibrium: Balance of loads and reactions.
         increments: The load increments of this stage, in order.
         parts: State of each part by name.
         terms: Energy terms that act, those of the structure first; their forces are in `loads`.
+        ponds: Water on membranes; its forces are in `loads`.
+        chambers: Gas in the chambers by name: pressure, volume, dp/dV; its forces are in `loads`.
         remarks: Sentences on the state to be read before its numbers, those of the warnings: that it is not stable, has
             snapped or fallen, hangs on slack parts or has lost its prestress; that it is strained beyond its material
             law, or not in balance.
@@ -157,16 +113,9 @@ class StageResult:
     parts: dict[str, MembraneResult | BarResult]
     remarks: tuple[Remark, ...] = ()
     terms: tuple[TermResult, ...] = ()
+    ponds: tuple[PondResult, ...] = ()
+    chambers: Mapping[str, ChamberResult] = field(default_factory=dict)
     owner: Problem | None = field(default=None, kw_only=True)
-
-    @property
-    def problem(self) -> Problem:
-        """Meshes and forms of the structure; in a copy they are made on first use, by all processes together."""
-        return problem_of(self)
-
-    def __getstate__(self) -> dict[str, Any]:
-        """State without its owner: meshes and PETSc objects belong to this process."""
-        return without_owner(self)
 
     def __repr__(self) -> str:
         return (
@@ -194,6 +143,15 @@ class StageResult:
         """Largest displacement of a node, the length of its vector [m]."""
         return float(np.linalg.norm(self.displacement, axis=1).max())
 
+    def water_on(self, name: str) -> Array:
+        """Mean depth of the water on each cell of the membrane of that name, shape (cells,) [m].
+
+        Raises:
+            ValueError: There is no membrane of that name.
+        """
+        cells = self.structure.part(name, Membrane).cells
+        return mean_depths(self.ponds or (), name, cells, self.position)
+
     def membrane(self, name: str) -> MembraneResult:
         """State of the membrane of that name.
 
@@ -201,9 +159,7 @@ class StageResult:
             ValueError: There is no membrane of that name.
         """
         self.structure.part(name, Membrane)
-        result = self.parts[name]
-        assert isinstance(result, MembraneResult)
-        return result
+        return cast(MembraneResult, self.parts[name])
 
     def cable(self, name: str) -> BarResult:
         """State of the cables of that name.
@@ -212,7 +168,7 @@ class StageResult:
             ValueError: There are no cables of that name.
         """
         self.structure.part(name, Cable)
-        return self._bar(name)
+        return cast(BarResult, self.parts[name])
 
     def mast(self, name: str) -> BarResult:
         """State of the masts of that name.
@@ -221,7 +177,16 @@ class StageResult:
             ValueError: There are no masts of that name.
         """
         self.structure.part(name, Mast)
-        return self._bar(name)
+        return cast(BarResult, self.parts[name])
+
+    def rope(self, name: str) -> RopeResult:
+        """State of the rope of that name.
+
+        Raises:
+            ValueError: There is no rope of that name.
+        """
+        self.structure.part(name, Rope)
+        return cast(RopeResult, self.parts[name])
 
     def to_dataframe(self, part: str | None = None, *, force_unit: str = "N", length_unit: str = "m") -> Any:
         """Table of the nodes, or of the cells of a part, for pandas.
@@ -247,14 +212,19 @@ class StageResult:
         return DataFrame(columns)
 
     @property
+    def water_events(self) -> tuple[WaterEvent, ...]:
+        """Water that ran over, and basins that merged or parted, in the order of the increments."""
+        return tuple(event for increment in self.increments for event in increment.events or ())
+
+    @property
+    def water_depth(self) -> Array:
+        """Depth of the water at each node, shape (n,) [m]; 0 where it is dry."""
+        return np.max([np.zeros(len(self.displacement)), *(pond.depth for pond in self.ponds or ())], axis=0)
+
+    @property
     def history(self) -> list[tuple[float, Iteration]]:
         """Load factor and iterate, for all iterations of the stage."""
         return [(increment.load_factor, entry) for increment in self.increments for entry in increment.iterations]
-
-    def _bar(self, name: str) -> BarResult:
-        result = self.parts[name]
-        assert isinstance(result, BarResult)
-        return result
 
 
 class StageResults(dict[str, StageResult]):
@@ -267,6 +237,7 @@ class StageResults(dict[str, StageResult]):
         length_unit: Name of its unit of length.
         limits: Its limits, for checks; None without.
         failure: Stage that found no equilibrium, and ended the run; None if it is complete.
+        last: Last state of that stage, named with its load factor; its start if no stage is complete; or else None.
     """
 
     def __init__(self, results: Mapping[str, StageResult] = MappingProxyType({}), stages: Sequence[Stage] = ()):
@@ -275,6 +246,12 @@ class StageResults(dict[str, StageResult]):
         self.title, self.force_unit, self.length_unit = "", "N", "m"
         self.limits: Any = None
         self.failure: Failure | None = None
+        self.last: StageResult | None = None
+
+    @property
+    def states(self) -> dict[str, StageResult]:
+        """States by name, with the last one of a stage that failed."""
+        return dict(self) if self.last is None else {**self, self.last.name: self.last}
 
     def units(self, force: str | None = None, length: str | None = None) -> tuple[str, str]:
         """Names of the units of force and length: those given, or else those of the case file or archive.

@@ -10,11 +10,16 @@ from numpy.typing import NDArray
 from ..checks.values import counted
 from ..geometry.extremes import first_largest
 from ..model import laws
+from ..model.cell_tensors import once
+from ..model.natural_shape import inverse_less_identity
+from ..model.natural_shape import strain as natural_strain
 from ..model.parts import Part
 from ..model.structure import Structure
+from .initial_stress import prestress
 from .part_results import BarResult, MembraneResult
 from .principal import principal_values
-from .states import Remark, StageResult
+from .states import StageResult
+from .told_states import Remark
 
 ABSURD = 1.0  # strain that no fabric or cable bears
 
@@ -25,8 +30,9 @@ class LargeStrainWarning(UserWarning):
     A relative change of length e has the Green-Lagrange strain E = e + e^2 / 2. The force EA E (1 + e) differs from EA
     e by the fraction 3 e / 2: 8 % at e = 5 %.
 
-    For a prestress it is the elastic strain of the reference shape, prestress over stiffness. Laws for large strains
-    have no limit of their own; for their prestress it is 100 %.
+    For a prestress it is the elastic strain of the reference shape, prestress over stiffness. With a natural shape it
+    is the strain with respect to that. Laws for large strains have no limit of their own; for their prestress it is 100
+    %.
     """
 
 
@@ -62,8 +68,8 @@ def warn_of_large_prestress(structure: Structure, stacklevel: int) -> None:
         advice = "Units are probably mixed: check that prestress, stiffness and lengths are in the same system."
     elif strain < 0 and not structure.parts[name].is_strut:
         advice = (
-            "Check prestress, stiffness and units; an excess of length or cloth that is right needs a reference shape "
-            "nearer to its own size, or what takes it up is too stiff."
+            "Check prestress, stiffness and units; an excess of length or cloth needs a reference shape nearer to its "
+            "own size. Or the part that takes it up is too stiff."
         )
     else:
         advice = "Check prestress, stiffness and units; if they are right, take stiffness there for a rough value."
@@ -101,19 +107,23 @@ def largest_strain(result: StageResult) -> LargestStrain | None:
     limits = {name: limit for name, limit in limits.items() if np.isfinite(limit)}
     if not limits:
         return None
-    sizes = {name: _sizes(result.structure.parts[name], result.parts[name]) for name in limits}
+    sizes = {
+        name: _sizes(
+            result.structure.parts[name], result.parts[name], prestress(result.structure, name, result.actions)
+        )
+        for name in limits
+    }
     name = list(sizes)[first_largest(np.array([size.max() / limits[name] for name, size in sizes.items()]))]
     cell = first_largest(sizes[name])
     beyond = sum(int((size > limits[other]).sum()) for other, size in sizes.items())
     return LargestStrain(name, cell, float(sizes[name][cell]), limits[name], beyond)
 
 
-def _sizes(part: Part, result: MembraneResult | BarResult) -> NDArray[np.float64]:
-    """Largest strain that each cell resists, in tension or compression, shape (cells,) [-]."""
-    prestress = part.prestress_tensors()
-    strain = given = result.strain.reshape(prestress.shape)
-    if (principal_values(prestress) < 0).any():
-        strain = strain + _elastic(part, _compression(prestress))
+def _sizes(part: Part, result: MembraneResult | BarResult, sigma0: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Largest strain that each cell resists, in tension or compression, shape (cells,) [-]; sigma0 is its prestress."""
+    strain = given = result.strain.reshape(sigma0.shape)
+    if (principal_values(sigma0) < 0).any():
+        strain = strain + _elastic(part, _compression(sigma0))
     largest = principal_values(strain)[:, -1]
     sizes = np.maximum(largest, np.where(result.taut, -principal_values(given)[:, 0], 0.0))
     return np.where(result.slack, 0.0, sizes)
@@ -131,7 +141,11 @@ def _elastic(part: Part, stress: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _prestrain(part: Part) -> NDArray[np.float64]:
-    return _elastic(part, part.prestress_tensors())
+    """Elastic strain in the reference shape, by prestress and natural stretch, shape (cells, d, d) [-]."""
+    if part.shares_tension:  # the first shape of a rope of given length is a guess
+        return _elastic(part, part.prestress_tensors())
+    H = inverse_less_identity(once(part.natural_tensors()) - np.eye(part.dimension))
+    return _elastic(part, part.prestress_tensors()) + natural_strain(H)
 
 
 def _meant(part: Part, limit: float) -> str:

@@ -7,27 +7,41 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..checks import validation
-from ..geometry.measures import measures
+from ..geometry.sizes import measures
 from .part_results import BarResult, MembraneResult
 from .states import StageResult
 
 Columns = dict[str, NDArray[Any]]
+SHEAR = "strain shear [-]"
+DEPTH = "water depth"
 
 
-def node_columns(result: StageResult, force_unit: str = "N", length_unit: str = "m") -> Columns:
-    """Columns of the nodes: number, reference position, displacement, loads, reactions; each of shape (n,)."""
+def node_columns(
+    result: StageResult, force_unit: str = "N", length_unit: str = "m", water: bool | None = None
+) -> Columns:
+    """Columns of the nodes: number, reference position, displacement, loads, reactions, depth of water; each (n,).
+
+    The depth is left out where water is False, or None and no pond acts.
+    """
     columns: Columns = {"node": np.arange(len(result.displacement))}
     columns |= _vector(("x", "y", "z"), length_unit, result.structure.points)
     columns |= _vector(("displacement x", "displacement y", "displacement z"), length_unit, result.displacement)
     columns |= _vector(("load x", "load y", "load z"), force_unit, result.loads)
-    return columns | _vector(("reaction x", "reaction y", "reaction z"), force_unit, result.reactions)
+    columns |= _vector(("reaction x", "reaction y", "reaction z"), force_unit, result.reactions)
+    if water or (water is None and result.ponds):
+        columns[f"{DEPTH} [{length_unit}]"] = result.water_depth
+    return columns
 
 
-def cell_columns(result: StageResult, part: str, force_unit: str = "N", length_unit: str = "m") -> Columns:
+def cell_columns(
+    result: StageResult, part: str, force_unit: str = "N", length_unit: str = "m", water: bool | None = None
+) -> Columns:
     """Columns of the cells of a part: number, reference centroid and size, state, strains, stresses or force.
 
-    Strains and the stress along warp and weft are in the warp/weft frame, see `MembraneResult`. Each has shape
-    (cells,).
+    Membranes have the mean depth of the water on them, too; not where water is False, or None and no pond acts.
+
+    Strains and the stress along warp and weft are in the warp/weft frame, see `MembraneResult`. The shear of a membrane
+    without two sides has no sign, and is not a number here. Each column has shape (cells,).
 
     Raises:
         ValueError: There is no part of that name.
@@ -41,7 +55,12 @@ def cell_columns(result: StageResult, part: str, force_unit: str = "N", length_u
         columns[f"length [{length_unit}]"] = measures(points, cells)
         return columns | dict(_bar(found, force_unit))
     columns[f"area [{length_unit}2]"] = measures(points, cells)
-    return columns | dict(_membrane(found, f"{force_unit}/{length_unit}"))
+    columns |= dict(_membrane(found, f"{force_unit}/{length_unit}"))
+    if not result.structure.has_sides(part):
+        columns[SHEAR] = np.full(len(cells), np.nan)
+    if water or (water is None and result.ponds):
+        columns[f"{DEPTH} [{length_unit}]"] = result.water_on(part)
+    return columns
 
 
 def _bar(found: BarResult, force: str) -> Iterator[tuple[str, NDArray[Any]]]:
@@ -54,7 +73,7 @@ def _membrane(found: MembraneResult, stress: str) -> Iterator[tuple[str, NDArray
     yield "state", found.state
     yield "strain warp [-]", found.strain[:, 0, 0]
     yield "strain weft [-]", found.strain[:, 1, 1]
-    yield "strain shear [-]", found.strain[:, 0, 1]
+    yield SHEAR, found.strain[:, 0, 1]
     yield f"principal stress I [{stress}]", found.principal[:, 0]
     yield f"principal stress II [{stress}]", found.principal[:, 1]
     yield f"stress along warp [{stress}]", found.warp_weft_stress[:, 0]

@@ -3,7 +3,7 @@
 import os
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from .messages import say
@@ -12,7 +12,9 @@ PERIOD = 10  # between messages to the user [s]
 MPI_VARIABLES = ("OMPI_", "PMIX_", "PRTE_", "PMI_", "MPICH_", "HYDRA_")  # the child is no process of the parent's MPI
 
 
-def run_script(script: str, arguments: Sequence[str], folder: Path, seconds: int, work: str) -> tuple[int, str]:
+def run_script(
+    script: str, arguments: Sequence[str], folder: Path, seconds: int, work: Callable[[], str]
+) -> tuple[int, str]:
     """Run a Python script in a folder; return its exit code, and the last line of its errors.
 
     Args:
@@ -20,7 +22,7 @@ def run_script(script: str, arguments: Sequence[str], folder: Path, seconds: int
         arguments: Its arguments.
         folder: Its working directory.
         seconds: Time after which it is killed [s].
-        work: Begin of the message to the user every ten seconds, as "gmsh has read roof.msh".
+        work: Gives the begin of the message to the user every ten seconds, as "gmsh has read roof.msh".
     """
     environment = {name: value for name, value in os.environ.items() if not name.startswith(MPI_VARIABLES)}
     environment |= {"PYTHONPATH": os.pathsep.join(map(os.path.abspath, sys.path)), "OMP_NUM_THREADS": "1"}
@@ -36,11 +38,11 @@ def run_script(script: str, arguments: Sequence[str], folder: Path, seconds: int
     return child.returncode, (words.strip().splitlines() or [f"exit code {child.returncode}"])[-1]
 
 
-def _wait(child: subprocess.Popen[bytes], seconds: int, work: str) -> str:
+def _wait(child: subprocess.Popen[bytes], seconds: int, work: Callable[[], str]) -> str:
     """Error output of a child, once it has ended or its time is up."""
     for passed in range(0, seconds, PERIOD):
         if passed:
-            say(f"{work} for {passed} s")
+            say(f"{work()} for {passed} s")
         try:
             return child.communicate(timeout=min(PERIOD, seconds - passed))[1].decode(errors="replace")
         except subprocess.TimeoutExpired:

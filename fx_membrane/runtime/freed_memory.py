@@ -11,7 +11,7 @@ LARGE = 1_000_000  # rows of a process; below, fetching the memory again takes m
 
 
 def return_freed_memory(rows: int) -> None:
-    """Return free memory to the system, where the C library is glibc, if a process has many rows of a matrix."""
+    """Return free memory to the system, with glibc, if a process has many rows of a matrix."""
     if rows > LARGE:
         with suppress(OSError, AttributeError):  # macOS, musl
             ctypes.CDLL(None).malloc_trim(0)

@@ -1,8 +1,9 @@
 """Cache of compiled forms: compilation is announced, and leftovers of a dead compiler stop no run.
 
 FFCx makes `name.c`, compiles it and then makes `name.c.cached`; a process that finds the first file waits for the
-second. A process killed between them left the others waiting for ever. Here, processes compile in turn, under a lock
-that the kernel releases for the dead; the locked file holds the name of the source in work.
+second. A process killed between them left the others waiting for ever. Here, a process compiles under a lock that the
+kernel releases for the dead; the locked file holds the name of the source in work. There are as many locks as last
+letters of names, sixteen: two processes with a cold cache seldom wait for each other.
 
 A process keeps the modules that it has loaded: to find one again, FFCx lists the whole folder and loads the library
 anew. FFCx's name of a module identifies its formulas, elements and options, so that no other code is found by it. The
@@ -24,7 +25,6 @@ import cffi
 
 from .messages import say
 
-LOCK = "fx_membrane.lock"
 DEAD = 10.0  # another program without a sign for so long is dead, as in dolfinx [s]
 KEPT = 256  # loaded modules, of some forty kinds of parts
 PERIOD = 10.0  # between messages to the user [s]
@@ -78,6 +78,11 @@ def complete(source: Path) -> bool:
     return ready and any(library.exists() and library.stat().st_size for library in libraries)
 
 
+def lock_of(source: Path) -> Path:
+    """File that is locked while a source of FFCx is compiled; sources with other last letters have other ones."""
+    return source.with_name(f"fx_membrane-{source.stem[-1]}.lock")
+
+
 @contextmanager
 def _in_words(folder: Path) -> Iterator[None]:
     try:
@@ -102,10 +107,10 @@ def _in_words(folder: Path) -> Iterator[None]:
 
 @contextmanager
 def _turn(source: Path, timeout: float) -> Iterator[None]:
-    """Compile a source, one process at a time; leftovers of a dead process are removed before."""
+    """Compile a source, one process at a time for each lock; leftovers of a dead process are removed before."""
     _tell_of_compilation()
     source.parent.mkdir(parents=True, exist_ok=True)
-    with open(os.open(source.with_name(LOCK), os.O_RDWR | os.O_CREAT, 0o666), "r+") as lock:
+    with open(os.open(lock_of(source), os.O_RDWR | os.O_CREAT, 0o666), "r+") as lock:
         locked = _acquire(lock.fileno(), source, timeout)
         if locked and (unfinished := lock.read()):  # its process is dead, or was interrupted
             _remove(source.with_name(Path(unfinished).name))

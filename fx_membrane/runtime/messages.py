@@ -7,13 +7,15 @@ from contextlib import contextmanager
 from mpi4py import MPI
 from tqdm import tqdm
 
+from .printable_text import printable
+
 _silenced = [False]
 
 
 def say(text: str) -> None:
     """Print a line to stderr, beside any progress bar; only one process prints."""
     if MPI.COMM_WORLD.rank == 0 and sys.stderr is not None and not silent():
-        tqdm.write(text, file=sys.stderr)
+        tqdm.write(printable(text), file=sys.stderr)
 
 
 def silent() -> bool:

@@ -29,7 +29,7 @@ def together(comm: MPI.Intracomm) -> Iterator[None]:
         if comm.size == 1:
             raise
         error = raised
-    if comm.size == 1 or not comm.allreduce(error is not None, MPI.LOR):
+    if not somewhere(comm, error is not None):
         return
     errors = comm.allgather(_portable(error))
     rank, first = next((rank, other) for rank, other in enumerate(errors) if other is not None)
@@ -85,6 +85,30 @@ def refuse_differences(comm: MPI.Intracomm, digests: Callable[[], Mapping[str, s
                 f"The input of process {number} differs from that of process 0 in: {', '.join(names[:3])}{more}; give "
                 "all processes the same: draw random numbers and read files on one of them, and broadcast."
             )
+
+
+def everywhere(comm: MPI.Intracomm, flag: bool) -> bool:
+    """Return True if a flag is set on all processes; collective.
+
+    One message of numbers: `Comm.allreduce` of mpi4py sends objects, several messages for each pair of processes.
+    """
+    return bool(flag) if comm.size == 1 else bool(_reduced(comm, float(flag), MPI.MIN))
+
+
+def somewhere(comm: MPI.Intracomm, flag: bool) -> bool:
+    """Return True if a flag is set on some process; collective."""
+    return not everywhere(comm, not flag)
+
+
+def summed(comm: MPI.Intracomm, value: float) -> float:
+    """Sum of the values of all processes; collective."""
+    return value if comm.size == 1 else _reduced(comm, value, MPI.SUM)
+
+
+def _reduced(comm: MPI.Intracomm, value: float, operation: MPI.Op) -> float:
+    values = np.array([value], dtype=np.float64)
+    comm.Allreduce(MPI.IN_PLACE, values, operation)
+    return float(values[0])
 
 
 def gathered(comm: MPI.Intracomm, rows: NDArray[Any]) -> NDArray[Any]:

@@ -6,7 +6,7 @@ from typing import Any, Protocol
 
 from petsc4py import PETSc
 
-from ..runtime.decimal_point import decimal_point
+from ..runtime.number_locale import decimal_point
 
 SNES = "fxm_"  # prefix of our own options; that of the user's is in `petsc_options`
 Backend = tuple[Callable[[PETSc.Vec], bool], PETSc.KSP]  # backend: the iteration and its linear solver

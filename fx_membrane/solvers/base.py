@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
+from ..assembly.problem_under_actions import LoadedProblem
 from ..model.by_value import ByValue
 from .outcome import Outcome
 
@@ -36,7 +36,7 @@ LIMITS = SolverLimits()
 
 
 class Iteration(NamedTuple):
-    """One line of a convergence table.
+    """Line of a convergence table.
 
     Attributes:
         energy: Total potential energy [J].
@@ -166,6 +166,6 @@ def max_norm(vector: PETSc.Vec) -> float:
 def iterate(problem: LoadedProblem, x: PETSc.Vec) -> Iteration:
     """Energy and unbalanced force of a state."""
     with problem.discretization.work(1) as (b,):
-        problem.residual(x, b)
+        energy = problem.energy_and_residual(x, b)
         problem.constraints.constrain_residual(x, b)
-        return Iteration(problem.energy(x), max_norm(b), 0.0)
+        return Iteration(energy, max_norm(b), 0.0)

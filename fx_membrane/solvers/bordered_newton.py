@@ -16,13 +16,17 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from ..assembly.actions import Actions, between
-from ..assembly.loaded_problem import LoadedProblem
+from ..assembly.integral_energies import add_rate
 from ..assembly.problem import Problem
+from ..assembly.problem_under_actions import LoadedProblem
 from . import factorization, petsc_options
 from .base import LIMITS, Iteration, Monitor, no_monitor, tolerance
+from .bordered_system import BorderedSystem
 from .progress import Pulse
 
 
@@ -99,6 +103,7 @@ class BorderedNewton:
         self.rate = problem.under(end.less(start))
         self.compression = 1.0
         self.monitor: Monitor = no_monitor
+        self.bordered = BorderedSystem()
         self.pulse = Pulse("equilibrium path", problem.comm.rank == 0)
         create = problem.discretization.create_vector
         self.b, self.du_residual, self.du_load, self.work, self.zero = create(), create(), create(), create(), create()
@@ -127,6 +132,7 @@ class BorderedNewton:
         """Free PETSc objects on all processes together; Python's garbage collector acts at a different time on each."""
         self.ksp.destroy()
         self.A.destroy()
+        self.bordered.free()
 
     def has_potential(self, x: PETSc.Vec) -> bool:
         """Return True if pressures keep the tangent symmetric, as uniform ones on closed surfaces or in held edges."""
@@ -165,7 +171,7 @@ class BorderedNewton:
 
     def correction(self, guess: Point, plane: Plane) -> Step | None:
         """Step of one iteration into a plane, by the tangent factored last; None if it is singular."""
-        if not self.solve(self.b, self.du_residual):
+        if not self.solve(self.b, self.du_residual, self.bordered.borders.rest):
             return None
         slope = float(plane.normal.dot(self.du_load)) + plane.load_weight
         growth = (float(plane.normal.dot(self.du_residual)) - plane.signed_distance(guess)) / (slope or math.nan)
@@ -184,22 +190,46 @@ class BorderedNewton:
 
     def linearize(self, x: PETSc.Vec, factor: float) -> bool:
         """Factor the tangent, solve for `du_load`; return True if it is regular."""
-        self.under(factor).tangent(x, self.A)
+        loaded = self.under(factor)
+        loaded.tangent(x, self.A)
         with self.problem.discretization.work(1) as (gain,):
             self.rate.load_derivative(x, b=gain)
+            loaded.add_stress_rate(x, self.start, self.end, gain)
+            rest = self.add_integral_rate(loaded, x, factor, gain)
             self.rate.constraints.constrain_tangent(
                 self.zero, self.A, gain
             )  # constrained components move at their rate
             gain.scale(-1.0)
-            return self.solve(gain, self.du_load)
+            self.ksp.setOperators(self.A)
+            self.ksp.setUp()
+            self.bordered.factor(self.ksp)
+            return self.solve(gain, self.du_load, rest)
 
-    def solve(self, b: PETSc.Vec, x: PETSc.Vec) -> bool:
-        """Solve A x = b; return True if x is a solution."""
+    def solve(self, b: PETSc.Vec, x: PETSc.Vec, rest: NDArray[np.float64]) -> bool:
+        """Solve for the right-hand side b, and `rest` of the borders; return True if x is a solution."""
         self.ksp.solve(b, x)
-        self.A.mult(x, self.work)
-        self.work.axpy(-1.0, b)
-        return bool(self.work.norm() <= CORRECTOR.solved * b.norm())
+        q = self.bordered.correct(x, rest)
+        return self.bordered.solves(self.A, x, q, b, self.work, CORRECTOR.solved)
 
     def negative_pivots(self) -> int | None:
         """Count of negative eigenvalues of the tangent factored last; None if it is not symmetric."""
-        return factorization.pivots(self.ksp).negative if self.symmetric else None
+        return self.bordered.negative(factorization.pivots(self.ksp).negative) if self.symmetric else None
+
+    def add_integral_rate(
+        self, loaded: LoadedProblem, x: PETSc.Vec, factor: float, gain: PETSc.Vec
+    ) -> NDArray[np.float64]:
+        """Renew the borders; add the derivative of the forces of integrals by the load factor to a vector.
+
+        Returns:
+            Right-hand side of the borders: the rate of given integrals, less that by constrained components.
+        """
+        self.bordered.free()
+        self.bordered = BorderedSystem(loaded.borders(x, one_sided=True))
+        if not (loaded.integrals.all or self.problem.under(self.end).integrals.all):  # water may only be on its way
+            return np.zeros(0)
+        borders = self.bordered.borders
+        rest = np.zeros(0)
+        if borders.vectors:
+            rest = -borders.closed_by(self.rate.constraints.prescribed, self.problem.comm)
+        rest[borders.given] += add_rate(x, lambda at: self.under(at).integrals, factor, gain)
+        return rest

@@ -12,8 +12,8 @@ from typing import Literal, NamedTuple
 
 from petsc4py import PETSc
 
-from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
+from ..assembly.problem_under_actions import LoadedProblem
 from ..checks import validation
 from . import petsc_options
 from .base import LIMITS, Iteration, Monitor, Solution, diverged, no_monitor, tolerance
@@ -200,11 +200,11 @@ class Descent:
     def arrived(self, x: PETSc.Vec, length: float, monitor: Monitor) -> bool:
         """Record an iterate and its gradient; return True if it is the solution."""
         b = self.now.g
-        self.problem.residual(x, b)
+        energy = self.problem.energy_and_residual(x, b)
         accepted = tolerance(self.problem, x, b, self.settings.rtol if self.history else LIMITS.rounding)
         self.problem.constraints.zero_constrained(b)
         max_norm = b.norm(PETSc.NormType.NORM_INFINITY)
-        self.history.append(Iteration(self.problem.energy(x), max_norm, length))
+        self.history.append(Iteration(energy, max_norm, length))
         monitor(len(self.history) - 1, self.history[-1])
         return self.problem.beyond_rounding(x, b) < accepted
 

@@ -6,9 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from ..assembly.loaded_problem import LoadedProblem
+from ..assembly.problem_under_actions import LoadedProblem
 from ..model.structure import Structure
 from . import eigenvalues, factorization
+from .augmented_matrix import augmented
+from .bordered_system import BorderedSystem
 
 WEAK = 1e-9  # stiffness of a mode, as a strain, below which it is a free motion
 BELOW = 1e-3  # distance of the shift from the lowest eigenvalue, as a fraction
@@ -34,7 +36,13 @@ class Mode(NamedTuple):
     stiffness: float
 
 
-def lowest_mode(problem: LoadedProblem, x: PETSc.Vec, shift: float, moving: NDArray[np.bool_] | None = None) -> Mode:
+def lowest_mode(
+    problem: LoadedProblem,
+    x: PETSc.Vec,
+    shift: float,
+    moving: NDArray[np.bool_] | None = None,
+    one_sided: bool = False,
+) -> Mode:
     """Lowest mode of a state, by inverse iteration on K + shift T.
 
     Args:
@@ -43,14 +51,11 @@ def lowest_mode(problem: LoadedProblem, x: PETSc.Vec, shift: float, moving: NDAr
         shift: Shift of the tangent, as a strain: what is softer counts as free.
         moving: Nodes that move, shape (n,); those of them without any stiffness, as where all cells are slack and keep
             none, stand still too. None: all nodes move.
+        one_sided: True if the level of water at an outlet that moves follows that outlet, see `LoadedProblem.borders`.
     """
     A, v = problem.discretization.create_matrix(), x.duplicate()
     problem.tangent(x, A)
-    structure = problem.structure
-    at_rest = np.zeros(len(structure.points), dtype=bool)
-    if moving is not None:
-        at_rest = structure.used & ~(moving & problem.discretization.stiff_nodes(A))
-    still = problem.discretization.dofs(np.repeat(at_rest[:, None], 3, axis=1))
+    still = _still(problem, moving, A)
     with problem.discretization.work(1) as (b,):
         problem.constraints.constrain_tangent(x, A, b)
         K = factorization.symmetric_part(A)
@@ -61,23 +66,41 @@ def lowest_mode(problem: LoadedProblem, x: PETSc.Vec, shift: float, moving: NDAr
     stiffened.setOption(PETSc.Mat.Option.SYMMETRIC, True)
     solver = PETSc.KSP().create(problem.comm)
     factorization.choose(solver, stiffened, symmetric=True)
+    bordered = BorderedSystem(problem.borders(x, one_sided))
+    for border in (*bordered.borders.vectors, *bordered.borders.rows):
+        border.array[still - border.getOwnershipRange()[0]] = 0.0
+    solver.setUp()
+    bordered.factor(solver)
+    none = np.zeros(len(bordered.borders.vectors))
     # Random numbers, equal for any number of processes: symmetry hides no mode.
-    problem.discretization.to_petsc(np.random.default_rng(0).normal(size=structure.points.shape), v)
+    problem.discretization.to_petsc(np.random.default_rng(0).normal(size=problem.structure.points.shape), v)
     v.array[still - v.getOwnershipRange()[0]] = 0.0
     with problem.discretization.work(1) as (w,):
         for _ in range(STEPS):
             problem.constraints.zero_constrained(v)
             solver.solve(v, w)
+            bordered.correct(w, none)
             w.scale(1 / (w.norm() or 1.0))
             w.copy(v)
-        K.mult(v, w)
+        bordered.multiply(K, v, w)
         work = float(v.dot(w))
     scale = problem.stabilizer.work(v)
-    found = Mode(factorization.pivots(solver).negative, v, work / scale if scale else np.inf)
+    negative = bordered.negative(factorization.pivots(solver).negative)
+    found = Mode(negative, v, work / scale if scale else np.inf)
+    bordered.free()
     for matrix in (A, K, stiffened):
         matrix.destroy()
     solver.destroy()
     return found
+
+
+def _still(problem: LoadedProblem, moving: NDArray[np.bool_] | None, A: PETSc.Mat) -> NDArray[np.int32]:
+    """Components of nodes that stand still, as `lowest_mode` takes them."""
+    structure = problem.structure
+    at_rest = np.zeros(len(structure.points), dtype=bool)
+    if moving is not None:
+        at_rest = structure.used & ~(moving & problem.discretization.stiff_nodes(A))
+    return problem.discretization.dofs(np.repeat(at_rest[:, None], 3, axis=1))
 
 
 def negative_curvature_direction(problem: LoadedProblem, x: PETSc.Vec) -> Mode:
@@ -86,9 +109,15 @@ def negative_curvature_direction(problem: LoadedProblem, x: PETSc.Vec) -> Mode:
     The small compression stiffness of wrinkled and slack cells lets them buckle from node to node. That is no
     instability of the structure, so it is left out. One factorization tells stable states. The direction of others
     is that of the lowest eigenvalue of K v = lambda T v.
+
+    Water at an outlet that moves runs off where that sinks, and keeps its volume where it rises. A stable state resists
+    both motions.
     """
     problem = problem.without_compression_stiffness()
     found = lowest_mode(problem, x, WEAK)
+    if not found.negative and problem.integrals.following(x):
+        found.motion.destroy()
+        return lowest_mode(problem, x, WEAK, one_sided=True)
     if not found.negative:
         return found
     found.motion.destroy()
@@ -105,9 +134,9 @@ def _lowest(problem: LoadedProblem, x: PETSc.Vec) -> float:
     for matrix in (K, T):  # T, too, for an equal pattern
         factorization.symmetrize(matrix)
     T.zeroRowsColumns(problem.constraints.constrained, diag=0.0)
-    (pair, *_), _ = eigenvalues.lowest(K, T, 1, FIRST)
-    for matrix in (K, T):
-        matrix.destroy()
+    whole = augmented(K, T, problem.borders(x))
+    (pair, *_), _ = eigenvalues.lowest(whole.K, whole.M, 1, FIRST, whole.negative)
+    whole.free()
     return pair.value.real
 
 
@@ -127,7 +156,7 @@ def negative_between(problem: LoadedProblem, start: PETSc.Vec, end: PETSc.Vec) -
     (1958) 236-249.
     """
     parts = problem.structure.parts.values()
-    loaded = not problem.symmetric or problem.terms.all
+    loaded = not problem.symmetric or problem.terms.all or problem.integrals.all
     if not loaded and not any(part.carries_compression for part in parts):
         return False
     forces = []

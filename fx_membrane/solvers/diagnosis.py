@@ -4,17 +4,17 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from ..assembly.discretization import matrix_kind
-from ..assembly.loaded_problem import LoadedProblem
+from ..assembly.problem_under_actions import LoadedProblem
 from ..checks.values import counted
 from ..geometry.extremes import first_largest
-from ..geometry.measures import measures
-from ..model.parts import Cable, Mast, Membrane
+from ..geometry.sizes import measures
+from ..model.parts import Mast
 from ..model.structure import Structure
+from ..runtime.processes import everywhere
 from .base import max_norm
 from .curvature import WEAK, lowest_mode
 
@@ -61,17 +61,22 @@ def linear_failure(problem: LoadedProblem, A: PETSc.Mat) -> str:
 
 def _why_loose(structure: Structure, node: int) -> str:
     """Sentence on the parts without stiffness at a node, and on the remedy."""
-    here = {type(part) for part in structure.parts.values() if (part.cells == node).any()}
-    if here == {Mast}:
+    here = [part for part in structure.parts.values() if (part.cells == node).any()]
+    if all(part.is_strut for part in here):
         return (
             "A joint between masts in line, or of a frame without bracing, has no stiffness across; add masts or "
             "cables that brace it, or supports."
         )
-    kinds = {Membrane: "a flat membrane", Cable: "a straight cable"}
-    what = " or ".join(words for kind, words in kinds.items() if kind in here)
+    kinds = {
+        "a flat membrane": any(part.dimension == 2 for part in here),
+        "a straight cable": any(part.dimension == 1 and not part.is_strut and not part.shares_tension for part in here),
+        "a straight rope": any(part.shares_tension for part in here),
+    }
+    what = " or ".join(words for words, found in kinds.items() if found)
+    slides = " A rope slides over its nodes: hold them along it." if kinds["a straight rope"] else ""
     return (
         f"{what[0].upper()}{what[1:]} without prestress has no stiffness across; give it a small prestress to begin "
-        "with (prescribed displacements can bring the rest), a curved shape, or supports."
+        f"with (prescribed displacements can bring the rest), a curved shape, or supports.{slides}"
     )
 
 
@@ -196,7 +201,7 @@ def stagnation_message(
     """
     if at_rounding:
         return (
-            f"the unbalanced forces ({residual:.3g}) are small but do not fall below the tolerance, which may ask for "
+            f"the unbalanced forces ({residual:.3g}) are small but do not fall below the tolerance. It may ask for "
             f"more digits than rounding leaves; allow a larger one ({solver}(rtol=...)) or more iterations "
             f"({solver}(max_iterations=...))."
         )
@@ -205,14 +210,11 @@ def stagnation_message(
     swung = swung_masts(problem, x, LIMITS.swung if problem.unloaded() else LIMITS.swung_loaded, "tried")
     if problem.unloaded():
         advice = (
-            "nothing is applied that could come in more increments: give a prestress that the shape and its supports "
-            "can balance (force_density and updated_reference find such shapes), or a load that slack parts can hang by"
+            "nothing is applied that could come in more increments: give a prestress that the shape can balance, "
+            "as form finding does (force_density, updated_reference), or a load that slack parts hang by"
         )
     else:
-        advice = (
-            "apply the loads in more increments, give more prestress, start from a shape in which the prestress "
-            "is nearer to balance"
-        )
+        advice = "apply the loads in more increments, give more prestress, start from a shape nearer to balance"
     advice += f", or allow more iterations ({solver}(max_iterations=...))"
     if not displacement <= 10 * size:
         return (
@@ -277,7 +279,7 @@ def loose_nodes(problem: LoadedProblem, A: PETSc.Mat) -> list[tuple[int, list[fl
     same_node = (columns - first) // 3 == rows // 3
     blocks = np.zeros((len(discretization.owned_nodes), 3, 3))
     blocks[rows[same_node] // 3, rows[same_node] % 3, (columns[same_node] - first) % 3] = values[same_node]
-    if not discretization.comm.allreduce(bool(np.isfinite(blocks).all()), MPI.LAND):
+    if not everywhere(discretization.comm, bool(np.isfinite(blocks).all())):
         return []  # all processes return together: eigh would fail on some only
     stiffness, directions = np.linalg.eigh(blocks)
     limit = 1e-13 * np.minimum(

@@ -35,7 +35,9 @@ class Eigenpair(NamedTuple):
     imaginary: PETSc.Vec
 
 
-def lowest(K: PETSc.Mat, M: PETSc.Mat | None, count: int, first: float | None = None) -> tuple[list[Eigenpair], int]:
+def lowest(
+    K: PETSc.Mat, M: PETSc.Mat | None, count: int, first: float | None = None, borders: int = 0
+) -> tuple[list[Eigenpair], int]:
     """Lowest eigenvalues of a symmetric K, ascending, and the number of negative ones, found or not.
 
     Args:
@@ -44,6 +46,7 @@ def lowest(K: PETSc.Mat, M: PETSc.Mat | None, count: int, first: float | None = 
         count: Number of eigenvalues; at most the rank of M.
         first: First shift below zero to try, for eigenvalues that are known to be negative; the number of negative ones
             is then that of those below it.
+        borders: Number of negative pivots that belong to borders of K, see `augmented_matrix`.
 
     Raises:
         ValueError: K is singular or negative where M is zero.
@@ -52,14 +55,14 @@ def lowest(K: PETSc.Mat, M: PETSc.Mat | None, count: int, first: float | None = 
     with _solver(K, M, symmetric=True) as eps:
         if first is not None:
             eps.setTarget(-first)
-        shift, negative = _below_all(eps)
+        shift, negative = _below_all(eps, borders)
         found = _solve(eps, count)
         low, high = found[0].value.real, found[-1].value.real
         if high - shift > SPREAD * (low - shift):  # the shift is too close to the lowest
             shift = low - 10 * (high - low) / SPREAD
             _move(eps, shift)
             found = _solve(eps, count)
-        while (missing := _missing(eps, found, shift)) > 0:
+        while (missing := _missing(eps, found, shift, borders)) > 0:
             _move(eps, shift)
             eps.setDeflationSpace([pair.real for pair in found])
             more = _solve(eps, min(missing, count))
@@ -70,9 +73,9 @@ def lowest(K: PETSc.Mat, M: PETSc.Mat | None, count: int, first: float | None = 
     return found, negative
 
 
-def zeros(K: PETSc.Mat) -> int:
-    """Count of zero eigenvalues of a symmetric K, up to rounding."""
-    with _solver(K, None, symmetric=True) as eps:
+def zeros(K: PETSc.Mat, M: PETSc.Mat | None = None) -> int:
+    """Count of zero eigenvalues of a symmetric K, up to rounding; M, as of `lowest`, tells a typical one."""
+    with _solver(K, M, symmetric=True) as eps:
         eps.setUp()
         negative, _ = _inertia(eps)
         _move(eps, -eps.getTarget())
@@ -80,7 +83,7 @@ def zeros(K: PETSc.Mat) -> int:
         return below - negative
 
 
-def lowest_unsymmetric(K: PETSc.Mat, M: PETSc.Mat, count: int) -> list[Eigenpair]:
+def lowest_unsymmetric(K: PETSc.Mat, M: PETSc.Mat, count: int, borders: int = 0) -> list[Eigenpair]:
     """Eigenvalues of an unsymmetric K nearest to a shift below all, ascending in their real part.
 
     No real part is below the lowest eigenvalue of the symmetric part of K (Bendixson), which gives the shift. Args and
@@ -88,8 +91,13 @@ def lowest_unsymmetric(K: PETSc.Mat, M: PETSc.Mat, count: int) -> list[Eigenpair
     """
     part = factorization.symmetric_part(K)
     with _solver(part, M, symmetric=True) as eps:
-        shift, _ = _below_all(eps)
+        shift, _ = _below_all(eps, borders)
     part.destroy()
+    return nearest(K, M, count, shift)
+
+
+def nearest(K: PETSc.Mat, M: PETSc.Mat, count: int, shift: float) -> list[Eigenpair]:
+    """Eigenvalues of an unsymmetric K nearest to a shift, ascending in their real part."""
     with _solver(K, M, symmetric=False) as eps:
         eps.setTarget(shift)
         return _solve(eps, count)
@@ -136,17 +144,17 @@ def _factorize_by_mumps(eps: SLEPc.EPS, kind: str) -> None:
     ksp.getPC().setFactorSolverType("mumps")
 
 
-def _below_all(eps: SLEPc.EPS) -> tuple[float, int]:
+def _below_all(eps: SLEPc.EPS, borders: int) -> tuple[float, int]:
     """Move the shift below all eigenvalues; return it and the number of negative eigenvalues."""
     eps.setUp()
     shift = eps.getTarget()
     last = LAST_SHIFT * _typical(*eps.getOperators())
-    negative, null = _inertia(eps)
+    negative, null = _inertia(eps, borders)
     below = negative
     while (below or null) and shift > -last:  # an eigenvalue may be equal to the shift
         shift *= 100
         _move(eps, shift)
-        below, null = _inertia(eps)
+        below, null = _inertia(eps, borders)
     if below or null:
         raise ValueError(
             "The tangent stiffness is singular or negative where there is no mass; give mass to the parts without."
@@ -163,10 +171,10 @@ def _move(eps: SLEPc.EPS, shift: float) -> None:
     spectral.getKSP().setUp()
 
 
-def _inertia(eps: SLEPc.EPS) -> tuple[int, int]:
-    """Numbers of negative and null pivots: of eigenvalues below the shift and at it."""
+def _inertia(eps: SLEPc.EPS, borders: int = 0) -> tuple[int, int]:
+    """Numbers of negative and null pivots: of eigenvalues below the shift and at it; those of borders are left out."""
     negative, null, _ = eps.getST().getKSP().getPC().getFactorMatrix().getInertia()
-    return negative, null
+    return negative - borders, null
 
 
 def _solve(eps: SLEPc.EPS, count: int) -> list[Eigenpair]:
@@ -208,9 +216,9 @@ def _limit(found: list[Eigenpair], shift: float) -> float:
     return highest - SAME * (highest - shift)
 
 
-def _missing(eps: SLEPc.EPS, found: list[Eigenpair], shift: float) -> int:
+def _missing(eps: SLEPc.EPS, found: list[Eigenpair], shift: float, borders: int) -> int:
     """Count of eigenvalues below the highest found that the search missed."""
     limit = _limit(found, shift)
     _move(eps, limit)
-    below, _ = _inertia(eps)
+    below, _ = _inertia(eps, borders)
     return below - sum(pair.value.real < limit for pair in found)

@@ -6,6 +6,7 @@ from typing import NamedTuple
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from ..runtime.processes import everywhere
 from . import petsc_options
 
 ROUNDING = 1e-12  # fraction of a matrix below which its antisymmetric part is zero
@@ -116,7 +117,7 @@ def keep_until_all_are_done(owner: object, comm: MPI.Intracomm, ksp: PETSc.KSP) 
         return
     for entry in list(_kept):
         shared = MPI.Comm.Compare(entry[0], comm) in (MPI.IDENT, MPI.CONGRUENT)
-        if shared and comm.allreduce(entry[1]() is None, MPI.LAND):
+        if shared and everywhere(comm, entry[1]() is None):
             _kept.remove(entry)
             entry[2].destroy()
     _kept.append((comm, weakref.ref(owner), ksp))

@@ -3,8 +3,8 @@
 A full step is kept if it lowers the energy enough and does not end on a steep rise. Otherwise the length is found
 between zero and one, first by a parabola, then by cubics through energies and slopes.
 
-Source: J. Nocedal, S. J. Wright, Numerical optimization (2006), algorithm 3.6, (3.57)-(3.59). Near the solution, where
-energies differ by rounding only, slopes decide, as in W. W. Hager, H. Zhang, A new conjugate gradient method with
+Source: J. Nocedal, S. J. Wright, Numerical optimization (2006), algorithm 3.6, (3.57)-(3.59). Near the solution
+energies differ by rounding only, and slopes decide, as in W. W. Hager, H. Zhang, A new conjugate gradient method with
 guaranteed descent and an efficient line search, SIAM J. Optimization 16 (2005) 170-192.
 """
 
@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from petsc4py import PETSc
 
-from ..assembly.loaded_problem import LoadedProblem
+from ..assembly.problem_under_actions import LoadedProblem
 from .base import LIMITS
 
 DECREASE = 1e-4  # minimum fraction of the linearly predicted decrease
@@ -32,7 +32,7 @@ class Point(NamedTuple):
 
 
 def search(along: Callable[[float], Point], rounding: float, flatness: float = 0.1) -> float | None:
-    """Length of a step along which an energy decreases.
+    """Length of a step along which an energy decreases, Gil (72).
 
     Args:
         along: Point at a step length; at zero the slope is negative. Energies that are not numbers count as too high.
@@ -73,7 +73,7 @@ def line(
     as in H. Matthies, G. Strang, Int. J. Numer. Methods Eng. 14 (1979) 1613-1626. The energy, with the work of the
     pressure since the start, is its integral.
     """
-    energy = problem.energy_along(start, step)
+    without_potential = problem.work_along(start, step)
 
     @cache
     def along(length: float) -> Point:
@@ -81,9 +81,9 @@ def line(
             return first
         with problem.discretization.work(2) as (x, b):
             x.waxpy(length, step, start)
-            problem.residual(x, b)
+            energy = problem.energy_and_residual(x, b)
             slope = float(b.dot(step))
-        return Point(length, energy(length), slope)
+        return Point(length, energy - without_potential(length), slope)
 
     return along
 
@@ -91,11 +91,17 @@ def line(
 def rounding(problem: LoadedProblem, first: Point, start: PETSc.Vec, step: PETSc.Vec) -> float:
     """Error of energy differences by rounding along a step [J]: the prestress works over the whole displacement."""
     way = float(start.norm() + step.norm())
-    return 10 * LIMITS.rounding * (abs(first.energy) + problem.magnitudes.prestress_forces * way)
+    size = abs(first.energy) + problem.integrals.size(start)
+    return 10 * LIMITS.rounding * (size + problem.magnitudes.prestress_forces * way)
 
 
 def step_back(
-    problem: LoadedProblem, b: PETSc.Vec, energy: float, start: PETSc.Vec, dx: PETSc.Vec, moved: bool
+    problem: LoadedProblem,
+    b: PETSc.Vec,
+    energy: float | None,
+    start: PETSc.Vec,
+    dx: PETSc.Vec,
+    moved: bool,
 ) -> float | None:
     """Length of the step -dx from a start that meets the constraints; None if no length is accepted.
 
@@ -104,7 +110,7 @@ def step_back(
     Args:
         problem: The problem.
         b: Residual at the start.
-        energy: Energy at the start [J].
+        energy: Energy at the start [J]; None if energy and residual there are not those of the problem.
         start: The start.
         dx: The step, reversed.
         moved: True if displacements were imposed at the start; residual and energy are those before.
@@ -112,13 +118,31 @@ def step_back(
     with problem.discretization.work(1) as (downhill,):
         dx.copy(downhill)
         downhill.scale(-1.0)
-        here = None if moved else Point(0.0, energy, float(b.dot(downhill)))
+        here = None if moved or energy is None else Point(0.0, energy, float(b.dot(downhill)))
         along = line(problem, start, downhill, here)
         first = along(0.0)
         if moved and first.slope >= 0:
             return 1.0 if along(1.0).energy <= first.energy else 0.0
         length = search(along, rounding(problem, first, start, downhill))
     return 0.0 if length is None and moved else length
+
+
+def halves(problem: LoadedProblem, b: PETSc.Vec, start: PETSc.Vec, dx: PETSc.Vec) -> bool:
+    """Return True if the full step -dx from a start halves the residual, as near the solution; False for NaN.
+
+    Without a potential, a step to the solution need not go down any energy.
+
+    Args:
+        problem: The problem.
+        b: Residual at the start.
+        start: The start, which meets the constraints.
+        dx: The step, reversed.
+    """
+    with problem.discretization.work(2) as (x, rest):
+        x.waxpy(-1.0, dx, start)
+        problem.residual(x, rest)
+        problem.constraints.constrain_residual(x, rest)
+        return bool(2 * rest.norm() <= b.norm())
 
 
 def _parabola(low: Point, high: Point) -> float:

@@ -14,8 +14,8 @@ from functools import cache
 
 from petsc4py import PETSc
 
-from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
+from ..assembly.problem_under_actions import LoadedProblem
 from ..checks import validation
 from . import factorization, petsc_options
 from .base import LIMITS, Iteration, Monitor, Solution, max_norm, no_monitor
@@ -135,7 +135,7 @@ class _Globalized:
         if solution.converged:
             return self.escape_saddle(x, solution)
         # A mechanism stays one in a smaller increment.
-        if thorough and self.loop.left and not has_fallen():
+        if solution.outcome is not Outcome.LINEAR_LIMIT and thorough and self.loop.left and not has_fallen():
             start.copy(x)
             left = self.loop.left
             stabilized_start(self.loop, x, self.homotopy)
@@ -180,6 +180,10 @@ class _Globalized:
             way.waxpy(-1.0, start, x)
             return max_norm(way)
 
+    def untouched(self, solution: Solution) -> bool:
+        """Return True if the start is the solution, as without loads; water may stand there in an unstable balance."""
+        return len(solution.iterations) == 1 and not any(energy.is_load for energy in self.problem.integrals.all)
+
     def escape_saddle(self, x: PETSc.Vec, solution: Solution) -> Solution:
         """Escape from an unstable equilibrium to a stable one.
 
@@ -187,7 +191,7 @@ class _Globalized:
         """
         loop = self.loop
         for _ in range(self.saddle.attempts):
-            if len(solution.iterations) == 1 or (loop.counts_pivots and loop.shift == 0):
+            if self.untouched(solution) or (len(solution.iterations) > 1 and loop.counts_pivots and loop.shift == 0):
                 return solution
             x.copy(self.before)
             if not leave_saddle(self.problem, x, self.saddle):

@@ -8,21 +8,23 @@ import weakref
 from collections.abc import Callable
 from typing import cast
 
+import numpy as np
 from petsc4py import PETSc
 
 from .. import _dolfinx
 from ..assembly.discretization import MatrixKind
-from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
+from ..assembly.problem_under_actions import LoadedProblem
 from ..runtime.freed_memory import return_freed_memory
 from . import factorization, petsc_options
 from .backends import by_dolfinx, by_snes
 from .base import LIMITS, Iteration, Monitor, Solution, diverged, max_norm, no_monitor, tolerance
+from .bordered_system import BorderedSystem
 from .convergence import at_rest
 from .curvature import wrinkling_threshold
-from .diagnosis import linear_failure, stagnation_message
+from .diagnosis import linear_failure, loose_nodes, stagnation_message
 from .inertia_correction import ShiftControl
-from .line_search import step_back
+from .line_search import halves, step_back
 from .outcome import Outcome
 
 REST = 1e-8  # fraction of all forces below which a stagnant residual is at rounding
@@ -64,6 +66,7 @@ class NewtonLoop:
         self.b = problem.discretization.create_vector()
         create = problem.discretization.create_vector
         self.work, self.here = create(), create()
+        self.bordered, self.forces = BorderedSystem(), np.zeros(0)
         self.rtol = self.tolerance = self.length = self.shift = 0.0
         self.balanced = False
         self.begin(problem.under(), no_monitor, 0)
@@ -107,6 +110,7 @@ class NewtonLoop:
         self.most, self.proceed = min(most, self.left), proceed
         self.first = self.iterates == 0
         self.length = self.shift = 0.0
+        self.problem = self.problem.settled(x)
         self.symmetric = self.problem.symmetric or self.conservative(x)
         factorization.choose(self.ksp, self.A, self.symmetric, steps=True)
         self.counts_pivots = self.symmetric and factorization.counts_pivots(self.ksp)
@@ -147,11 +151,11 @@ class NewtonLoop:
 
     def residual(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
         """Residual with constraints; record the iterate and the tolerance for its 2-norm."""
-        self.problem.residual(x, b)
+        energy = self.problem.energy_and_residual(x, b)
         self.tolerance = tolerance(self.problem, x, b, self.rtol if self.history else LIMITS.rounding)
         self.problem.constraints.constrain_residual(x, b)
         beyond, unbalanced = self.problem.beyond_rounding(x, b), max_norm(b)
-        self.history.append(Iteration(self.problem.energy(x), unbalanced, self.length, self.shift))
+        self.history.append(Iteration(energy, unbalanced, self.length, self.shift))
         small = beyond < REST * self.tolerance / self.rtol
         self.balanced = beyond < self.tolerance or (small and at_rest(self.history))
         self.iterates += 1
@@ -164,6 +168,8 @@ class NewtonLoop:
         if not self.proceed(self.history):
             raise self.without_end(x)
         self.problem.tangent(x, A)
+        self.bordered.free()
+        self.bordered = BorderedSystem(self.problem.borders(x, one_sided=True))
         self.problem.constraints.constrain_tangent(x, A, self.b)
         shift, self.shift = self.control.next(self.length, self.shift, self.history), 0.0
         if shift:
@@ -171,15 +177,18 @@ class NewtonLoop:
         return_freed_memory(x.local_size)  # that of the assembly, before the factorization
 
     def step(self, x: PETSc.Vec, dx: PETSc.Vec) -> None:
-        """Replace the solution dx of the linear system by the step: the next iterate is x - dx."""
+        """Replace the solution dx of the linear system by the step: the next iterate is x - dx, Gil (74)."""
         return_freed_memory(x.local_size)  # that of the factorization, before the next assembly
         self.length = 1.0
         self.left -= 1
+        self.close_borders(dx)
         if not self.line_search:
-            if not factorization.solves(self.A, dx, self.b, self.work):
+            if not self.solves(dx):
+                self.stop_at_linear_limit()
                 # A tangent that is singular at the start of an increment stays so for any smaller one.
                 outcome = Outcome.SINGULAR if len(self.history) > 1 else Outcome.SINGULAR_START
                 raise _Stop(outcome, self.linear_failure())
+            self.settle(x, 1.0)
             return
         start = x.copy(self.here)
         moved = self.problem.constraints.impose(start)
@@ -188,7 +197,13 @@ class NewtonLoop:
             while not self.is_descent(dx):
                 self.correct_inertia(x, dx)
             self.problem.constraints.zero_constrained(dx)
-            length = step_back(self.problem, self.b, self.history[-1].energy, start, dx, moved)
+            problem, known = self.with_next_multipliers(x), not self.problem.integrals.given
+            if not self.follows:
+                length = step_back(problem, self.b, self.history[-1].energy if known else None, start, dx, moved)
+            elif not moved and halves(problem, self.b, start, dx):
+                length = 1.0
+            elif moved or self.b.dot(dx) > 0:
+                length = step_back(problem, self.b, None, start, dx, moved)
             if length is None:
                 self.correct_inertia(x, dx)
         if self.iterates == 1:
@@ -196,19 +211,27 @@ class NewtonLoop:
             slack = wrinkling_threshold(self.problem.structure) > 0
             self.from_stable = self.shift <= (self.control.first if slack else 0.0)
         self.length = length
+        self.settle(x, length)
         dx.scale(length)
         if moved:  # otherwise the next iterate is the last trial, bit by bit, which is not evaluated again
             dx.axpy(1.0, x)
             dx.axpy(-1.0, start)
 
+    @property
+    def follows(self) -> bool:
+        """True if water follows an outlet that moves: no potential, and a tangent that is not symmetric."""
+        return not self.bordered.borders.two_sided.all()
+
     def is_descent(self, dx: PETSc.Vec) -> bool:
         """Return True if dx solves the linear system and -dx is a descent direction, without negative curvature."""
-        if not factorization.solves(self.A, dx, self.b, self.work):
+        if not self.solves(dx):
+            self.stop_at_linear_limit()
             return False
         if self.counts_pivots:
             negative, zero = factorization.pivots(self.ksp)
+            negative = self.bordered.negative(negative)
         else:
-            negative, zero = int(float(self.b.dot(dx)) <= 0), 0
+            negative, zero = int(not self.follows and self.bordered.curvature(self.b, dx, self.forces) <= 0), 0
         # Later attempts begin out of balance.
         if negative and self.from_stable and self.first:
             self.lost_stability |= self.shift > wrinkling_threshold(self.problem.structure)
@@ -220,6 +243,36 @@ class NewtonLoop:
             raise _Stop(Outcome.SINGULAR, self.linear_failure())
         self.set_shift(x, self.control.more(self.shift))
         self.ksp.solve(self.b, dx)
+        self.close_borders(dx)
+
+    def close_borders(self, dx: PETSc.Vec) -> None:
+        """Make the solution of the sparse system that of the whole."""
+        self.bordered.factor(self.ksp)
+        self.forces = self.bordered.correct(dx)
+
+    def solves(self, dx: PETSc.Vec) -> bool:
+        """Return True if dx solves the linear system."""
+        return self.bordered.solves(self.A, dx, self.forces, self.b, self.work)
+
+    def with_next_multipliers(self, x: PETSc.Vec, share: float = 1.0) -> LoadedProblem:
+        """View of the problem with the multipliers of given integrals after a share of the step from x."""
+        if not self.problem.integrals.given:
+            return self.problem
+        steps = self.forces[self.bordered.borders.given]
+        forces = np.array(self.problem.integrals.forces(x)) - share * steps
+        return self.problem.with_multipliers(forces.tolist(), self.bordered.penalties().tolist())
+
+    def settle(self, x: PETSc.Vec, share: float) -> None:
+        """Set the multipliers of given integrals to those after a share of the step from x."""
+        self.problem = self.with_next_multipliers(x, share)
+
+    def stop_at_linear_limit(self) -> None:
+        """Stop where the iterative linear solver ran out of iterations, and no node is without stiffness.
+
+        A smaller increment has as many unknowns, and a shift would hide the cause.
+        """
+        if petsc_options.ran_out(self.ksp) and not (self.shift == 0 and loose_nodes(self.problem, self.A)):
+            raise _Stop(Outcome.LINEAR_LIMIT, petsc_options.limit_message(self.ksp))
 
     def linear_failure(self) -> str:
         """Sentence on why a step could not be solved for."""

@@ -20,6 +20,7 @@ class Outcome(Enum):
         DIVERGED: Failure: displacements are far beyond the size of the structure, or not numbers.
         SINGULAR: Failure: a tangent is singular, with any shift.
         SINGULAR_START: Failure: the tangent of a start is singular, and there is no shift.
+        LINEAR_LIMIT: Failure: the iterative linear solver that PETSc options choose ran out of iterations.
         NO_DESCENT: Failure: no step along the search direction lowers the energy.
         INDEFINITE: Failure: the tangent is no preconditioner.
         MECHANISM: Failure: the structure has a free motion.
@@ -40,6 +41,7 @@ class Outcome(Enum):
     DIVERGED = "the iteration diverged."
     SINGULAR = "the tangent stiffness is singular."
     SINGULAR_START = "the tangent stiffness is singular at the start, and so it is in any smaller increment."
+    LINEAR_LIMIT = "the linear solver ran out of iterations, as it may in any smaller increment."
     NO_DESCENT = "no step lowers the energy."
     INDEFINITE = (
         "the tangent at the start cannot be made positive definite, not even by a shift, and is no preconditioner; "
@@ -70,5 +72,5 @@ class Outcome(Enum):
 _EQUILIBRIA = (Outcome.CONVERGED, Outcome.STABILIZED, Outcome.SNAPPED, Outcome.FALLEN, Outcome.UNSTABLE)
 _FINAL = (
     *(Outcome.SLOW, Outcome.SINGULAR_START, Outcome.INDEFINITE, Outcome.MECHANISM),
-    *(Outcome.NO_EQUILIBRIUM, Outcome.UNDEFINED, Outcome.WORK_LIMIT),
+    *(Outcome.LINEAR_LIMIT, Outcome.NO_EQUILIBRIUM, Outcome.UNDEFINED, Outcome.WORK_LIMIT),
 )

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from petsc4py import PETSc
 
-from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
+from ..assembly.problem_under_actions import LoadedProblem
 from ..checks.calls import parameters_of, takes
 from ..checks.validation import finite, integer, short_repr, truth
 from ..checks.values import with_article

@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterable
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from ..model.fingerprints import fingerprint
-from ..runtime.decimal_point import decimal_point
+from ..model.digests import fingerprint
+from ..runtime.number_locale import decimal_point
 from ..runtime.processes import refuse_differences, together
 
 PREFIX = "fx_membrane_"
@@ -150,7 +150,7 @@ def apply(ksp: PETSc.KSP) -> None:
     except PETSc.Error as error:
         kinds = {name: value for name, value in given().items() if name.startswith(("ksp_", "pc_"))}
         raise ValueError(
-            f"PETSc refuses the options {kinds} with the prefix {PREFIX}, or does not have such a type (error "
+            f"PETSc refuses the options {kinds} with the prefix {PREFIX}, or does not have this type (error "
             f"{error.ierr}); mend them or leave them out."
         ) from None
     kind = ksp.getPC().getType()
@@ -173,6 +173,21 @@ def apply(ksp: PETSc.KSP) -> None:
 def name(ksp: PETSc.KSP) -> str:
     """Name of a linear solver that options have chosen, as "cg with jacobi"; empty for the direct default."""
     return f"{ksp.getType()} with {ksp.getPC().getType()}" if choose_solver() else ""
+
+
+def ran_out(ksp: PETSc.KSP) -> bool:
+    """Return True if the last solve of an iterative linear solver ended at its limit of iterations."""
+    return bool(ksp.getConvergedReason() == PETSc.KSP.ConvergedReason.DIVERGED_MAX_IT)
+
+
+def limit_message(ksp: PETSc.KSP) -> str:
+    """Sentence on a linear solver that ran out of iterations."""
+    rtol, _, _, most = ksp.getTolerances()
+    return (
+        f"the linear solver that the PETSc options choose, {name(ksp)}, ran out of its {most} iterations before a step "
+        f"was solved to {rtol:g}; allow more (-{PREFIX}ksp_max_it), give a better preconditioner (as -{PREFIX}pc_type "
+        f"gamg), or leave -{PREFIX}ksp_type out for the direct solver."
+    )
 
 
 def choose_solver() -> bool:

@@ -6,8 +6,8 @@ from typing import Literal, NamedTuple
 
 from petsc4py import PETSc
 
-from ..assembly.loaded_problem import LoadedProblem
 from ..assembly.problem import Problem
+from ..assembly.problem_under_actions import LoadedProblem
 from . import factorization
 
 Kind = Literal["jacobi", "tangent"] | None

@@ -4,6 +4,8 @@ import contextlib
 import importlib
 import os
 import sys
+import threading
+from collections.abc import Callable, Iterator
 from importlib.util import find_spec
 from time import monotonic
 from typing import Any, Self
@@ -12,6 +14,7 @@ from tqdm import tqdm
 
 from ..checks.values import counted
 from ..runtime.messages import silent
+from ..runtime.printable_text import printable
 from .base import Iteration
 
 WIDE = 110  # columns of a terminal that holds more
@@ -46,13 +49,39 @@ class Pulse:
                 print(f"{self._name}: {words}, {self._told - self._began:.1f} s", file=sys.stderr, flush=True)
 
 
+@contextlib.contextmanager
+def beating(pulse: Pulse, words: str) -> Iterator[Callable[[str], None]]:
+    """Write a line every ten seconds during a call that cannot be divided.
+
+    Args:
+        pulse: Where the lines go.
+        words: Words of the lines.
+
+    Yields:
+        Function that changes the words.
+    """
+    now, ended = [words], threading.Event()
+
+    def beat() -> None:
+        while not ended.wait(0.9 * SILENCE):
+            pulse.tell(now[0])
+
+    thread = threading.Thread(target=beat, daemon=True)
+    thread.start()
+    try:
+        yield lambda other: now.__setitem__(0, other)
+    finally:
+        ended.set()
+        thread.join()
+
+
 class Report:
     """Progress of a stage, on one process.
 
-    On a terminal it is one line: name, load factor, iterations and residual; on a wide one also the number of the
-    stage and of the increment, the time passed, and an estimate of the rest. A notebook shows a bar of its own, where
-    ipywidgets are there. Elsewhere it writes a line for each increment found, and one every ten seconds; a single
-    longer iteration cannot be interrupted.
+    On a terminal it is one line: name, load factor, iterations and residual; on a wide one also the numbers of stage
+    and increment, the time passed, and an estimate of the rest. A notebook shows a bar of its own, where ipywidgets are
+    there. Elsewhere it writes a line for each increment found, and one every ten seconds; a single longer iteration
+    cannot be interrupted.
 
     Args:
         name: Name of the stage.
@@ -63,7 +92,7 @@ class Report:
     """
 
     def __init__(self, name: str, factor: float, shown: bool, number: int = 1, count: int = 1):
-        shown = shown and not silent()
+        shown, name = shown and not silent(), printable(name).replace("\n", "\\n")
         terminal = shown and sys.stderr is not None and sys.stderr.isatty()
         widgets = shown and _notebook_bar()
         columns = _columns()

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from petsc4py import PETSc
 
-from ..assembly.loaded_problem import LoadedProblem
+from ..assembly.problem_under_actions import LoadedProblem
 from .curvature import negative_curvature_direction
 
 

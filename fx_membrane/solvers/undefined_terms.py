@@ -3,8 +3,8 @@
 import numpy as np
 from petsc4py import PETSc
 
-from ..assembly.loaded_problem import LoadedProblem
-from ..model.energy_terms import described
+from ..assembly.problem_under_actions import LoadedProblem
+from ..model.term_parameters import described
 from .base import Solution, iterate
 from .outcome import Outcome
 

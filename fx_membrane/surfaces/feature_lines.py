@@ -63,7 +63,8 @@ def features(structure: Structure, keep: Integers) -> Features:
             bars[name] = {edge: row for row, edge in enumerate(_pairs(part.cells)) if on[row]}
             for edge in bars[name]:
                 owners[edge].add(("bar", name))
-    rim = np.unique([edge for edge, names in owners.items() if any(kind == "rim" for kind, _ in names)])
+    on_rim = [edge for edge, names in owners.items() if any(kind == "rim" for kind, _ in names)]
+    rim = np.unique(np.array(on_rim, dtype=np.int64))  # empty of closed membranes
     for number, support in enumerate(structure.supports):
         for edge in _held_edges(structure, patches, np.asarray(support.nodes), rim, owners):
             owners[edge].add(("held", number))

@@ -19,6 +19,7 @@ Integers = NDArray[np.int64]
 CANDIDATES = (12, 200)  # nearest cells in which a point is looked for
 TOUCH = 1e-12  # distance over the size of a plan that counts as touching
 LEAST = 1e-6  # area in the plane over that in space that counts as none
+AS_FAR = 1e-9  # difference of distances, relative to them, that rounding may make
 OUTSIDE = 0.05  # share of a cell by which a point may lie outside before more cells are tried
 
 
@@ -121,8 +122,9 @@ def _conformal(points: Array, triangles: Integers) -> Array:
     a, b = boundary_edges(triangles).T
     area = sparse.coo_array((np.full(2 * len(a), 0.5) * np.repeat([1, -1], len(a)), (np.r_[a, b], np.r_[b, a])), (n, n))
     matrix = sparse.csc_matrix(sparse.bmat([[laplace, -area], [area, laplace]]))
-    first = a[np.linalg.norm(points[a] - points[a].mean(axis=0), axis=1).argmax()]
-    second = a[np.linalg.norm(points[a] - points[first], axis=1).argmax()]
+    rim = np.sort(a)
+    first = _farthest(points, rim, points[rim].mean(axis=0))
+    second = _farthest(points, rim, points[first])
     held = np.array([first, second, first + n, second + n])
     values = np.array([0.0, np.linalg.norm(points[second] - points[first]), 0.0, 0.0])
     free = np.setdiff1d(np.arange(2 * n), held)
@@ -130,3 +132,9 @@ def _conformal(points: Array, triangles: Integers) -> Array:
     found[held] = values
     found[free] = splu(matrix[free][:, free]).solve(-(matrix[free][:, held] @ values))
     return found.reshape(2, n).T[:count]
+
+
+def _farthest(points: Array, nodes: Integers, place: Array) -> int:
+    """Node farthest from a place; the first of several that are as far but for rounding."""
+    distance = np.linalg.norm(points[nodes] - place, axis=1)
+    return int(nodes[(distance > (1 - AS_FAR) * distance.max()).argmax()])

@@ -1,14 +1,17 @@
-"""Triangles between the segments of a plan, by gmsh, as a script: `python -P gmsh_script.py plan.npz mesh.npz`.
+"""Triangles between the segments of plans, by gmsh, as a script: `python -P gmsh_script.py 24`.
 
-It runs in a separate process: models open in gmsh elsewhere are unchanged. It needs gmsh and numpy only, never MPI.
+It meshes plan-0.npz to plan-23.npz in its folder into mesh-0.npz to mesh-23.npz. It runs in a separate process: models
+open in gmsh elsewhere are unchanged. It needs gmsh and numpy only, never MPI, and imports the package by its name.
 """
 
 import sys
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-NO_GMSH, NOT_MESHED = 3, 4  # exit codes
+from fx_membrane.runtime.gmsh_process import started_gmsh, without_errors
 
 
 def _draw(model: Any, plan: Any) -> None:
@@ -34,7 +37,7 @@ def _draw(model: Any, plan: Any) -> None:
 
 
 def _set_sizes(gmsh: Any, plan: Any) -> None:
-    """Take sizes from a field on triangles, or from the segments around."""
+    """Set sizes by a field on triangles, or by the segments around."""
     if len(plan["field_triangles"]):
         corners = plan["field_points"][plan["field_triangles"]]
         flat = np.concatenate([corners, np.zeros((len(corners), 3, 1))], axis=2).transpose(0, 2, 1).reshape(-1, 9)
@@ -48,33 +51,26 @@ def _set_sizes(gmsh: Any, plan: Any) -> None:
     gmsh.option.setNumber("Mesh.MeshSizeMax", float(plan["largest"]))
 
 
-def _main(source: str, target: str) -> None:
-    try:
-        import gmsh  # noqa: PLC0415  (its absence has an exit code)
+def _mesh(gmsh: Any, source: str) -> tuple[Any, Any, Any]:
+    """Mesh the plan of a file; return the tags and coordinates of nodes, and the tags of the nodes of triangles."""
+    with np.load(source, allow_pickle=False) as plan:
+        _draw(gmsh.model, plan)
+        _set_sizes(gmsh, plan)
+    gmsh.model.mesh.generate(2)
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    return tags, coordinates, gmsh.model.mesh.getElementsByType(2)[1]
 
-        gmsh.initialize(readConfigFiles=False)
-    except Exception as error:
-        print(error, file=sys.stderr)
-        sys.exit(NO_GMSH)
-    gmsh.option.setNumber("General.Terminal", 0)
-    gmsh.logger.start()
-    failure = ""
-    try:
-        with np.load(source, allow_pickle=False) as plan:
-            _draw(gmsh.model, plan)
-            _set_sizes(gmsh, plan)
-        gmsh.model.mesh.generate(2)
-        tags, coordinates, _ = gmsh.model.mesh.getNodes()
-        triangles = gmsh.model.mesh.getElementsByType(2)[1]
-    except Exception as error:  # gmsh raises nothing more precise
-        failure = str(error) or type(error).__name__
-    errors = [line.removeprefix("Error: ") for line in gmsh.logger.get() if line.startswith("Error")]
-    if failure or errors:
-        print((errors or [failure])[0], file=sys.stderr)
-        sys.exit(NOT_MESHED)
-    order = np.argsort(tags)
-    rows = np.searchsorted(tags[order], triangles).reshape(-1, 3)
-    np.savez(target, points=coordinates.reshape(-1, 3)[order, :2], triangles=rows.astype(np.int64))
+
+def _main(count: str) -> None:
+    for number in range(int(count)):
+        gmsh = started_gmsh()  # anew, so that each plan is meshed as if alone
+        tags, coordinates, triangles = without_errors(gmsh, partial(_mesh, gmsh, f"plan-{number}.npz"))
+        gmsh.finalize()
+        order = np.argsort(tags)
+        rows = np.searchsorted(tags[order], triangles).reshape(-1, 3)
+        part = Path(f"mesh-{number}.part.npz")
+        np.savez(part, points=coordinates.reshape(-1, 3)[order, :2], triangles=rows.astype(np.int64))
+        part.replace(f"mesh-{number}.npz")  # whole once it is there
 
 
 if __name__ == "__main__":

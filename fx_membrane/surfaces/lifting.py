@@ -29,7 +29,7 @@ def cotangent_matrix(corners: Array, triangles: NDArray[np.int64], count: int) -
 
 
 def harmonic(points: Array, triangles: NDArray[np.int64], values: Array) -> Array:
-    """Fill values at nodes that are NaN so that their surface over the plan is as flat as the others allow.
+    """Fill nodal values that are NaN: the flattest surface over the plan that the others allow.
 
     Args:
         points: Positions, shape (n, 2 or 3) [m].

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ..checks import validation
-from ..geometry.measures import lengths
+from ..geometry.sizes import lengths
 from ..geometry.topology import boundary_edges
 from .flattening import Flat, flattened
 from .plan_checks import area, crossing, inside

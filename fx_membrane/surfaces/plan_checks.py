@@ -32,7 +32,7 @@ def crossing(points: Array, segments: Integers, near: float) -> tuple[int, int, 
 
 
 def pinched(points: Array, segments: Integers, loops: Integers) -> tuple[int, int, Array] | None:
-    """Two segments of loops that begin at the same node, and its place; None without such a pair."""
+    """Two segments of loops that begin at the same node, and its place; None if no two do."""
     border = np.flatnonzero(loops >= 0)
     order = border[np.argsort(segments[border, 0], kind="stable")]
     starts = segments[order, 0]

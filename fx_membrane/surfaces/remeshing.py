@@ -10,13 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
 from ..form_finding.form import Form
-from ..geometry.measures import measures
-from ..model.fingerprints import fingerprints, of_settings
+from ..geometry.sizes import measures
+from ..model.digests import fingerprints, of_settings
 from ..model.parts import Membrane, Part
+from ..model.ropes import refuse_ropes
 from ..model.structure import Structure
 from ..model.supports import Support
 from ..runtime.processes import refuse_differences, together
-from .new_mesh import NewMesh, new_mesh
+from .renewed_mesh import NewMesh, new_mesh
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -44,17 +45,15 @@ def remeshed(
 ) -> Remeshed:
     """Mesh the membranes of a structure or a form anew, with cells of a wanted size.
 
-    Rims, seams between membranes, cables and masts along edges of membranes and held lines remain lines of edges, with
-    their corners, ends and meeting points. Nodes held alone and those of bars off the membranes stay where they are. A
-    ring keeps a segment for each 30 degrees; cells grow from there to the wanted size. New nodes are on the curved
-    surface, and on the curved lines, that the old nodes stand for: their distance from it falls as the third power of
-    the old mesh size.
+    Rims, seams, held lines, and cables and masts along edges remain lines of edges, with corners, ends and crossings.
+    Nodes held alone and those of bars off the membranes stay where they are. A ring keeps a segment for each 30
+    degrees; cells grow from there to the wanted size. New nodes are on the curved surface, and on the curved lines,
+    that the old nodes stand for: their distance from it falls as the third power of the old mesh size.
 
-    Stress and warp of membranes are interpolated, in the frame of warp and weft, so that a constant stress stays
-    constant and a linear one linear; their error falls as the square of the old mesh size. Forces of bars are
-    interpolated along their lines. The new structure is near equilibrium: a form finding of one step, or a stage
-    without loads, moves it by an amount that falls as the square of the old mesh size in the mean, but for a logarithm
-    at the node that moves most.
+    Stress and warp are interpolated in the frame of warp and weft: a constant stress stays constant, a linear one
+    linear; their error falls as the square of the old mesh size. Forces of bars are interpolated along their lines. The
+    new structure is near equilibrium: a form finding of one step, or a stage without loads, moves it a little. The mean
+    falls as the square of the old mesh size; the largest has a logarithm more.
 
     Args:
         shape: The structure or form.
@@ -84,6 +83,7 @@ def remeshed(
     with together(comm):
         validation.instance("remeshed shape", shape, Structure | Form)
         structure = shape.structure if isinstance(shape, Form) else shape
+        refuse_ropes("remeshed", structure)
         kept = validation.indices("keep", keep, empty=True)
         structure.check_nodes("keep", kept)
         sizes = _checked_size(structure, size)
@@ -101,6 +101,12 @@ def remeshed(
 
 def _checked_size(structure: Structure, size: Any) -> Callable[[Array], Array]:
     """Check the wanted size; return it as a function of places, shape (k, 3) to (k,)."""
+    for name, part in structure.parts.items():
+        if np.ptp(part.natural_tensors(), axis=0).any():
+            raise ValueError(
+                f"Part {name!r} has a natural stretch that differs from cell to cell, which new cells cannot take; "
+                "leave it out by dataclasses.replace(part, natural_stretch=1.0), and give that of the new cells."
+            )
     membranes = list(structure.parts_of(Membrane).values())
     if not membranes:
         raise ValueError(f"The structure has no membrane to mesh anew; its parts are {list(structure.parts)}.")
@@ -137,7 +143,15 @@ def _check_count(structure: Structure, sizes: Array, extent: float) -> None:
 def _structure(structure: Structure, mesh: NewMesh) -> Structure:
     parts: dict[str, Part] = {}
     for name, part in structure.parts.items():
-        changes: dict[str, Any] = {"cells": mesh.cells[name]}
+        natural = part.natural_tensors()[0]  # the same in all cells
+        one = (
+            natural.item()
+            if natural.size == 1
+            else part.natural_stretch
+            if np.ndim(part.natural_stretch) == 0
+            else natural
+        )
+        changes: dict[str, Any] = {"cells": mesh.cells[name], "natural_stretch": one}
         if name in mesh.prestress:
             changes["prestress"] = mesh.prestress[name]
         if name in mesh.warp:

@@ -9,7 +9,7 @@ from mpi4py import MPI
 from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
-from ..model.fingerprints import of_settings
+from ..model.digests import of_settings
 from ..runtime.processes import refuse_differences, together
 from .lifting import harmonic
 from .plan_mesh import triangulated
@@ -63,9 +63,9 @@ def sail_mesh(
         sag: Rise of the edges over their chords, towards the inside, as a share of the chord [-]; a number for all, or
             by edge. Edges with a sag are arcs in plan, those without are straight. A negative one bulges.
         holes: Holes by name: a `RoundHole`, or corners of a polygon, shape (k, 2) or (k, 3) [m].
-        lines: Ridges and valleys by name, each a list of at least two points: names of corners or of `points`, pairs
-            (name of an edge or a hole, share of its length), or places, shape (2,) or (3,) [m]. A line takes its
-            heights from its points, if all have one. Lines meet in common points only.
+        lines: Ridges and valleys by name, each a list of at least two points: names of corners or `points`, pairs (edge
+            or hole, share of its length), or places, shape (2,) or (3,) [m]. A line takes its heights from its points,
+            if all have one. Lines meet in common points only.
         points: Single points by name, as mast heads, each of shape (2,) or (3,) [m].
         sizes: Other sizes, by name of an edge, a hole, a line or a point [m]. A ring has at least 12 segments.
         comm: The processes that call: the first one meshes, all get the mesh.
@@ -93,7 +93,7 @@ def sail_mesh(
     mesh = None
     with together(comm):
         if comm.rank == 0:
-            flat, triangles = triangulated(plan)
+            ((flat, triangles),) = triangulated([plan])
             heights = np.full(len(flat), np.nan)
             heights[: len(drawing.heights)] = drawing.heights
             mesh = np.column_stack([flat, harmonic(flat, triangles, heights)]), triangles

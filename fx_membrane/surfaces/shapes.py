@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ..checks import validation
 from ..form_finding.form import Form
-from ..geometry.measures import degenerate
+from ..geometry.sizes import degenerate
 from ..model.parts import Membrane
 from ..model.structure import Structure
 from ..results.states import StageResult
@@ -28,7 +28,7 @@ class Surface(NamedTuple):
 
 
 def surface_of(what: str, shape: Any, part: str | None) -> Surface:
-    """Take the surface of a membrane, or of all together.
+    """Surface of a membrane, or of all together.
 
     Args:
         what: Name of the function that asks, for messages.

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from ..geometry.measures import measures
+from ..geometry.sizes import measures
 from .tracing import Ends, Field, Track, shares_of, trace
 from .walking import Terrain
 
@@ -134,7 +134,7 @@ class Spread:
         return ends._replace(directions=np.tile(along, (2, 1)))
 
     def next_seeds(self) -> Ends | None:
-        """Take one free point on each side of each line; None if there is none."""
+        """Choose one free point on each side of each line; None if there is none."""
         found = [self._taken(number, ends) for number, ends in enumerate(self.seeds)]
         if not any(len(ends.cells) for ends in found):
             return None
@@ -144,7 +144,7 @@ class Spread:
         return Ends(cells, shares, directions, lengths)
 
     def _taken(self, number: int, ends: Ends) -> Ends:
-        """Take the first free point on each side of a line; points that are not free are not looked at again."""
+        """Choose the first free point on each side of a line; others are not looked at again."""
         usable = (ends.lengths >= self.spacing * (1 - 1e-9)) & self.allowed[ends.cells]
         places = self.terrain.places(ends.cells[usable], ends.shares[usable])
         usable[usable] = self.free(self.key(ends.cells[usable], places), START)

@@ -1,20 +1,24 @@
 """Lines of stress on membranes: principal stress trajectories, and lines of wrinkles."""
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from ..assembly.actions import unloaded
 from ..checks import validation
 from ..form_finding.form import Form
 from ..geometry.topology import from_smallest
 from ..model.parts import Membrane
 from ..model.structure import Structure
+from ..results.initial_stress import reference_stress
 from ..results.states import StageResult
-from .even_lines import PARTS, checked_spacing, even_lines
-from .shapes import surface_of
-from .surface_lines import SurfaceLine
-from .tracing import field_of, plane_axes
+from .nearest_points import on_surface
+from .shapes import Surface, surface_of
+from .spread_lines import PARTS, checked_spacing, even_lines
+from .surface_lines import SurfaceLine, listed_points
+from .tracing import Field, field_of, plane_axes, trace
 from .walking import Terrain
 
 Array = NDArray[np.float64]
@@ -42,27 +46,34 @@ def stress_trajectories(
     shape: Structure | Form | StageResult,
     part: str | None = None,
     *,
+    starts: Sequence[int | ArrayLike] | None = None,
     spacing: float | None = None,
     second: bool = False,
 ) -> list[SurfaceLine]:
-    """Principal stress trajectories, spread evenly: lines whose direction is that of a principal stress everywhere.
+    """Principal stress trajectories: lines whose direction is that of a principal stress everywhere.
 
-    The stress is interpolated between means at the nodes, so that the lines are of second order in the mesh size. Lines
+    They go through points, as seams do, or are spread evenly.
+
+    The stress is interpolated between means at the nodes: the lines are of second order in the mesh size. Lines
     end where stress has no direction, its principal values within 1 % of each other, and in slack cells; those of the
     second principal stress end in wrinkled cells, too, which carry nothing along them.
 
     Args:
-        shape: A `StageResult`, taken as deformed; or a `Structure` or a `Form` with its prestress.
+        shape: A `StageResult`, taken as deformed; a `Structure` as built; or a `Form`.
         part: Name of the membrane; None for all, joined where they share nodes.
-        spacing: Distance between neighbouring lines; by default a twentieth of the extent of the structure [m].
+        starts: Points that the lines go through: node numbers, or positions on the surface, shape (3,) [m]; None for
+            lines spread evenly.
+        spacing: Without starts, distance between neighbouring lines; by default a twentieth of the extent of the
+            structure [m].
         second: True for lines of the second principal stress, across those of the first.
 
     Returns:
         The lines; their `cells` are those of the part, or of all membranes in the order of the parts.
 
     Raises:
-        ValueError: The shape is none of these, or has no membrane of that name; the spacing is not positive, or so
-            small that the lines would have more than 2e5 segments.
+        ValueError: The shape is none of these, or has no membrane of that name; a start is not on the surface, or the
+            stress has no direction there; spacing is given with starts, is not positive, or so small that the lines
+            would have more than 2e5 segments.
 
     Example:
         >>> points, triangles = rectangle(4.0, 2.0, 8, 4)
@@ -74,6 +85,10 @@ def stress_trajectories(
     second = validation.truth("second", second)
     sheet = _sheet("stress_trajectories", shape, part)
     allowed = _directed(sheet) & (sheet.state == "taut" if second else sheet.state != "slack")
+    if starts is not None:
+        if spacing is not None:
+            raise ValueError("spacing is given with starts; give one of them.")
+        return _through_points(sheet, allowed, listed_points(starts), second)
     distance = checked_spacing("spacing", sheet.terrain, spacing)
     return _lines(sheet, allowed, distance, shortest=distance, second=second)
 
@@ -110,13 +125,50 @@ def wrinkle_lines(
     return _lines(sheet, sheet.state == "wrinkled", distance, shortest=0.0)
 
 
+def _through_points(
+    sheet: _Sheet, allowed: NDArray[np.bool_], starts: Sequence[Any], second: bool
+) -> list[SurfaceLine]:
+    """Trace lines through points, from end to end."""
+    terrain = sheet.terrain
+    surface = Surface(terrain.points, terrain.triangles)
+    allowed = allowed & terrain.sound
+    along = field_of(terrain, sheet.stress, allowed, second, sheet.members)
+    return [_line_through(terrain, along, allowed, *on_surface("A start", surface, start)) for start in starts]
+
+
+def _line_through(terrain: Terrain, along: Field, allowed: NDArray[np.bool_], cell: int, shares: Array) -> SurfaceLine:
+    place = terrain.place(cell, shares)
+    inside = next((other for other, _ in terrain.cells_at(cell, shares) if allowed[other]), None)
+    if inside is None:
+        raise ValueError(
+            f"The stress at {validation.format_point(place)} has no direction, its principal values being alike, or "
+            "the cell slack; move the start."
+        )
+    mine = next(share for other, share in terrain.cells_at(cell, shares) if other == inside)
+    ahead = along.direction(np.array([inside]), mine[None], along.axes[[inside], 0])[0]
+    halves = []
+    for sense in (-1.0, 1.0):
+        first = terrain.cell_towards(cell, shares, sense * ahead)
+        if first is not None and allowed[first[0]]:
+            number, share, direction = first
+            tracks, _ = trace(
+                terrain, np.array([number]), share[None], direction[None], np.inf, allowed, along, near=0.0
+            )
+            halves.append((tracks[0].points, tracks[0].cells))
+        else:
+            halves.append((place[None], np.zeros(0, dtype=np.int64)))
+    (back, behind), (front, before) = halves
+    points = np.concatenate([back[::-1][:-1], place[None], front[1:]])
+    return SurfaceLine(points, np.concatenate([behind[::-1], before]))
+
+
 def stress_of(shape: Structure | Form | StageResult, name: str) -> Array:
-    """Cauchy stress of a membrane in global axes, of a structure or a form its prestress, shape (cells, 3, 3) [N/m]."""
+    """Cauchy stress of a membrane in global axes, of a structure as built, shape (cells, 3, 3) [N/m]."""
     if isinstance(shape, StageResult):
         return shape.membrane(name).cauchy
     structure = shape if isinstance(shape, Structure) else shape.structure
-    membrane = structure.part(name, Membrane)
-    tensors = shape.forces[name] if isinstance(shape, Form) else membrane.prestress_tensors()
+    structure.part(name, Membrane)
+    tensors = shape.forces[name] if isinstance(shape, Form) else reference_stress(structure, name, unloaded(structure))
     warp, terrain = structure.warp(name), Terrain(surface_of("stress", structure, name), cut=True)
     frame = np.stack([warp, np.cross(terrain.normals, warp)], axis=1)
     return np.asarray(np.einsum("cki,ckl,clj->cij", frame, tensors, frame))

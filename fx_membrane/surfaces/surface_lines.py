@@ -9,14 +9,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
 from ..form_finding.form import Form
-from ..geometry.measures import lengths, measures
+from ..geometry.sizes import lengths, measures
 from ..model.parts import Membrane
 from ..model.structure import Structure
 from ..results.states import StageResult
-from .even_lines import checked_spacing, even_lines
-from .nearest import on_surface
+from .geodesics import shortest
+from .nearest_points import on_surface
 from .shapes import Shape, Surface, surface_of
-from .shortest import shortest
+from .spread_lines import checked_spacing, even_lines
 from .tracing import field_of
 from .transfer import between, main_direction
 from .walking import Direction, Terrain, Way, walk
@@ -30,8 +30,8 @@ class SurfaceLine:
 
     Attributes:
         points: Places along the line, where it crosses edges or nodes, and its ends, shape (k, 3) [m].
-        cells: Cell between each two of them, shape (k - 1,), numbered as those of the part, or of all membranes in the
-            order of the parts.
+        cells: Cell between each two of them, shape (k - 1,): numbers of the part, or of all membranes one after the
+            other.
     """
 
     points: Array
@@ -65,9 +65,9 @@ def geodesic(
     """Geodesic between two points, or from a point in a direction.
 
     It is exact on the flat cells: straight across edges. Between two points it bends at nodes only where it cannot be
-    shortened; it is the shortest of all lines near it, found from the shortest line along edges. In a direction it goes
-    on with equal angles on both sides of a node, until the rim or to its length. On a mesh of a curved surface, lengths
-    between points are of second order in the mesh size, and places of lines in a direction of first order.
+    shortened; it is the shortest of all lines near it, found from the shortest line along edges. In a direction it
+    leaves a node with equal angles on both sides. It ends at the rim or its length. On a mesh of a curved surface,
+    lengths between points are of second order in the mesh size. Places of lines in a direction are of first order.
 
     Args:
         shape: A `Structure`, a `Form` or a `StageResult`, taken as deformed; or points, shape (n, 3), and triangles,
@@ -124,7 +124,7 @@ def warp_lines(
 ) -> list[SurfaceLine]:
     """Lines along the warp of a membrane: through points, from rim to rim in the sense of the warp; or spread evenly.
 
-    The direction between the centres of cells is interpolated, so that the lines are of second order in the mesh size.
+    The direction between centres of cells is interpolated: the lines are of second order in the mesh size.
 
     Args:
         shape: A `Structure`, a `Form`, or a `StageResult`, taken as deformed, its warp with it.
@@ -136,8 +136,8 @@ def warp_lines(
 
     Raises:
         ValueError: The shape is none of these, or has several membranes and no part is named; a point is not on the
-            surface; a line reaches no rim; spacing is given with starts, is not positive, is larger than any line is
-            long, or is so small that the lines would have more than 2e5 segments.
+            surface; a line reaches no rim; spacing is given with starts, is not positive, or is larger than any line is
+            long; it is so small that the lines would have more than 2e5 segments.
 
     Example:
         >>> points, triangles = rectangle(4.0, 4.0, 8, 8)
@@ -153,7 +153,7 @@ def warp_lines(
         raise ValueError("spacing is given with starts; give one of them.")
     terrain = Terrain(surface)
     field = _field(terrain, warp)
-    return [_through(terrain, field, warp, *on_surface("A start", surface, start)) for start in _listed(starts)]
+    return [_through(terrain, field, warp, *on_surface("A start", surface, start)) for start in listed_points(starts)]
 
 
 def _evenly(terrain: Terrain, warp: Array, spacing: float | None) -> list[SurfaceLine]:
@@ -165,7 +165,8 @@ def _evenly(terrain: Terrain, warp: Array, spacing: float | None) -> list[Surfac
     return [SurfaceLine(track.points, track.cells) for track in tracks]
 
 
-def _listed(starts: Any) -> Sequence[Any]:
+def listed_points(starts: Any) -> Sequence[Any]:
+    """Points through which lines go, as a list."""
     if isinstance(starts, str) or not isinstance(starts, Sequence | np.ndarray) or not len(starts):
         raise ValueError(f"starts is {validation.short_repr(starts)}; give a list of nodes or of positions.")
     return list(starts)

@@ -1,7 +1,7 @@
 """Many lines over triangles at once: straight ones, and those along a principal axis of tensors.
 
 All lines advance together, cell by cell: each step is a few operations on arrays. A line along a field is straight in
-each cell, in the direction of the field half way through it (the midpoint rule).
+each cell, along the field half way through it (the midpoint rule).
 """
 
 from collections.abc import Iterable
@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.measures import measures
+from ..geometry.sizes import measures
 from .walking import CORNER, PARALLEL, Terrain
 
 Array = NDArray[np.float64]

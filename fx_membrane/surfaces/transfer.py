@@ -4,12 +4,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from ..geometry.measures import normals
+from ..geometry.sizes import normals
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-FOLD = 0.5  # angle between a cell and the surface at its corners from which on there is a fold, not a curvature [rad]
+FOLD = 0.5  # angle between a cell and the surface at its corners, from which on it is a fold [rad]
 
 
 def at_nodes(places: Array, triangles: Integers, values: Array) -> Array:
@@ -36,7 +36,7 @@ def at_nodes(places: Array, triangles: Integers, values: Array) -> Array:
 def normals_at_nodes(points: Array, triangles: Integers) -> Array:
     """Find unit normals at nodes, of second order, rims included, by paraboloids nearest to two rings of nodes.
 
-    Normals of flat cells are those of the surface off their centres, to first order, which does not cancel at a rim.
+    Normals of flat cells are off those of the surface, to first order, which does not cancel at a rim.
 
     Source:
         F. Cazals, M. Pouget, Estimating differential quantities using polynomial fitting of osculating jets, Computer

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..checks import validation
-from ..geometry.measures import measures, normals
+from ..geometry.sizes import measures, normals
 from ..geometry.topology import branching_edge
 from .shapes import Surface
 
@@ -33,8 +33,8 @@ class Terrain:
 
     Args:
         surface: The surface.
-        cut: Take edges at which it branches for rims, in the place of refusing it, and allow cells without area, whose
-            normals are not finite, as of collapsed slack ones.
+        cut: Take edges at which it branches for rims instead of refusing it. Allow cells without area, whose normals
+            are not finite.
 
     Raises:
         ValueError: It branches.

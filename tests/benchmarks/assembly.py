@@ -4,8 +4,8 @@
 
 
 One core (OMP_NUM_THREADS=1). CPU seconds belong to the innermost phase, as does the largest resident memory, imports
-aside. The bounds of the tangent are one STREAM-like
-pass, c = a + b, over as many numbers as the matrix has non-zeros, and one product of matrix and vector.
+aside. Bounds of the tangent: one STREAM-like pass, c = a + b, over as many numbers as its non-zeros, and one product
+with a vector.
 """
 
 import os
@@ -56,7 +56,7 @@ PHASES = {
     "fx_membrane.assembly.assembler:Assembler.matrix": "tangent",
     "fx_membrane.assembly.assembler:Assembler.vector": "residual",
     "fx_membrane.assembly.assembler:Assembler.strain_energy": "energy",
-    "fx_membrane.assembly.constraints:Constraints.constrain_tangent": "constraints of the tangent",
+    "fx_membrane.assembly.held_components:Constraints.constrain_tangent": "constraints of the tangent",
     "dolfinx.fem:assemble_vector": "residual",
     "dolfinx.fem:pack_coefficients": "packing of coefficients",
     "dolfinx.fem.assemble:_pack_coefficients": "packing of coefficients",

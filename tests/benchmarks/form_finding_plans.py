@@ -10,8 +10,8 @@ far too high for a film.
 For each method the table gives: found, unsettled (a form that is reported not to have what was asked for) or refused;
 steps; processor time [s]; largest error of the stress; displacement of the form when it is analysed as handed over,
 over its size; and the reason in words. These are defects, and the exit status is 1 then: more than a minute of
-processor time, a form that moves by more than 1e-12 of its size, a form that is not what was asked for without a word,
-a flaw that is found or has no word on it, and a plan without a flaw that stress in projection does not find.
+processor time; a form that moves by more than 1e-12 of its size, or is not the one asked for without a word; a flaw
+that is found or has no word on it; a plan without a flaw that stress in projection does not find.
 """
 
 import re

@@ -39,7 +39,7 @@ from fx_membrane.form_finding.form import relative_difference
 from fx_membrane.form_finding.nearest_stress.start import near_state
 from fx_membrane.form_finding.nearest_stress.state import NearestProblem
 from fx_membrane.form_finding.wishes import wishes_of
-from fx_membrane.geometry.measures import aspects, measures, normals, projected
+from fx_membrane.geometry.sizes import aspects, measures, normals, projected
 from fx_membrane.solvers.progress import Pulse
 
 WOVEN = OrthotropicFabric(Et_warp=6e5, Et_weft=6e5, nu=0.4, Gt=3e4)

@@ -9,7 +9,7 @@ import pytest
 
 from fx_membrane import Cable, Fabric, Mast, Membrane, Structure
 from fx_membrane.assembly.problem import Problem
-from fx_membrane.geometry.measures import measures
+from fx_membrane.geometry.sizes import measures
 
 COUNT, MASS = 20, 1.7
 

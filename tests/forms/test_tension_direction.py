@@ -44,6 +44,7 @@ def wrinkled_cells(rng, fabrics, kind):
     return np.concatenate(strains), np.concatenate(moduli), np.concatenate(compliances)
 
 
+@pytest.mark.study("low", "high")
 @pytest.mark.parametrize("kind", ["strains", "stresses", "nearly slack"])
 @pytest.mark.parametrize(("low", "high"), [(-0.999, -0.7), (-0.7, 0.0), (0.0, 0.7), (0.7, 0.999)])
 def test_direction_of_tension_is_stationary_and_the_best(low, high, kind):

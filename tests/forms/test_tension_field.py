@@ -26,7 +26,7 @@ from fx_membrane import (
 from fx_membrane.assembly.problem import Problem
 from fx_membrane.assembly.tension_field import natural_strains, wrinkles
 from fx_membrane.forms.wrinkling import SLACK, TAUT
-from fx_membrane.geometry.measures import measures
+from fx_membrane.geometry.sizes import measures
 from taylor import remainders
 from wrinkled import COLUMN, FABRICS, ROW, STATES, compliance, frequency_and_tangent, run, shapes, strains, tensor
 

@@ -71,8 +71,10 @@ def along_random(problem, u, seed, steps):
 @pytest.mark.parametrize("number", range(3), ids=STATES)
 @pytest.mark.parametrize("name", PAIR)
 def test_tangent_is_consistent_in_each_state(name, number):
-    """The next term of the remainder is smaller by h over the strain at which the state would change, 1e-3 for
-    the step 1e-6: the orders are 2 within 0.01."""
+    """The next term of the remainder is smaller by h over the strain of the next switch, 1e-3 for the step 1e-6.
+
+    The orders are 2 within 0.01.
+    """
     fabric = FABRICS[name]
     e, sigma0 = strains(fabric, 11)
     chosen = state_of(e, fabric) == number

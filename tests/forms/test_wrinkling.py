@@ -3,8 +3,8 @@
 Reference: the relaxed energy is the least of (e + b) : C : (e + b) / 2 over wrinkle strains b >= 0, with the total
 elastic strain e = E + C^-1 : sigma0 (A. C. Pipkin, IMA J. Appl. Math. 36 (1986) 85-99), searched over all directions
 of the wrinkles. State: taut where C : e has no negative principal
-value, slack where e has no positive one. With stress S(e) and stiffness C, projection on the
-cone of stresses without compression gives bounds for any two strains, so across every switch too,
+value, slack where e has no positive one. With stress S(e) and stiffness C, projection on the cone of stresses without
+compression bounds any two strains, also across every switch,
 
     0 <= w(e + d) - w(e) - S(e) : d <= d : C : d / 2,      dS : C^-1 : dS <= d : C : d.
 

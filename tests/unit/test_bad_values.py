@@ -11,6 +11,7 @@ import fx_membrane
 from bad_values import faults, scalars, values
 from fx_membrane import (
     ParaViewSeries,
+    cut_pieces,
     equilibrium_path,
     load_results,
     plot,
@@ -20,28 +21,43 @@ from fx_membrane import (
     structure_from_gmsh,
     updated_reference,
     write_paraview,
+    write_patterns,
     write_report,
     write_scene,
 )
-from right_arguments import CASES, RESULTS, STATE
+from right_arguments import CASES
+from right_subjects import RESULTS, STATE
 
 NO_INPUT = {  # made by the package
-    "Depression", "Drainage", "Remeshed", "SailMesh", "SurfaceLine",
+    "ChamberResult", "Depression", "Drainage", "Edge", "Remeshed", "SailMesh", "Strips", "SurfaceLine",
+    "CuttingPattern", "FlatStrip", "PatternProof", "SeamLengths", "Side", "StressErrors", "StressFit", "StripProof",
     "Actions", "BarResult", "Constraints", "EnergyTerm", "Equilibrium", "EquilibriumPath", "LoadedProblem", "Net",
     "Outcome", "ForceTerm", "Form", "FormStep", "Increment", "Iteration", "Law", "MembraneResult", "Modes",
     "PartFunctions", "Problem", "PathPoint", "Solution", "Solve", "Solver", "Stability", "StageResult", "StageResults",
-    "TermResult", "plot",
+    "Piece", "PondResult", "BasinResult", "WaterEvent", "RollLayout", "RopeResult", "TermResult", "plot",
 }  # fmt: skip
 ELSEWHERE = {
+    "Allowances",
+    "BiaxialTests",
+    "Chamber",
+    "cut_strips",
+    "cutting_pattern",
     "drainage",
+    "flatten",
     "geodesic",
+    "nearest_stress_pattern",
+    "prove_pattern",
+    "reassembled",
     "remeshed",
+    "planar_cut",
     "sail_mesh",
+    "seams_between",
     "stress_trajectories",
     "warp_along",
     "warp_lines",
+    "with_copies",
     "wrinkle_lines",
-}  # in tests/unit/surfaces
+}  # in tests/unit/model/test_chambers.py, and in tests/unit/surfaces and patterns
 NOT_RIGHT = (
     structure_from_gmsh,
     structure_from_file,
@@ -52,9 +68,17 @@ NOT_RIGHT = (
 )  # their arguments are refused, too
 NEEDS = {
     plot.contours: "pyvista", ParaViewSeries: "pyvista", write_paraview: "pyvista", write_report: "jinja2",
-    write_scene: "plotly", type(STATE).to_dataframe: "pandas",
+    write_scene: "plotly", type(STATE).to_dataframe: "pandas", cut_pieces: "shapely", write_patterns: "shapely",
 }  # fmt: skip
-SLOW = plot.convergence, plot.compare_convergence, plot.wireframe, plot.contours, equilibrium_path, updated_reference
+SLOW = (
+    plot.convergence,
+    plot.compare_convergence,
+    plot.wireframe,
+    plot.contours,
+    equilibrium_path,
+    updated_reference,
+    write_patterns,
+)
 
 
 @pytest.fixture(autouse=True)

@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from cell_orders import assert_same, shuffled
 from fx_membrane import (
     Analysis,
     Cable,
@@ -31,8 +32,8 @@ from fx_membrane import (
     updated_reference,
     wrinkle_lines,
 )
-from fx_membrane.geometry.measures import normals
-from fx_membrane.model.fingerprints import fingerprints
+from fx_membrane.geometry.sizes import normals
+from fx_membrane.model.digests import fingerprints
 
 SEEDS = [1, 2]
 FABRIC = Fabric(Et=1e5, nu=0.3)
@@ -45,15 +46,6 @@ STAGES = [
     Stage("air", [Pressure(300.0, "plain"), Pressure(150.0, "woven", range(5, 20))]),
     Stage("snow", [PlanLoad((400.0, 0, -4000.0), "woven")], after="air", increments=2),
 ]
-
-
-def shuffled(cells, seed):
-    """Give each cell its nodes in a random order; the first keeps its sense."""
-    random = np.random.default_rng(seed)
-    mixed = random.permuted(cells, axis=1)
-    mixed[0] = np.roll(cells[0], 1)
-    assert (mixed != cells).any()
-    return mixed
 
 
 def roof(seed=None):
@@ -69,25 +61,6 @@ def roof(seed=None):
         "mast": Mast(order(np.array([[49, 24], [49, 10]])), 1e6, mass=1.0),
     }
     return Structure(np.vstack([POINTS, [[0, 0, -1]]]), parts, [Support([*np.unique(boundary_edges(TRIANGLES)), 49])])
-
-
-def assert_same(found, expected, what="result", size=None):
-    """Two results or plain data, entry by entry, to rounding beside the largest number of each array."""
-    if dataclasses.is_dataclass(expected):
-        for entry in dataclasses.fields(expected):
-            if entry.name not in ("structure", "owner", "iterations", "increments"):
-                a, b = getattr(found, entry.name), getattr(expected, entry.name)
-                # sums of forces and moments are rounding where they balance
-                assert_same(a, b, entry.name, 1e3 if what == "equilibrium" else None)
-    elif isinstance(expected, dict):
-        assert found.keys() == expected.keys()
-        for name in expected:
-            assert_same(found[name], expected[name], what)
-    elif isinstance(expected, tuple) or np.asarray(expected).dtype.kind in "Ub":
-        assert np.array_equal(found, expected), what
-    else:
-        bound = 1e-9 * (size or np.abs(expected).max())
-        np.testing.assert_allclose(found, expected, rtol=0, atol=bound + 1e-15, err_msg=what)
 
 
 @cache
@@ -159,6 +132,7 @@ def uneven(seed):
     return Analysis(sheet).run([Stage("snow", [DistributedLoad((200.0, 0, -1600.0), "sheet")])])["snow"]
 
 
+@pytest.mark.study("seed")
 @pytest.mark.filterwarnings("ignore::fx_membrane.LargeStrainWarning")
 @pytest.mark.parametrize("lines", [wrinkle_lines, stress_trajectories])
 @pytest.mark.parametrize("seed", SEEDS)

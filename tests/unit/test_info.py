@@ -1,13 +1,16 @@
 """The command `fx-membrane info` reports the versions in use, and missing modules."""
 
 import importlib.metadata
+import re
 import subprocess
 import sys
 import types
 
+import dolfinx
 import pytest
 from click.testing import CliRunner
 
+import fx_membrane
 from fx_membrane.cli import main
 
 
@@ -25,8 +28,24 @@ def test_all_that_computes_is_listed():
 
 
 def test_module_works_like_the_command():
+    """In a process of its own nothing has loaded the MPI library that dolfinx of the wheel looks for."""
     done = subprocess.run([sys.executable, "-m", "fx_membrane", "info"], capture_output=True, text=True, check=True)
-    assert "fx_membrane" in done.stdout
+    rows = {line[:14].strip(): line[14:].strip() for line in done.stdout.splitlines()}
+    assert rows["fx_membrane"] == fx_membrane.__version__
+    assert rows["dolfinx"] == dolfinx.__version__
+    assert rows["PETSc"][0].isdigit()
+
+
+@pytest.mark.parametrize(("command", "package"), [("init", "pydantic"), ("check", "pydantic"), ("run", "pint")])
+def test_package_of_case_files_that_is_missing_is_told_with_the_remedy(command, package, tmp_path):
+    if command != "init":
+        (tmp_path / "roof.toml").write_text("format = 1\n")
+    hidden = f"import sys; sys.modules[{package!r}] = None"
+    script = f"{hidden}\nfrom fx_membrane.cli import main\nmain([{command!r}, 'roof.toml'])"
+    done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == (0 if command == "init" else 2)
+    remedy = r"pip install 'fx-membrane\[case\]'\."
+    assert re.search(rf"Case files need pydantic 2 and pint \(.*{package}.*\): {remedy}", done.stderr)
 
 
 def test_vtk_without_metadata_is_found(monkeypatch):
@@ -66,3 +85,18 @@ def test_optional_packages_are_listed_with_their_use(monkeypatch):
         "ezdxf": "not installed: needed for DXF files",
         "pint": "not installed: needed for case files",
     }
+
+
+def test_gmsh_tells_its_version_itself():
+    """Debian's gmsh has no metadata of a distribution."""
+    gmsh = pytest.importorskip("gmsh")
+    assert info()["gmsh"] == gmsh.__version__
+
+
+def test_reader_that_has_gone_is_no_crash():
+    """`fx-membrane info | head -1` ended with an error of PETSc."""
+    command = [sys.executable, "-m", "fx_membrane", "info"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        process.stdout.close()
+        assert "PETSC" not in process.stderr.read()
+        assert process.wait() in (0, 1)

@@ -38,6 +38,16 @@ def test_signal_handlers_stay_those_of_the_process():
     assert output(script) == ["True"]
 
 
+def test_warnings_are_shown_as_before():
+    """ffcx 0.5 sends them to the log."""
+    script = (
+        "import logging, warnings; before = warnings.showwarning; import fx_membrane; fx_membrane.Analysis; "
+        "print(warnings.showwarning is before); logging.captureWarnings(True); "
+        "print(warnings.showwarning is before)"
+    )
+    assert output(script) == ["True", "False"]
+
+
 def test_one_environment_variable_is_set_unless_the_user_did():
     script = (
         "import os; {} before = dict(os.environ); import fx_membrane; fx_membrane.Analysis; "

@@ -1,19 +1,30 @@
 """Surfaces without two sides: taken until a normal or a shear is asked for."""
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 import pytest
+from ufl import inner
 
 from fx_membrane import (
     Analysis,
     Fabric,
     Membrane,
+    MooneyRivlin,
+    NeoHooke,
+    OrthotropicFabric,
     Pressure,
     Problem,
+    ShearSignWarning,
     Stage,
     Structure,
     Support,
+    load_results,
+    rectangle,
+    save_results,
     updated_reference,
 )
+from fx_membrane.results.tables import cell_columns
 
 FABRIC = Fabric(Et=1e5, nu=0.3)
 
@@ -55,14 +66,70 @@ def test_surface_without_two_sides(surface, reason):
     ):
         with pytest.raises(ValueError, match=f"^Part 'fabric'.*{reason}"):
             refused()
-    with pytest.raises(ValueError, match=rf"^Part 'fabric'.*shear.*prestress \[\[900.*{reason}"):
-        surface([[900, 200], [200, 700]])
+    sheared = [[900, 200], [200, 700]]
+    cells = len(structure.parts["fabric"].cells)
+    for shear in (sheared, np.tile(sheared, (cells, 1, 1))):  # the same shear in all cells, in two notations
+        with pytest.raises(ValueError, match=rf"^Part 'fabric'.*shear.*prestress \[\[900.*{reason}"):
+            surface(shear)
     problem = Problem(structure)
     loaded, x = problem.under(), problem.create_vector()
     with pytest.raises(ValueError, match=rf"^Part 'fabric'.*shear.*direction of 'prestress' \[\[0.*{reason}"):
         loaded.derivative(x, "fabric", "prestress", [[0, 1], [1, 0]])
     assert loaded.derivative(x, "fabric", "prestress", [[1, 0], [0, 1]]).norm() > 0
     assert np.abs(structure.warp("fabric")).max() > 0.1
+
+
+@dataclass(frozen=True)
+class Woven:
+    """Law with warp and weft, and a coupling of shear and stretch that another side turns over."""
+
+    k: float
+    coupling: float
+
+    def energy(self, E, sigma0, parameters):
+        return inner(sigma0, E) + parameters.k * (inner(E, E) + 2 * parameters.coupling * E[0, 0] * E[0, 1]) / 2
+
+    @property
+    def stiffness(self):
+        return self.k
+
+
+@pytest.mark.parametrize("surface", [moebius, branching])
+def test_laws_that_tell_a_shear_from_its_opposite_are_refused(surface):
+    """A woven fabric is the same from both sides; a fabric whose yarns are askew is not."""
+    structure = surface(900.0)
+    askew, even = (replace(structure.parts["fabric"], material=Woven(1e5, coupling)) for coupling in (0.3, 0.0))
+    with pytest.raises(ValueError, match=r"^Part 'fabric'.*shear from its opposite, Woven\(.*0\.3\)"):
+        replace(structure, parts={"fabric": askew})
+    for law in (even.material, OrthotropicFabric(1e5, 5e4, 0.3, 2e4), NeoHooke(1e4), MooneyRivlin(1e4, 1e3)):
+        replace(structure, parts={"fabric": replace(even, material=law)})
+    points, cells = rectangle(1.0, 1.0, 2, 2)
+    assert Structure(points, {"fabric": replace(askew, cells=cells, warp=(1, 0, 0))}).has_sides("fabric")
+
+
+def test_shear_strains_of_a_moebius_strip_are_told_and_left_out_of_tables():
+    """Each of two structures with cells in other senses has shear of other signs; all else is the same."""
+    structure = moebius((900.0, 700.0))
+    fabric = structure.parts["fabric"]
+    other = replace(structure, parts={"fabric": replace(fabric, cells=fabric.cells[:, [0, 2, 1]])})
+    states = []
+    for given in (structure, other):
+        with pytest.warns(ShearSignWarning, match="'fabric' has no two sides.*cauchy"):
+            states.append(Analysis(given, progress=False).run([Stage("rest")])["rest"])
+    a, b = (state.membrane("fabric") for state in states)
+    assert np.abs(a.strain[:, 0, 1] + b.strain[:, 0, 1]).max() < 1e-9
+    for name in ("cauchy", "principal", "warp_weft_stress"):
+        np.testing.assert_allclose(getattr(a, name), getattr(b, name), rtol=1e-8, atol=1e-6)
+    columns = cell_columns(states[0], "fabric")
+    assert [bool(np.isnan(columns[f"strain {along} [-]"]).all()) for along in ("warp", "weft", "shear")] == [0, 0, 1]
+    assert any(remark.category is ShearSignWarning for remark in states[0].remarks)
+
+
+@pytest.mark.filterwarnings("ignore::fx_membrane.ShearSignWarning")
+def test_remarks_on_shear_are_kept_in_archives(tmp_path):
+    results = Analysis(moebius((900.0, 700.0)), progress=False).run([Stage("rest")])
+    save_results(results, tmp_path / "moebius.npz")
+    assert load_results(tmp_path / "moebius.npz")["rest"].remarks == results["rest"].remarks
 
 
 def test_soap_film_on_a_moebius_strip_is_found_and_handed_over():

@@ -42,6 +42,7 @@ METHODS = {
 }
 
 
+@pytest.mark.study("radius")
 @pytest.mark.parametrize("radius", [10.0, 20.0])
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.filterwarnings("ignore::fx_membrane.UnsettledFormWarning")

@@ -133,6 +133,13 @@ def test_form_is_at_rest(method, loaded, verified):
     verified("displacement of a form over its size", 0.0, at_rest(form, loads))
 
 
+@pytest.mark.parametrize("find", [projected_stress, natural_force_density])
+def test_form_under_uplift_that_grows_with_it_is_at_rest(find):
+    """The loads follow the shape from solve to solve, and settle the slower, the nearer they are to the largest."""
+    loads = [Pressure(1000.0, "film")]
+    at_rest(find(canopy() if find is projected_stress else lifted(canopy()), loads), loads)
+
+
 @pytest.mark.parametrize("loaded", [False, True])
 @pytest.mark.parametrize("method", METHODS)
 def test_form_on_masts_and_stays_is_at_rest(method, loaded):

@@ -24,10 +24,11 @@ most. The film's stiffness adds its share 1e-7 times the strain (below 50): 1e-5
 import numpy as np
 import pytest
 
+from balloons import eighth_of_a_balloon
 from fx_membrane import Analysis, Fabric, Membrane, Pressure, Stage, Structure, Support, equilibrium_path
 from fx_membrane.assembly.problem import Problem
 from fx_membrane.solvers.bordered_newton import BorderedNewton, Plane, Point
-from surfaces import half_disc, octant
+from surfaces import half_disc
 
 SOURCE = "H. C. Wente 1969; closed form of a sphere"
 
@@ -154,9 +155,7 @@ def pressure(stretch):
 
 
 def balloon(n):
-    points, cells = octant(n, R)
-    supports = [Support(np.flatnonzero(points[:, i] == 0), "xyz"[i]) for i in range(3)]
-    return Structure(points, {"balloon": Membrane(cells, Fabric(EH, NU), PRESTRESS)}, supports)
+    return eighth_of_a_balloon(n, Fabric(EH, NU), PRESTRESS, R)
 
 
 def let_out(n, stretch):

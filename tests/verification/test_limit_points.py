@@ -53,6 +53,7 @@ def net(request):
     return cap(n, rise), loads, path.load_factors[path.limit_points[:count]]
 
 
+@pytest.mark.study("steps")
 @pytest.mark.mpi_once
 @pytest.mark.parametrize("steps", [1, 3, 5, 10, 40])
 def test_first_limit_points_whatever_the_steps(net, steps):

@@ -111,6 +111,7 @@ def test_hand_over(surface):
     assert np.abs(state.displacement).max() < 1e-12 * np.ptp(form.structure.points)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("height", "neck"), [(8.0, 9.10737994), (10.0, 8.48337939), (12.0, 7.45071090)])
 def test_neck_and_force_of_the_catenoid(height, neck):
     # The area is stationary, the neck is not: it asks for a tighter tolerance. The last order is that of the finer

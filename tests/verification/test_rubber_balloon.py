@@ -17,18 +17,15 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from balloons import eighth_of_a_balloon
 from fx_membrane import (
     Analysis,
-    Membrane,
     MooneyRivlin,
     NeoHooke,
     Pressure,
     Stage,
-    Structure,
-    Support,
     equilibrium_path,
 )
-from surfaces import octant
 
 SOURCE = "R. W. Ogden, Non-Linear Elastic Deformations, 1984, 5.3.2"
 
@@ -53,9 +50,8 @@ def limits(c01):
 
 def sphere(law, n):
     """Octant of a sphere without stress, and its pole."""
-    points, cells = octant(n, R)
-    supports = [Support(np.flatnonzero(points[:, i] == 0), "xyz"[i]) for i in range(3)]
-    return Structure(points, {"balloon": Membrane(cells, law)}, supports), int(np.argmax(points[:, 2]))
+    structure = eighth_of_a_balloon(n, law, radius=R)
+    return structure, int(np.argmax(structure.points[:, 2]))
 
 
 def inflated(law, c01, n, stretch):

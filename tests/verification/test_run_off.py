@@ -2,7 +2,8 @@
 
 A paraboloid bowl z = (x^2 + y^2) / (2 R) in a square of half side a spills over the middles of its sides: depth
 a^2 / (2 R), area pi a^2, volume pi a^4 / (4 R). Two bowls side by side spill into each other while the saddle between
-them is below the rim, and are one depression then; their depths follow from the heights of rim and saddle.
+them is below the rim, and are one depression then; their depths follow from the heights of rim and saddle. Valleys and
+gutters have the slope of their bottom, which is exact on flat planes.
 """
 
 import numpy as np
@@ -75,3 +76,42 @@ def test_hypar_drains_over_two_low_corners():
         found = drainage((points, triangles))
         assert found.drains
         assert found.least_slope < 6.0 / n / 9.0 * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("fall", [0.0, 0.02])
+@pytest.mark.parametrize("unit", [1.0, 1e3])
+@pytest.mark.parametrize("turn", [0.0, 0.7])
+def test_valley_between_two_planes(fall, unit, turn):
+    """z = |x| / 2 + fall y: water of both planes runs along y, by that slope; at a ridge it runs apart."""
+    flat, triangles = rectangle(4.0, 3.0, 8, 6)
+    flat[:, 2] = np.abs(flat[:, 0]) / 2 + fall * flat[:, 1]
+    across, along = np.array([np.cos(turn), np.sin(turn), 0]), np.array([-np.sin(turn), np.cos(turn), 0])
+    points = unit * flat @ [across, along, (0, 0, 1)]
+    found = drainage((points, triangles))
+    bottom = np.flatnonzero(flat[:, 0] == 0)
+    assert found.valleys.tolist() == np.stack([bottom[:-1], bottom[1:]], axis=1).tolist()
+    np.testing.assert_allclose(found.valley_slope, fall, rtol=1e-9, atol=1e-12)
+    assert found.least_slope == pytest.approx(np.hypot(0.5, fall), rel=1e-12)
+    assert found.drains
+    assert ("a level valley" in str(found)) == (fall == 0)
+    assert len(drainage((points * [1, 1, -1], triangles)).valleys) == 0
+
+
+def test_gutter_at_a_wall():
+    """A plane that falls by 50 % to a wall, and by 2 % along it to an open corner."""
+    points, triangles = rectangle(4.0, 3.0, 8, 6)
+    points[:, 2] = points @ [0.5, 0.02, 0]
+    wall = np.flatnonzero((points[:, 0] == -2) & (points[:, 1] > -1.5))
+    found = drainage((points, triangles), walls=wall)
+    assert found.drains
+    assert len(found.valleys) == 5
+    np.testing.assert_allclose(found.valley_slope, 0.02, rtol=1e-12)
+
+
+def test_valley_of_a_smooth_surface():
+    """z = x^2 + y / 10 has its valley along x = 0, with a slope of 10 %."""
+    points, triangles = rectangle(2.0, 2.0, 32, 32)
+    points[:, 2] = points[:, 0] ** 2 + points[:, 1] / 10
+    found = drainage((points, triangles))
+    assert found.least_valley_slope == pytest.approx(0.1, rel=1e-9)
+    assert np.abs(points[found.valleys, 0]).max() == 0

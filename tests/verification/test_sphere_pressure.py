@@ -15,6 +15,7 @@ is of first order at least.
 import numpy as np
 import pytest
 
+from balloons import eighth_of_a_balloon
 from fx_membrane import Analysis, Fabric, Membrane, Newton, Pressure, Stage, Structure, Support
 from surfaces import octant
 
@@ -48,9 +49,7 @@ def inflate(structure, stretch):
 
 
 def eighth(n, stretch):
-    points, cells = octant(n, R)
-    supports = [Support(np.flatnonzero(points[:, i] == 0), "xyz"[i]) for i in range(3)]
-    return inflate(Structure(points, {"balloon": Membrane(cells, Fabric(EH, NU), N0)}, supports), stretch)
+    return inflate(eighth_of_a_balloon(n, Fabric(EH, NU), N0, R), stretch)
 
 
 def volume_and_area(state):

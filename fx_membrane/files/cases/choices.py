@@ -1,6 +1,6 @@
 """Nodes and cells that tables of a case choose: by number, by group of the geometry, by place, or by a rim."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -14,6 +14,7 @@ from ...model.structure import Structure
 from ..drawing import Drawing, nodes_of, triangles_of
 from .faults import Unknown, Wrong, at_key, nearest
 from .load_schema import CellChoice
+from .names import check_groups
 from .structure_schema import Box, NodeChoice
 from .table import BROKEN, Model, is_whole
 
@@ -48,12 +49,15 @@ class Choices:
     Attributes:
         rows: Node of the structure for each point of the drawing, -1 for a point of no part, shape (points,).
         drawn: False if the geometry has a fault.
+        groups, chambers: Names that the geometry and the file have, in spite of faults; None if they are not known.
         whole: False if some part has a fault, so that numbers of nodes are not known.
         formed: False if some step of form finding has a fault, so that its bars may be missing.
     """
 
     def __init__(self, drawing: Drawing | None, kinds: Mapping[str, int | None] | None):
         self.drawn, self._kinds = drawing is not None, kinds
+        self.groups: Collection[str] | None = None
+        self.chambers: Collection[str] | None = None
         self.drawing = drawing = drawing or Drawing("the geometry", "group", np.zeros((0, 3)))
         self.rows = np.full(len(drawing.points), -1)
         self.whole, self.formed = self.drawn, True
@@ -72,6 +76,9 @@ class Choices:
         structure = outline.structure
         if table.rim_of is not None:
             self.check_part(structure, table.rim_of, 2, "rim_of")
+        if table.group is not None and not self.drawn:
+            with at_key("group"):
+                check_groups(self.groups, table.group)
         if structure is None or not is_whole(getattr(table, key)):
             raise Unknown
         if outline.renumbered and key in ("nodes", "group"):
@@ -93,7 +100,7 @@ class Choices:
         """Choose cells of a part of a wanted dimension; None for all.
 
         Raises:
-            ValueError: Two ways are given; there is no such part, or no cell.
+            ValueError: Two ways are given; the part does not exist, or no cell.
             Unknown: It depends on a table that has a fault.
         """
         one_of(table, "cells", "where")
@@ -248,11 +255,8 @@ class Choices:
         Raises:
             ValueError: One is not.
         """
-        wrong = [
-            Wrong(f"{number} is not there; the numbers go from 0 to {count - 1}", key, row)
-            for row, number in enumerate(given)
-            if not 0 <= number < count
-        ]
+        words = f"is not there; the numbers go from 0 to {count - 1}"
+        wrong = [Wrong(f"{n} {words}", key, row) for row, n in enumerate(given) if not 0 <= n < count]
         if wrong:
             raise wrong[0].beside(wrong[1:])
         return np.array(given, dtype=np.int64)
@@ -290,5 +294,5 @@ def sound(tables: Any) -> Any:
     """Entries of a dictionary, or numbered ones of a list, that have no fault of their own."""
     if tables is BROKEN:
         return []
-    items = tables.items() if isinstance(tables, dict) else enumerate(tables)
-    return [(name, table) for name, table in items if table is not BROKEN]
+    entries = tables.items() if isinstance(tables, dict) else enumerate(tables)
+    return [entry for entry in entries if entry[1] is not BROKEN]

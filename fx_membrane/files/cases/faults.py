@@ -3,12 +3,12 @@
 import difflib
 import json
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ...checks.values import short_repr
+from ...checks.values import counted, short_repr
 from .lines import line_of
 from .wording import in_words_of_files
 
@@ -31,6 +31,12 @@ OTHER_NAMES = {  # of keys and kinds
     "remeshed": "new mesh",
     "masts": "masts and stays",
 }
+HINTS = {  # for keys that have no like
+    **dict.fromkeys(("colour", "color", "colours", "colors"), 'choose quantities, as pictures = ["displacement"]'),
+    **dict.fromkeys(
+        ("utilisation", "utilization"), "it is computed for the parts that limits.stress and limits.force name"
+    ),
+}
 BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
@@ -50,7 +56,7 @@ ASKED = {  # by the type of an error of pydantic
 
 
 class Fault(NamedTuple):
-    """One fault.
+    """Fault of a case file.
 
     Attributes:
         path: Keys and rows from the top of the file.
@@ -64,7 +70,7 @@ class Fault(NamedTuple):
 
 
 class Wrong(ValueError):  # noqa: N818  (a fault, kept as one)
-    """One key of a table has a fault.
+    """Fault of one key of a table.
 
     Attributes:
         keys: The key, and those below it, from the table.
@@ -128,11 +134,20 @@ def case_error(file: Path, text: str, faults: Iterable[Fault]) -> CaseError:
     return CaseError(list(dict.fromkeys(lines)))
 
 
-def faults_of_validation(error: Any, data: Any, keys: Iterable[str]) -> list[Fault]:
-    """Faults of a `pydantic.ValidationError`, in words of ours; keys are those that the schema has anywhere."""
+def faults_of_validation(
+    error: Any, data: Any, keys: Iterable[str], keys_at: Callable[[Any, tuple[str | int, ...]], list[str]]
+) -> list[Fault]:
+    """Faults of a `pydantic.ValidationError`, in words of ours.
+
+    Args:
+        error: The error.
+        data: The tables of the file.
+        keys: Keys that the schema has anywhere.
+        keys_at: Function that gives the keys of one table, of the data and its path.
+    """
     known = list(keys)
     return [
-        Fault(*_told(entry, data, known), entry["type"] in ("missing", "union_tag_not_found"))
+        Fault(*_told(entry, data, known, keys_at), entry["type"] in ("missing", "union_tag_not_found"))
         for entry in error.errors(include_url=False)
     ]
 
@@ -146,12 +161,15 @@ def nearest(word: Any, known: Iterable[str]) -> str:
     return f"; {near[0]!r} may be meant" if near else ""
 
 
-def _told(entry: dict[str, Any], data: Any, keys: Sequence[str]) -> tuple[tuple[str | int, ...], str]:
+def _told(entry: dict[str, Any], data: Any, keys: Sequence[str], keys_at: Any) -> tuple[tuple[str | int, ...], str]:
     path = without_tags(entry["loc"], data, entry["type"] == "missing")
     kind, context = entry["type"], entry.get("ctx", {})
     tag = context.get("discriminator", "").strip("'")
     if kind == "extra_forbidden":
-        return path, "there is no key of that name here" + (nearest(path[-1], keys) or "; correct or remove it")
+        hint = _hint(path[-1], keys_at(data, path[:-1]), keys, _owner(path, data, keys_at))
+        return path, f"there is no key of that name here{hint}"
+    if kind == "missing" and isinstance(path[-1], int):  # too few entries
+        return path[:-1], f"the list has {counted(path[-1], 'value')}; give {path[-1] + 1}"
     if kind == "missing":
         return path, "the key is missing; add it"
     if kind == "union_tag_not_found":
@@ -163,6 +181,23 @@ def _told(entry: dict[str, Any], data: Any, keys: Sequence[str]) -> tuple[tuple[
     return path, f"{in_words_of_files(short_repr(entry['input']))}: {_asked(entry, context)}"
 
 
+def _owner(path: tuple[str | int, ...], data: Any, keys_at: Any) -> str:
+    """Table that has the last key of a path: the next one around it, or one of the file; empty if none has."""
+    around = [path[:count] for count in range(len(path) - 2, 0, -1)]
+    beside = [(name,) for name in data if isinstance(data[name], dict)]
+    return next((f", {_shown(table)}" for table in [*around, *beside] if path[-1] in keys_at(data, table)), "")
+
+
+def _hint(key: Any, here: Sequence[str], anywhere: Sequence[str], owner: str) -> str:
+    """Clause on a key that a table does not have: another name of one, one that is spelled like it, or its place."""
+    if key in HINTS:
+        return f"; {HINTS[key]}"
+    if key in OTHER_NAMES and OTHER_NAMES[key] in anywhere:
+        return nearest(key, anywhere)
+    elsewhere = f"; it belongs to another table{owner}" if key in anywhere else "; correct or remove it"
+    return nearest(key, here) or elsewhere
+
+
 def _asked(entry: dict[str, Any], context: dict[str, Any]) -> str:
     """Clause on a value of another kind."""
     kind = entry["type"]
@@ -170,7 +205,10 @@ def _asked(entry: dict[str, Any], context: dict[str, Any]) -> str:
         return f"give {ASKED[kind]}"
     if kind == "literal_error":
         known = [word.strip("'") for word in re.split(", | or ", context["expected"])]
-        return f"give one of {context['expected']}{nearest(entry['input'], known)}"
+        one_of = "one of " if len(known) > 1 else ""
+        return f"give {one_of}{context['expected']}{nearest(entry['input'], known)}"
+    if kind == "too_long":
+        return f"give {counted(context['max_length'], 'value')}, not {context['actual_length']}"
     if kind == "value_error":
         return str(context["error"])
     return f"{entry['msg'][0].lower()}{entry['msg'][1:]}"

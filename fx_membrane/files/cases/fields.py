@@ -10,6 +10,7 @@ from pydantic import BeforeValidator, StrictBool, ValidationInfo, WithJsonSchema
 
 from .units import EXAMPLES, NUMBER, Units
 
+TESTS = {"stress": "F/L", "elongation": "1"}  # dimensions of biaxial tests
 LARGEST = 2**53  # whole number of a node
 
 
@@ -54,6 +55,29 @@ def _drawn(value: Any, info: ValidationInfo) -> Any:
     raise ValueError('give a name, a share of an edge as ["A-B", 0.5], or a place as [4, 2, 5]')
 
 
+def _surface_point(value: Any, info: ValidationInfo) -> Any:
+    if not isinstance(value, list):
+        return _node(value)
+    if len(value) != 3:
+        raise ValueError("give a node, or a place as [4, 2, 5]")
+    return _nested("L", value, info)
+
+
+def _compensation(value: Any, info: ValidationInfo) -> Any:
+    if value == "prestress":
+        return value
+    if isinstance(value, str) and not NUMBER.fullmatch(value):
+        raise ValueError('give "prestress", a ratio, or a pair for warp and weft as [0.99, 0.98]')
+    if isinstance(value, dict) and value.keys() & TESTS.keys():
+        if value.keys() != TESTS.keys():
+            raise ValueError("biaxial tests have stress and elongation; give a list of (warp, weft) pairs for each")
+        return {key: _nested(TESTS[key], entry, info) for key, entry in value.items()}
+    if isinstance(value, dict):
+        return {name: _compensation(entry, info) for name, entry in value.items()}
+    found = _nested("1", value, info)
+    return tuple(found) if isinstance(found, list) else found
+
+
 def _quantity(dimension: str) -> Any:
     schema = {"type": ["number", "string"], "examples": [EXAMPLES[dimension]]}
     return Annotated[float, BeforeValidator(partial(_number, dimension)), WithJsonSchema(schema)]
@@ -81,6 +105,8 @@ if TYPE_CHECKING:
     Length: TypeAlias = float
     Area: TypeAlias = float
     Time: TypeAlias = float
+    Volume: TypeAlias = float
+    SpecificWeight: TypeAlias = float
     Force: TypeAlias = float
     ForcePerLength: TypeAlias = float
     Pressure: TypeAlias = float
@@ -101,12 +127,20 @@ if TYPE_CHECKING:
     Places: TypeAlias = Any
     PlaceRows: TypeAlias = Any
     Shares: TypeAlias = Any
+    Temperature: TypeAlias = float
+    AbsoluteTemperature: TypeAlias = float
+    Expansions: TypeAlias = Any
     LinePoint: TypeAlias = Any
     Node: TypeAlias = int | str
+    SurfacePoint: TypeAlias = Any
+    Compensation: TypeAlias = Any
 else:
     Truth = StrictBool  # not "yes", "false" or 1
     Number, Length, Force, ForcePerLength = _quantity("1"), _quantity("L"), _quantity("F"), _quantity("F/L")
     Area, Time = _quantity("L^2"), _quantity("T")
+    Volume, SpecificWeight = _quantity("L^3"), _quantity("F/L^3")
+    Temperature, Expansions = _quantity("K"), _quantities("1/K")
+    AbsoluteTemperature = _quantity("absolute K")
     Pressure, AreaMass, LineMass = _quantity("F/L^2"), _quantity("F T^2/L^3"), _quantity("F T^2/L^2")
     Stress, Forces, Directions = _quantities("F/L"), _quantities("F"), _quantities("1")
     Point, Displacement, ForceVector = _vector("L"), _vector("L"), _vector("F")
@@ -114,5 +148,11 @@ else:
     PlaceRows = _quantities("L")
     Densities, Places, Shares = _quantities("F/L"), _nested_quantities("L"), _nested_quantities("1")
     Node = Annotated[Any, BeforeValidator(_node), WithJsonSchema({"type": ["integer", "string"]})]
+    SurfacePoint = Annotated[
+        Any, BeforeValidator(_surface_point), WithJsonSchema({"type": ["integer", "string", "array"]})
+    ]
+    Compensation = Annotated[
+        Any, BeforeValidator(_compensation), WithJsonSchema({"type": ["number", "string", "array", "object"]})
+    ]
     LinePoint = Annotated[Any, BeforeValidator(_drawn), WithJsonSchema({"type": ["string", "array"]})]
     Range = Annotated[Any, BeforeValidator(_range), WithJsonSchema({"type": ["number", "string", "array"]})]

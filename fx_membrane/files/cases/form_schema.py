@@ -123,10 +123,11 @@ class NaturalForceDensity(MethodModel):
 
 
 class PrescribedStress(MethodModel):
-    """See `prescribed_stress`; a warp about an axis is taken anew where cells are."""
+    """See `prescribed_stress`; a warp about an axis is taken anew where cells are, and `GeodesicDirection` by pairs."""
 
     method: Literal["prescribed stress"]
     stress: dict[str, Annotated[StressModel, Kept]] = {}
+    geodesics: dict[str, Annotated[list[list[Node]], Kept]] = {}
     tolerance: Number | None = None
     max_iterations: int | None = None
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ... import RadialDirection
+from ... import GeodesicDirection, RadialDirection
 from ...checks import validation
 from ...model.structure import Structure
 from ...model.supports import Support
@@ -85,9 +85,22 @@ class FormSteps:
             for name, part in sound(self._case.parts)
             if isinstance(getattr(part, "warp", None), AxisModel) and is_whole(part.warp)
         }
+        directions: dict[str, Any] = dict(axes)
+        for name, pairs in sound(getattr(table, "geodesics", {})):
+            with self.faults.at(*trail, "geodesics", name):
+                directions[name] = self._geodesics(outline, name, pairs)
         if outline.structure is None or len(self.faults) > count:
             raise Unknown
-        return method_step(table, loads, constraints, stress, axes)
+        return method_step(table, loads, constraints, stress, directions)
+
+    def _geodesics(self, outline: Outline, name: str, pairs: list[list[int | str]]) -> GeodesicDirection:
+        """Direction along geodesics between pairs of nodes of a membrane."""
+        self._choices.check_part(outline.structure, name, 2, "")
+        if outline.renumbered:
+            raise ValueError(NUMBERED)
+        if not (self._choices.whole and is_whole(pairs)):
+            raise Unknown
+        return GeodesicDirection([[self._choices.node(end, self._choices.rows) for end in pair] for pair in pairs])
 
     def _net(self, outline: Outline, table: ForceDensity, number: int, loads: Sequence[Any]) -> Step:
         branches, trail = list[Any](), ("form_finding", number)

@@ -69,7 +69,7 @@ def check_options(faults: Faults, trail: tuple[str | int, ...], table: Any) -> N
 
 
 def method_step(
-    table: Any, loads: Sequence[Any], constraints: Sequence[Any], stress: Mapping[str, Any], axes: Mapping[str, Any]
+    table: Any, loads: Sequence[Any], constraints: Sequence[Any], stress: Mapping[str, Any], warp: Mapping[str, Any]
 ) -> Step:
     """Prepare a method on the whole structure.
 
@@ -78,16 +78,16 @@ def method_step(
         loads: Its loads.
         constraints: Its constraints.
         stress: By membrane, its stress as a function of place.
-        axes: By membrane, the axis of its radial warp.
+        warp: By membrane, the direction of its warp in space, away from an axis or along geodesics.
     """
     method = METHODS[table.method]
-    options = given(table, "method", "loads", "constraints", "stress", "net", "supports")
+    options = given(table, "method", "loads", "constraints", "stress", "geodesics", "net", "supports")
     if constraints:
         options["constraints"] = list(constraints)
     if stress:
         options["stress"] = dict(stress)
-    if axes and "warp" in inspect.signature(method).parameters:
-        options["warp"] = dict(axes)
+    if warp and "warp" in inspect.signature(method).parameters:
+        options["warp"] = dict(warp)
 
     def act(outline: Outline) -> Outline:
         form = method(outline.structure, list(loads), **options)

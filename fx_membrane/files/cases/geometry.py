@@ -7,15 +7,18 @@ import numpy as np
 
 from ...checks import validation
 from ...geometry.grids import polyline, rectangle
+from ...runtime.messages import say
 from ...surfaces.sail import SailMesh
 from ..drawing import Drawing
-from ..mesh_files import drawing_of
+from ..mesh_files import drawing_of, tell_unit_taken
 from .choices import given
 from .faults import Faults, Unknown, at_key
 from .making import make
 from .sail import sail_of
-from .structure_schema import FileGeometry, GridGeometry, SailGeometry, UnitNames
+from .structure_schema import FileGeometry, GridGeometry, PointGeometry, SailGeometry, UnitNames
 from .table import BROKEN, is_whole
+
+MANY = 1_000_000  # triangles of a grid, of which a word is due
 
 
 def drawing_from(faults: Faults, table: Any, folder: Path, units: UnitNames | None) -> Drawing:
@@ -40,12 +43,18 @@ def drawing_from(faults: Faults, table: Any, folder: Path, units: UnitNames | No
         if table.file is BROKEN:
             raise Unknown
         with at_key("file"):
-            found = drawing_of(folder / table.file, weld, unit, 'units = { length = "m" } converts it')
+            found = drawing_of(folder / table.file, weld, unit)
+            remedy = 'give units = { force = "kN", length = "m" } to convert them'
+            tell_unit_taken(folder / table.file, found, unit, remedy)
         if len(faults) > count or not is_whole(table):
             raise Unknown
+        if not (found.unit or unit):
+            say(f"Neither {table.file} nor the case names a unit of length; all numbers are taken in the same units.")
         return found
     drawing = Drawing("the geometry", "group", np.zeros((0, 3)))
     if isinstance(table, GridGeometry):
+        if is_whole((table.columns, table.rows)) and 2 * table.columns * table.rows > MANY:
+            say(f"The grid has {2 * table.columns * table.rows} triangles; a run takes gigabytes and hours for it.")
         sound = {"width": 1.0, "height": 1.0, "columns": 1, "rows": 1}
         drawing.points, triangles = make(faults, ("geometry",), rectangle, given(table, "kind"), sound)
         drawing.add("grid", triangles)
@@ -56,6 +65,20 @@ def drawing_from(faults: Faults, table: Any, folder: Path, units: UnitNames | No
     else:
         drawing.points = np.array(table.points, dtype=np.float64).reshape(-1, 3)
     return drawing
+
+
+def groups_of(table: Any) -> set[str] | None:
+    """Names of the groups of a geometry, although it may have a fault; None if they are not known."""
+    if isinstance(table, GridGeometry):
+        return {"grid"}
+    if isinstance(table, PointGeometry):
+        return set()
+    tables = [getattr(table, key, None) for key in ("corners", "points", "holes", "lines")]
+    if not isinstance(table, SailGeometry) or not all(entry is None or isinstance(entry, dict) for entry in tables):
+        return None
+    corners = list(table.corners)
+    edges = {f"{a}-{b}" for a, b in zip(corners, [*corners[1:], *corners[:1]], strict=True)}
+    return {"sail"}.union(edges, *(entry or {} for entry in tables))
 
 
 def _add_sail(drawing: Drawing, mesh: SailMesh) -> None:

@@ -16,7 +16,7 @@ DEPTH = 4  # tables of a kind within each other
 
 
 def with_kinds(data: Mapping[str, Any], units: Units | None) -> dict[str, Any]:
-    """Copy of the data where tables of an unknown kind, or of none, have that whose name and keys are nearest."""
+    """Copy of the data where tables without a known kind have the one of nearest name and keys."""
     guessed: dict[str, Any] = copy.deepcopy(dict(data))
     for _ in range(2 * DEPTH):
         try:
@@ -48,7 +48,7 @@ def _mended(entry: Any, data: Any) -> bool:
 
 
 def _likeness(kind: str, tag: str, table: Mapping[str, Any]) -> float:
-    """Measure how near a kind is to a table, by its name, its keys that the table has, and those that it lacks."""
+    """Likeness of a kind to a table: by its name, and by the keys that they share or lack."""
     fields = next(
         model.model_fields
         for model in _models(Model)

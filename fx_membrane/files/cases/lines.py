@@ -32,7 +32,7 @@ def line_of(text: str, path: Sequence[str | int]) -> int:
 
 
 class _Places:
-    """Places of all keys and rows of a text that is known to be TOML, so that nothing of it is refused.
+    """Places of all keys and rows of a text that is known to be TOML.
 
     Attributes:
         found: Place of the first character of each path; the first where several lines bring a table.

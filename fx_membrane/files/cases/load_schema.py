@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from .fields import AreaLoad, ForceVector, LineLoad, Places, Pressure
+from .fields import AreaLoad, ForceVector, Length, LineLoad, Places, Pressure, SpecificWeight, Volume
 from .structure_schema import Box, NodeChoice
 from .table import Kept, Model
 
@@ -52,6 +52,18 @@ class PressureModel(CellChoice):
     pressure: Pressure
 
 
+class PondModel(CellChoice):
+    """Water of a specific weight on a membrane, by level, volume or depth of rain, see `Pond`."""
+
+    kind: Literal["pond"]
+    level: Length | None = None
+    volume: Volume | None = None
+    rain: Length | None = None
+    weight: SpecificWeight
+    drains: Annotated[NodeChoice, Kept] | None = None
+    walls: Annotated[NodeChoice, Kept] | None = None
+
+
 class DisplacementModel(NodeChoice):
     """Prescribed displacement, one for all nodes or one for each, see `PrescribedDisplacement`."""
 
@@ -60,6 +72,8 @@ class DisplacementModel(NodeChoice):
 
 
 Load = Annotated[
-    PointLoadModel | AreaLoadModel | LineLoadModel | PlanLoadModel | PressureModel, Field(discriminator="kind"), Kept
+    PointLoadModel | AreaLoadModel | LineLoadModel | PlanLoadModel | PressureModel | PondModel,
+    Field(discriminator="kind"),
+    Kept,
 ]
 Displacement = Annotated[DisplacementModel, Kept]

@@ -6,6 +6,7 @@ import numpy as np
 
 from ... import CableDensity, CableForce, CableLength, CableSag, EdgeAngle, RigidBody, Ring, Slide
 from ...model.loads import DistributedLoad, OwnLoad, PlanLoad, PointLoad, Pressure, check_load
+from ...model.ponds import HOW, Pond
 from ...model.stages import PrescribedDisplacement
 from ...model.supports import Support
 from .choices import CHOICES, Choices, Outline, given, one_of, sound
@@ -27,6 +28,7 @@ LOADS: dict[str, tuple[int, Any, dict[str, Any]]] = {  # dimension of the part, 
     "line": (1, DistributedLoad, {"load": (0.0, 0.0, 0.0)}),
     "plan": (2, PlanLoad, {"load": (0.0, 0.0, 0.0)}),
     "pressure": (2, Pressure, {"pressure": 0.0}),
+    "pond": (2, Pond, {"weight": 1.0}),
 }
 Trail = tuple[str | int, ...]
 OF_NODES: dict[str, Any] = {"slide": Slide, "ring": Ring, "rigid body": RigidBody}
@@ -46,6 +48,12 @@ def load_of(faults: Faults, trail: Trail, choices: Choices, outline: Outline, ta
     with faults.at(*trail):
         cells = choices.cells(outline, table, wanted)
     values = given(table, "kind", "where") | {"cells": cells}
+    if table.kind == "pond":
+        sound = sound | {next((key for key in HOW if key in values), "volume"): 1.0}
+    for key in {"drains", "walls"} & values.keys():
+        values[key] = BROKEN
+        with faults.at(*trail, key):
+            values[key] = choices.nodes(outline, getattr(table, key))
     return make(faults, trail, kind, values, {"part": "part", "cells": None, **sound}, _names(table))
 
 

@@ -7,18 +7,22 @@ from typing import Any
 
 import numpy as np
 
+from ...assembly.actions import unloaded
 from ...model.parts import Part
 from ...model.stages import Stage, check_stages
 from ...model.structure import Structure
+from .chambers import tell_chambers, with_chambers
+from .changes import changes_of, shapes_after
 from .choices import Choices, Outline, given, sound
 from .faults import Fault, Faults
 from .form_steps import FormSteps
 from .forms import Step
-from .geometry import drawing_from
+from .geometry import drawing_from, groups_of
 from .loads import displacement_of, loads_of, supports_of
 from .making import make
 from .names import kinds_of, no_stage_before
 from .parts import cells_of, material_of, part_of
+from .patterns import PatternPlan, plan_of
 from .schema import CaseModel
 from .table import BROKEN, is_whole
 
@@ -52,14 +56,22 @@ class Builder:
             with self.faults.at("geometry"):
                 drawing = drawing_from(self.faults, self._case.geometry, self._folder, self._case.units)
                 self._choices = Choices(drawing, self._kinds)
+            self._choices.groups = groups_of(self._case.geometry)
+        self._choices.chambers = None if self._case.chambers is BROKEN else self._case.chambers.keys()
         return self._made(self._parts(materials))
 
     def stages(self, outline: Outline) -> list[Stage]:
         """Make the stages of a structure."""
         stages, earlier = list[Stage](), list[Any]()
+        known = outline.structure is not None and not self._case.form_finding  # a form has lengths of its own
+        shapes = {None: unloaded(outline.structure).natural} if known else {}
         for number, table in sound(self._case.stages):
             trail = ("stages", number)
             loads = loads_of(self.faults, trail, self._choices, outline, table.loads)
+            changes = changes_of(self.faults, trail, self._choices, outline, table.changes)
+            if known and is_whole((table.name, table.after)) and len(changes) == len(table.changes):
+                start = shapes.get(table.after, BROKEN)
+                shapes[table.name] = shapes_after(self.faults, trail, outline.structure, changes, start)
             moves = []
             for row, entry in sound(table.displacements):
                 with self.faults.at(*trail, "displacements", row):
@@ -67,8 +79,9 @@ class Builder:
                         displacement_of(self.faults, (*trail, "displacements", row), self._choices, outline, entry)
                     )
             with self.faults.at(*trail):
-                values = given(table, "loads", "displacements")
-                stages.append(Stage(loads=loads, displacements=moves, **self._head(trail, values, earlier)))
+                values = given(table, "loads", "displacements", "changes")
+                head = self._head(trail, values, earlier)
+                stages.append(Stage(loads=loads, displacements=moves, changes=changes, **head))
             earlier.append(table.name)
         if outline.structure is not None and not self.faults and self._case.stages is not BROKEN:
             with self.faults.at("stages"):
@@ -91,6 +104,14 @@ class Builder:
         """Prepare the steps of form finding; return them, and the structure with the bars that they add."""
         return FormSteps(self.faults, self._case, self._choices).prepared(structure)
 
+    def patterns(self, outline: Outline) -> PatternPlan | None:
+        """Check the cutting pattern; None if there is none, or with a fault."""
+        plan = None
+        if self._case.patterns is not None and self._case.patterns is not BROKEN:
+            with self.faults.at("patterns"):
+                plan = plan_of(self.faults, self._choices, outline, self._case.patterns)
+        return plan
+
     def check_part(self, structure: Structure | None, name: str, dimension: int) -> None:
         """Refuse a part that does not exist, or of another dimension, see `Choices.check_part`."""
         self._choices.check_part(structure, name, dimension, "")
@@ -106,7 +127,7 @@ class Builder:
         for name, part in sound(self._case.parts):
             with self.faults.at("parts", name):
                 made = part_of(self.faults, ("parts", name), part, cells[name], materials, self._choices.drawing.points)
-                parts[name] = replace(made, cells=self._choices.rows[made.cells])
+                parts[name] = _renumbered(made, self._choices.rows)
         return parts
 
     def _cells(self) -> dict[str, Any]:
@@ -141,10 +162,11 @@ class Builder:
         self._choices.whole = whole and made is not None
         supports = supports_of(self.faults, ("supports",), self._choices, Outline(made), self._case.supports)
         if made is None or not whole or self._case.supports is BROKEN or len(supports) < len(self._case.supports):
+            tell_chambers(self.faults, self._choices, self._case.chambers)
             return made
         with self.faults.at("supports"):
             made = replace(made, supports=supports)
-        return made
+        return with_chambers(self.faults, made, self._case.chambers)
 
     def _separate(self, parts: dict[str, Part], points: Any) -> list[tuple[str, str]]:
         """Pairs of parts that may lie beside each other."""
@@ -156,3 +178,8 @@ class Builder:
             if set(pair) <= parts.keys():
                 pairs.append(pair)
         return pairs
+
+
+def _renumbered(part: Part, rows: Any) -> Part:
+    """Part with other numbers of its nodes, those at the old ones in `rows`."""
+    return replace(part, nodes=rows[part.nodes]) if part.shares_tension else replace(part, cells=rows[part.cells])

@@ -1,6 +1,6 @@
 """Names of a case file, of parts and of stages."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 from .faults import nearest
@@ -22,6 +22,17 @@ def kinds_of(case: CaseModel) -> dict[str, int | None] | None:
     return {
         name: None if table is BROKEN else 2 if isinstance(table, MembranePart) else 1 for name, table in tables.items()
     }
+
+
+def check_groups(groups: Collection[str] | None, names: str | list[str]) -> None:
+    """Refuse groups that a geometry cannot have although it has a fault.
+
+    Raises:
+        ValueError: It has none of that name.
+    """
+    for name in [names] if isinstance(names, str) else names:
+        if groups is not None and name not in groups:
+            raise ValueError(f"the geometry has no group {name!r}{nearest(name, groups)}")
 
 
 def no_stage_before(after: Any, name: Any, earlier: Sequence[Any], names: Sequence[Any]) -> str:

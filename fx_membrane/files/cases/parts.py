@@ -9,13 +9,15 @@ import numpy as np
 from ... import RadialDirection
 from ...checks import validation
 from ...geometry.edges import edges_where
+from ...geometry.line_order import path_along
 from ...geometry.topology import boundary_edges
 from ...model.laws import Law
 from ...model.materials import Fabric, MooneyRivlin, NeoHooke, OrthotropicFabric
-from ...model.parts import Cable, Mast, Membrane, Part
+from ...model.parts import Cable, Mast, Membrane, Part, Rope
 from .choices import Choices, Nodes, given, one_of
 from .faults import Fault, Faults, Unknown, Wrong, at_key, nearest
 from .making import make
+from .names import check_groups
 from .structure_schema import AxisModel, BarPart, PartModel
 from .table import BROKEN, is_whole
 
@@ -25,7 +27,18 @@ MATERIALS: dict[str, Any] = {
     "neo-hooke": NeoHooke,
     "mooney-rivlin": MooneyRivlin,
 }
-KINDS: dict[str, Any] = {"membrane": Membrane, "cable": Cable, "mast": Mast}
+
+
+def rope_along(cells: Any, **numbers: Any) -> Rope:
+    """Make a rope of the segments of one line.
+
+    Raises:
+        ValueError: They branch, or are in several pieces; a number does not fit.
+    """
+    return Rope(path_along(np.asarray(cells)), **numbers)
+
+
+KINDS: dict[str, Any] = {"membrane": Membrane, "cable": Cable, "mast": Mast, "rope": rope_along}
 SOUND: dict[str, dict[str, float]] = {
     "fabric": {"nu": 0.3},
     "woven": {"Et_warp": 1.0, "Et_weft": 1.0, "nu": 0.3, "Gt": 1.0},
@@ -66,8 +79,8 @@ def material_of(faults: Faults, trail: Trail, table: Any) -> Law:
     raise Unknown
 
 
-def bar_of(faults: Faults, trail: Trail, table: BarPart, cells: Any) -> Cable | Mast:
-    """Make cables or masts of some cells, BROKEN for unknown ones.
+def bar_of(faults: Faults, trail: Trail, table: BarPart, cells: Any) -> Cable | Mast | Rope:
+    """Make cables, masts or a rope of some cells, BROKEN for unknown ones.
 
     Raises:
         ValueError: Their numbers are not complete, or do not fit together.
@@ -86,7 +99,7 @@ def bar_of(faults: Faults, trail: Trail, table: BarPart, cells: Any) -> Cable | 
             known = is_whole((E, area)) and E is not None and area is not None and min(E, area) > 0
             values["axial_stiffness"] = E * area if known else BROKEN  # type: ignore[operator]
     sound = {"cells": cells if is_whole(cells) else [[0, 1]], "axial_stiffness": 1.0}
-    bar: Cable | Mast = make(faults, trail, KINDS[table.kind], _of_cells(values), sound, _names(table))  # type: ignore[attr-defined]
+    bar: Cable | Mast | Rope = make(faults, trail, KINDS[table.kind], _of_cells(values), sound, _names(table))  # type: ignore[attr-defined]
     return bar
 
 
@@ -126,7 +139,7 @@ def _of_cells(values: dict[str, Any]) -> dict[str, Any]:
     """Leave out what may be one for each cell, where these are not known."""
     if is_whole(values["cells"]):
         return values
-    one = {"prestress": (float, int), "warp": (tuple, list)}
+    one = ("prestress", "warp", "natural_stretch")
     return {key: BROKEN if key in one and not _is_one(value) else value for key, value in values.items()}
 
 
@@ -157,6 +170,9 @@ def cells_of(name: str, table: PartModel, cells: Mapping[str, Any], choices: Cho
         choices.check_part(
             None, table.edges_of, 2, "edges_of"
         ) if table.edges_of not in cells or not choices.drawn else None
+    if key in ("", "group") and not choices.drawn and table.group is not BROKEN:
+        with at_key("group") if key else nullcontext():
+            check_groups(choices.groups, table.group or name)
     if not choices.drawn or not is_whole((getattr(table, key or "group"), table.where)):
         raise Unknown
     points = choices.drawing.points

@@ -1,5 +1,6 @@
 """Run of a case: form finding, stages and the files that they leave."""
 
+import shutil
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
@@ -9,27 +10,32 @@ from typing import Any
 
 from mpi4py import MPI
 
-from ... import Form
+from ... import Form, write_scene
 from ...analysis.convergence_error import ConvergenceError
 from ...analysis.stages import Analysis
 from ...checks import paths
 from ...checks.values import counted
 from ...model.stages import Stage
 from ...model.structure import Structure
-from ...results.states import StageResults
+from ...results.states import StageResult, StageResults
 from ...runtime.messages import say, silence
 from ...runtime.processes import by_the_first, together
 from ...solvers.progress import Pulse
+from .. import unfinished_run
 from ..archive import load_results, save_results
+from ..file_names import safe_name
 from ..mesh_writer import write_mesh
 from ..paraview import ParaViewSeries
-from ..run_results import CHECKPOINT, RESULTS
-from ..tables import write_tables
+from ..patterns.proof_files import FOLDER as PATTERNS
+from ..patterns.proof_files import drop_proof
+from ..run_results import CHECKPOINT, FORM, RESULTS
+from ..tables import TABLES, write_tables
+from ..unfinished_run import KeptStates
 from ..whole_file import writing
 from .case import Case
-from .pictures import check_drawing, drawings, safe_name
+from .pictures import SCENE, check_drawing, drawings
 
-FORM, FORM_KEY = "form.fxm", "form.sha256"
+FORM_KEY = "form.sha256"
 
 
 def folder_of(case: Case) -> Path:
@@ -63,7 +69,24 @@ def run_case(case: Case, *, resume: bool = False, overwrite: bool = False, progr
     with silence(not progress):
         say(f"Results go to {folder}")
         structure, stages = _formed(case, folder, resume)
+        if not stages:
+            return _form_alone(case, folder)
         return _analysed(case, folder, structure, stages, resume, progress)
+
+
+def _form_alone(case: Case, folder: Path) -> StageResults:
+    """Write the meshes and the scene of a form that no stage follows, which has nothing else to tell."""
+    form = load_results(folder / FORM)
+    output = case.output
+    lacking = [name for name in ("paraview", "report", "pictures", "animation") if getattr(output, name)]
+    if lacking:
+        names = ", ".join(f"output.{name}" for name in lacking)
+        say(f"There are no stages for {names}; add [[stages]] for these files.")
+    for ending in output.mesh:
+        write_mesh(form, folder / f"form.{ending}", length_unit=case.length_unit)
+    if output.scene:
+        write_scene(form, folder / SCENE, title=case.title or None)
+    return StageResults()
 
 
 def _analysed(
@@ -73,12 +96,23 @@ def _analysed(
     wanted = case.output.paraview
     if wanted or (wanted is None and find_spec("pyvista")):  # without a word in the file, where it can be written
         series = ParaViewSeries(folder / "paraview", resume, force_unit=case.force_unit, length_unit=case.length_unit)
+    kept = KeptStates(folder, stages, _headed(case, StageResults()))
+
+    def observe(state: StageResult) -> None:
+        kept(state)
+        if series:
+            series(state)
+
     analysis = Analysis(structure, case.solver, limit=case.work, progress=progress)
     try:
-        results = analysis.run(stages, folder / CHECKPOINT, series)
+        results = analysis.run(stages, folder / CHECKPOINT, observe)
     except ConvergenceError as error:
         if failed := _write(case, folder, error.results):
             say(failed)
+        raise
+    except KeyboardInterrupt:
+        if MPI.COMM_WORLD.rank == 0:
+            kept.keep_last()
         raise
     failed = _write(case, folder, results)
     if failed:
@@ -91,13 +125,17 @@ def _prepare(folder: Path, resume: bool, overwrite: bool) -> None:
     there = [name for name in (CHECKPOINT, RESULTS, FORM) if (folder / name).exists()]
     if there and not (resume or overwrite):
         run = "the results of an earlier run" if RESULTS in there else "an earlier run that has not ended"
+        run = "the form of an earlier run" if there == [FORM] else run
         raise ValueError(
             f"{folder} has {run} ({', '.join(there)}); give --resume to go on with it, or --overwrite to delete it and "
             "begin anew."
         )
+    if not resume:
+        shutil.rmtree(folder / unfinished_run.FOLDER, ignore_errors=True)
     if overwrite and not resume:
-        for name in (CHECKPOINT, CHECKPOINT + "-journal", RESULTS, FORM, FORM_KEY):
+        for name in (CHECKPOINT, CHECKPOINT + "-journal", RESULTS, FORM, FORM_KEY, *TABLES):
             (folder / name).unlink(missing_ok=True)
+        drop_proof(folder / PATTERNS)  # of the form before
     folder.mkdir(parents=True, exist_ok=True)
 
 
@@ -145,8 +183,7 @@ def _write(case: Case, folder: Path, results: StageResults) -> str:
     """Write the files that a case asks for, each although another fails; return what failed, empty if none."""
     if not results and not results.failure:
         return ""
-    results.title, results.force_unit, results.length_unit = case.title, case.force_unit, case.length_unit
-    results.limits = case.limits
+    _headed(case, results)
     failed = []
     pulse = Pulse("writing", shown=MPI.COMM_WORLD.rank == 0)
     for write in _writers(case, folder, results):
@@ -155,12 +192,30 @@ def _write(case: Case, folder: Path, results: StageResults) -> str:
             write()
         except (ValueError, ImportError, OSError) as error:
             failed.append(str(error))
+    if not failed:
+        unfinished_run.drop(folder)
     return "\n".join(failed)
+
+
+def _headed(case: Case, results: StageResults) -> StageResults:
+    """Give results the title, the units and the limits of a case."""
+    results.title, results.force_unit, results.length_unit = case.title, case.force_unit, case.length_unit
+    results.limits = case.limits
+    return results
+
+
+def files_of(case: Case, results: StageResults) -> set[str]:
+    """Names of the files and folders that a run leaves in its folder; others there are not its own."""
+    folder = folder_of(case)
+    given = [entry for write in _writers(case, folder, results) if isinstance(write, partial) for entry in write.args]
+    own = {entry.name for entry in given if isinstance(entry, Path)}
+    own |= {f"form.{ending}" for ending in case.output.mesh} | {SCENE}
+    return own | {CHECKPOINT, RESULTS, FORM, FORM_KEY, "paraview", *TABLES}
 
 
 def _drawn(write: Callable[[], None]) -> bool:
     """Tell the files that take seconds each, pictures and reports, from the others."""
-    return _words(write).endswith((".png", ".html", ".pdf"))
+    return _words(write).endswith((".png", ".gif", ".mp4", ".html", ".pdf"))
 
 
 def _words(write: Callable[[], None]) -> str:
@@ -175,10 +230,8 @@ def _writers(case: Case, folder: Path, results: StageResults) -> Iterator[Callab
         yield partial(save_results, results, folder / RESULTS)
     if case.output.tables:
         yield partial(write_tables, results, folder, **units)
-    if not results:
-        return
     for ending in case.output.mesh:
-        for number, state in enumerate(results.values()):
+        for number, state in enumerate(results.states.values()):
             file = folder / f"{safe_name(number, state.name)}.{ending}"
             yield partial(write_mesh, state, file, length_unit=case.length_unit)
     yield from drawings(case.output, results, folder)

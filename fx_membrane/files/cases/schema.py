@@ -4,13 +4,18 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from .change_schema import Change
 from .fields import Force, ForcePerLength, Length, Number, Time, Truth
 from .form_schema import Steps
+from .gas_schema import ChamberModel
 from .load_schema import Displacement, Load
+from .pattern_schema import PatternsModel
 from .structure_schema import Geometry, Material, Part, SupportModel, UnitNames
 from .table import Kept, Model
 
-PictureName = Literal["displacement", "principal stress I", "principal stress II", "axial force", "state"]
+PictureName = Literal[
+    "displacement", "principal stress I", "principal stress II", "axial force", "state", "water depth"
+]
 
 
 class NewtonModel(Model):
@@ -69,6 +74,7 @@ class StageModel(Model):
     increments: int | None = None
     loads: list[Load] = []
     displacements: list[Displacement] = []
+    changes: list[Change] = []
 
 
 class OutputModel(Model):
@@ -81,6 +87,8 @@ class OutputModel(Model):
     mesh: list[Literal["msh", "obj", "dxf"]] = []
     report: list[Literal["html", "pdf"]] = []
     pictures: list[PictureName] = []
+    animation: Literal["gif", "mp4"] | None = None
+    scene: Truth = False
 
 
 class CaseModel(Model):
@@ -94,11 +102,13 @@ class CaseModel(Model):
     parts: dict[str, Part]
     supports: list[Annotated[SupportModel, Kept]] = []
     separate: list[tuple[str, str]] = []
+    chambers: dict[str, Annotated[ChamberModel, Kept]] = {}
     form_finding: Steps = []
     solver: SolverModel | None = None
     work: Annotated[WorkModel, Kept] | None = None
     limits: Annotated[LimitsModel, Kept] | None = None
     stages: list[Annotated[StageModel, Kept]] = []
+    patterns: Annotated[PatternsModel, Kept] | None = None
     output: Annotated[OutputModel, Kept] = OutputModel()
 
 

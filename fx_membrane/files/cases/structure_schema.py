@@ -187,6 +187,7 @@ class MembranePart(PartModel):
     warp: Warp = None
     compression_stiffness: Number | None = None
     mass: AreaMass | None = None
+    natural_stretch: Shares = None
 
 
 class BarPart(PartModel):
@@ -197,6 +198,7 @@ class BarPart(PartModel):
     area: Area | None = None
     prestress: Forces = None
     mass: LineMass | None = None
+    natural_stretch: Shares = None
 
 
 class CablePart(BarPart):
@@ -210,6 +212,15 @@ class MastPart(BarPart):
     """Masts, see `Mast`; axial_stiffness, or E and area."""
 
     kind: Literal["mast"]
+
+
+class RopePart(BarPart):
+    """A rope along one line of cells, see `Rope`; axial_stiffness, or E and area."""
+
+    kind: Literal["rope"]
+    unstressed_length: Length | None = None
+    force: Force | None = None
+    compression_stiffness: Number | None = None
 
 
 class NodeChoice(Model):
@@ -231,4 +242,4 @@ Geometry = Annotated[GridGeometry | FileGeometry | SailGeometry | PointGeometry,
 Material = Annotated[
     FabricMaterial | WovenMaterial | NeoHookeMaterial | MooneyRivlinMaterial, Field(discriminator="kind"), Kept
 ]
-Part = Annotated[MembranePart | CablePart | MastPart, Field(discriminator="kind"), Kept]
+Part = Annotated[MembranePart | CablePart | MastPart | RopePart, Field(discriminator="kind"), Kept]

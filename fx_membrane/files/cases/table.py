@@ -18,7 +18,7 @@ from pydantic import (
 
 
 class Broken:
-    """Stands for a table, or for the value of a key, that has a fault of its own, so that the others can be checked."""
+    """Placeholder of a table, or of a value, that has a fault of its own: the others can be checked."""
 
     def __repr__(self) -> str:
         return "BROKEN"

@@ -1,9 +1,11 @@
 """TOML of a case file: lines that are none are told together, and the others still read."""
 
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
 
+HEAD = re.compile(r"\s*(\[\[?)\s*([\w.-]+)")
 MOST = 20  # unreadable lines that are passed over; more make no case file
 
 
@@ -32,10 +34,20 @@ def parsed(file: Path, text: str) -> tuple[dict[str, Any], str, list[str]]:
             return {}, "", faults or [last]
         if number != passed + 1:  # the next line goes on with the statement that has been passed over
             faults.append(f"{file}:{number}: file: it is no TOML: {words}; correct that line")
-        if lines[number - 1].lstrip().startswith("["):  # keys below it have no table now
-            return {}, "", faults
+        if lines[number - 1].lstrip().startswith("["):
+            head = _head(lines[number - 1])
+            if head in ("", lines[number - 1].strip()):  # keys below it have no table now
+                return {}, "", faults
+            lines[number - 1], passed = head, number - 1
+            continue
         lines[number - 1], passed = "", number
     return {}, "", faults[:1]
+
+
+def _head(line: str) -> str:
+    """Head of a table with the brackets that it lacks; empty if its name is not plain."""
+    found = HEAD.match(line)
+    return f"{found[1]}{found[2]}{']' * len(found[1])}" if found else ""
 
 
 def _place(error: tomllib.TOMLDecodeError) -> tuple[int | None, str]:

@@ -2,15 +2,22 @@
 
 import re
 
+from ...results.reader_words import for_readers
+
 OWNER = re.compile(
     r"^(?:Stage '[^']*': |(?:Fabric|OrthotropicFabric|NeoHooke|MooneyRivlin|Membrane|Cable|Mast|Support|PointLoad|"
     r"PlanLoad|DistributedLoad|Pressure|PrescribedDisplacement|RadialDirection|RoundHole|Slide|Ring|RigidBody|CableForce|"
-    r"CableDensity|CableLength|CableSag|EdgeAngle|Newton|ConjugateGradient|SteepestDescent|WorkLimit|Limits) )"
+    r"CableDensity|CableLength|CableSag|EdgeAngle|Newton|ConjugateGradient|SteepestDescent|WorkLimit|Limits|"
+    r"NaturalStretch|TemperatureChange|LengthChange|PrestressFactor|Chamber(?: part)?|Ambient|GasPressure|GasVolume|"
+    r"GasAmount|Seal) )"
     r"(?=[a-zA-Z])"
 )
-KEYS = "axial_stiffness|material|warp|prestress|direction|normal|radius|mass|displacement"
+KEYS = "axial_stiffness|material|warp|prestress|natural_stretch|direction|normal|radius|mass|displacement"
 PHRASES = (
     (re.compile(r"^source is "), "it is "),
+    (re.compile(r"\ba str of (\d+) entr(?:y|ies)"), r"a text of \1 letters"),
+    (re.compile(r"\ba dict of "), "a table of "),
+    (re.compile(r"datetime\.(?:date|time|datetime)\((?:[^()]|\([^()]*\))*\)"), "a date or time"),
     (
         re.compile(r"(?<=; give )\(3,\), or \((\d+), 3\) for one at each node"),
         r"[x, y, z], or one for each of the \1 nodes",
@@ -29,11 +36,10 @@ PHRASES = (
         re.compile(r"one of direction=\(x, y, z\), normal=\(x, y, z\)"),
         "one of direction = [x, y, z], normal = [x, y, z]",
     ),
+    (re.compile(r"; allow for rounding, numpy\.isclose\(\.\.\.\)"), "; correct the range"),
     (re.compile(r"\(x, y\)"), "[x, y]"),
     (re.compile(r", or a RoundHole"), ", or its centre and radius"),
     (re.compile(r"\bA Slide is on\b"), "nodes slide on"),
-    (re.compile(r" \(WorkLimit\)"), " (the table work)"),
-    (re.compile(r"see in its iterations, `failed`, whether"), "see in the lines of progress whether"),
     (re.compile(r"an array of numbers with rows of equal length"), "a list of numbers with rows of equal length"),
     (re.compile(r"an array of whole numbers"), "a list of whole numbers"),
     (re.compile(r"which has a warp and a weft; give the warp as a vector, .*"), "give its warp, as warp = [1, 0, 0]"),
@@ -44,11 +50,27 @@ PHRASES = (
     (re.compile(r"give \(3,\)"), "give three numbers [x, y, z]"),
     (re.compile(r"\(([a-zA-Z0-9_.+-]+), ([a-zA-Z0-9_.+-]+), ([a-zA-Z0-9_.+-]+)\)"), r"[\1, \2, \3]"),
     (re.compile(r"like \"xyz\" or \"z\""), 'as "xyz" or "z"'),
+    (re.compile(r"Ambient\(101325\.0\), in pascals"), "a change of kind 'air', its pressure about '1013 hPa'"),
+    (re.compile(r"Ambient\(101325\.0, (\S+)\)"), r"it in the same change, about '1013 hPa'"),
+    (re.compile(r"\(GasPressure\)"), "(a change of kind 'gas pressure')"),
+    (re.compile(r"\ban (?=(Ambient|OrthotropicFabric)\b)"), "a "),
+    (re.compile(r"\bAmbient\b"), "change of kind 'air'"),
+    (re.compile(r"\bGasPressure\b"), "change of kind 'gas pressure'"),
+    (re.compile(r"\bGasVolume\b"), "change of kind 'gas volume'"),
+    (re.compile(r"\bGasAmount\b"), "change of kind 'gas amount'"),
+    (re.compile(r"\bSeal\b"), "change of kind 'seal'"),
+    (re.compile(r'"([^"]+)": (-?1)(?=[,}])'), r"\1 = \2"),
+    (re.compile(r"\bparts=\{"), "parts = {"),
+    (re.compile(r"rigid_walls=True"), "rigid_walls = true"),
     (re.compile(r"\bFalse\b"), "false"),
     (re.compile(r"\bTrue\b"), "true"),
     (re.compile(r"\bNone\b"), "nothing"),
     (re.compile(r"\bDistributedLoad\b"), "load of kind 'line'"),
     (re.compile(r"\bPlanLoad\b"), "load of kind 'plan'"),
+    (re.compile(r"\bTemperatureChange\b"), "change of kind 'temperature'"),
+    (re.compile(r"\bLengthChange\b"), "change of kind 'length'"),
+    (re.compile(r"\bNaturalStretch\b"), "change of kind 'stretch'"),
+    (re.compile(r"\bPrestressFactor\b"), "change of kind 'prestress factor'"),
     (re.compile(r"\bPrescribedDisplacement\b"), "prescribed displacement"),
     (re.compile(r"\bOrthotropicFabric\b"), "fabric of kind 'woven'"),
     (re.compile(r"\ba Membrane\b"), "a membrane"),
@@ -63,7 +85,8 @@ def in_words_of_files(words: str) -> str:
 
 
 def in_keys_of_files(words: str) -> str:
-    """Put a message of a run in words of case files, with the name of the object that it is about."""
+    """Put a message of a run in words of case files, with the name of its object."""
+    words = for_readers(words)
     for phrase, by in PHRASES:
         words = phrase.sub(by, words)
     return words

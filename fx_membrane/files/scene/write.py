@@ -14,7 +14,7 @@ from ...results.states import StageResult, StageResults
 from ...runtime.processes import by_the_first
 from ...solvers.progress import Pulse
 from ..whole_file import writing
-from .document import document
+from .scene_data import document
 
 SCRIPTS = (  # in the order in which they need each other
     "data.js",
@@ -50,7 +50,7 @@ def write_scene(
 
     Args:
         results: What `Analysis.run` returned, `ConvergenceError.results`, or `load_results`; one of its stages; a form;
-            or a structure, with its prestress.
+            or a structure, with its stress as built.
         path: The file, ending in .html; its folder is made.
         title: Title of the page; None for that of the results, or "Scene".
         force_unit: Name of the force unit of the structure and its loads; None for that of the results or the form, or
@@ -90,7 +90,7 @@ def write_scene(
 def _cells(results: StageResults | StageResult | Form | Structure) -> int:
     """Count the cells of all stages."""
     if isinstance(results, StageResults):
-        return sum(map(_cells, results.values()))
+        return sum(map(_cells, results.states.values()))
     structure = results if isinstance(results, Structure) else results.structure
     return sum(len(part.cells) for part in structure.parts.values())
 

@@ -5,10 +5,11 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.measures import measures
-from ...model.parts import Bar, Part
+from ...geometry.sizes import measures
+from ...model.parts import Part
 from ...model.structure import Structure
 from ..plan import UPRIGHT, place
+from ..reasons.unheld import lone_head
 
 Array = NDArray[np.float64]
 Measures = NDArray[np.str_]
@@ -39,6 +40,9 @@ def check_bars(structure: Structure) -> None:
             unfit = np.flatnonzero(force < 0)
             reason = "is in compression, which no cable carries; give a tension."
         if len(unfit):
+            ends = part.cells[unfit[0]]
+            if part.is_strut and (lone := lone_head(structure, int(ends[free[ends]][0]))):
+                reason = f"has an end that is not held. {lone}; then add the mast there by masts_and_stays."
             where = place(structure.points, part.cells, unfit[0])
             raise ValueError(
                 f"Part {name!r}, cell {unfit[0]} at {where}, with the prestress {force[unfit[0]]:g}, {reason}"
@@ -70,7 +74,7 @@ def densities_of(
 
 
 def measured_lengths(
-    name: str, part: Bar, points: Array, axes: Array, measure: str | Measures, loaded: NDArray[np.bool_]
+    name: str, part: Part, points: Array, axes: Array, measure: str | Measures, loaded: NDArray[np.bool_]
 ) -> Array:
     """Ratio of the prestress of a bar to its force density in a shape, shape (cells,) [m]; 1 for a force density.
 

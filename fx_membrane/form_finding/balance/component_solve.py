@@ -40,8 +40,11 @@ class ComponentSolve:
         shape = held_at.copy()
         for component in range(3):
             held = self.held[:, component]
-            right = force[:, component] - self.matrix[:, held] @ held_at[held, component]
-            shape[~held, component] = self.solvers[held.tobytes()](right[~held])
+            origin = (
+                held_at[held, component].mean() if held.any() else 0.0
+            )  # near the shape, so that no digits are lost
+            right = force[:, component] - self.matrix[:, held] @ (held_at[held, component] - origin)
+            shape[~held, component] = origin + self.solvers[held.tobytes()](right[~held])
         return shape
 
 

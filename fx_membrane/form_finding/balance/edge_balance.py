@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.measures import lengths
+from ...geometry.sizes import lengths
 from ...model.parts import Cable, Part
 from ...model.structure import Structure
 from ..constraints.cable_lines import Line, lines_of
@@ -48,7 +48,7 @@ def with_balanced_forces(structure: Structure, plans: Mapping[str, Plan], axes: 
 
 
 def unbalanced_edge(structure: Structure, plans: Mapping[str, Plan], axes: Array) -> tuple[float, str]:
-    """Largest range of the force that balances the stress along a line of a cable, over its mean [-], and its place."""
+    """Largest range of the force in balance with the stress along a cable, over its mean [-], and its place."""
     worst, words = 0.0, ""
     for name, given, forces, line in _lines(structure, plans, axes):
         if np.ptp(forces) > worst * given:

@@ -5,20 +5,20 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
+from scipy.linalg import null_space
 from scipy.sparse.csgraph import connected_components
 
 from ...checks import validation
 from ...model.structure import Structure
-from ..constraints.motions import Motions, motions_of
+from ..constraints.motions import Motions, carried, motions_of
 from .component_solve import ComponentSolve
 from .coupled_solve import CoupledSolve
+from .load_settling import LoadSettling
 
 Array = NDArray[np.float64]
 Cells = NDArray[np.int64]
 
-SAME = 1e-13  # relative change of the loads that counts as none
-NEAR = 1e-10  # the same, if it falls no more: it is rounding of the shape then
-REPEATS = 200  # maximum number of solves for loads that depend on the shape
+REPEATS = 400  # maximum number of solves for loads that follow the shape: enough where each leaves 92 % of the change
 FAR = 1e3  # displacement over size of the start, above which loads that still change grow without bound
 
 
@@ -40,32 +40,34 @@ class LinearBalance:
         self.motions = motions_of(structure) if motions is None else motions
         self.matrix = _assembled(len(structure.points), blocks)
         _check_ties(structure, self.motions, blocks)
+        _check_bodies(structure.points, self.motions, self.matrix)
         coupled = CoupledSolve if self.motions.couple else ComponentSolve
         self._solve = coupled(structure, self.matrix, self.motions)
 
-    def solve(self, start: Array, loads: Callable[[Array], Array]) -> tuple[Array, Array]:
+    def solve(self, start: Array, loads: Callable[[Array], Array], of: str = "") -> tuple[Array, Array]:
         """Find the shape in balance with the loads on it, and its reactions, both of shape (n, 3).
 
         Args:
             start: Shape with the held nodes in place, shape (n, 3) [m].
             loads: Function of the shape, which returns forces on the nodes, shape (n, 3) [N].
+            of: The loads in words, for messages.
 
         Raises:
             RuntimeError: The loads do not settle.
         """
-        force, shape, change = loads(start), start, np.inf
+        force, shape, have_settled = loads(start), start, LoadSettling()
         for _ in range(REPEATS):
             shape = self._solve(shape, force)
             before, force = force, loads(shape)
-            last, change = change, np.abs(force - before).max()
-            settled = change <= NEAR * np.abs(force).max() and change > last / 2
-            if change <= SAME * np.abs(force).max() or settled:
+            if have_settled(before, force):
                 return shape, self.motions.reactions(self.matrix @ shape - before)
             if np.abs(shape - start).max() > FAR * np.ptp(start, axis=0).max():
                 break
+        node = int(np.abs(shape - start).max(axis=1).argmax())
         raise RuntimeError(
-            "Form finding found no shape for the loads: they grow with the form faster than the stress can hold. Give "
-            "a larger stress or smaller loads."
+            f"Form finding found no shape for the loads{f', {of}' * bool(of)}: they grow with the form faster than the "
+            f"stress can hold, most at node {node}, {validation.format_point(start[node])}. Give a larger stress or "
+            "smaller loads."
         )
 
 
@@ -95,4 +97,25 @@ def _check_ties(structure: Structure, motions: Motions, blocks: Sequence[tuple[C
             raise ValueError(
                 f"Node {loose[0]} at {where} is tied by no stress to a held node in {'xyz'[component]}; support one of "
                 "its piece, or give its parts a prestress."
+            )
+
+
+def _check_bodies(points: Array, motions: Motions, matrix: sparse.csr_matrix) -> None:
+    """Refuse bodies that can move without any node that a stress ties, as a mast its foot on a rail.
+
+    Raises:
+        ValueError: There is one.
+    """
+    tied = matrix.diagonal() != 0
+    for body in motions.bodies:
+        moved = carried(body.coordinates[tied[body.nodes]]) @ body.ways
+        loose = body.ways @ null_space(np.vstack([moved, np.zeros((1, body.ways.shape[1]))]))
+        if loose.shape[1]:
+            moves = np.abs(carried(body.coordinates) @ loose).max(axis=1).reshape(-1, 3)
+            row, component = np.unravel_index(moves.argmax(), moves.shape)
+            node, axis = body.nodes[row], "xyz"[component]
+            raise ValueError(
+                f"{body.label} can move node {node} at {validation.format_point(points[node])} in {axis}, where no "
+                f"stress ties it; support the node in {axis}, or tie it by a cable with a prestress. For a mast on a "
+                "rail, hold its head, and add mast and tie by masts_and_stays."
             )

@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.measures import SLIVER, aspects, measures, normals
+from ...geometry.sizes import grown_slender, measures, normals
 from ...model.loads import PlanLoad, PointLoad, Pressure
 from ...model.parts import Part
 from ...model.structure import Structure
 from ..constraints.motions import Motions
+from ..form_loads import words_of_loads
 from ..plan import Plan, cauchy, place
 from .linear_balance import LinearBalance
 
@@ -30,7 +31,8 @@ def balanced(
     line = np.array([[1.0, -1.0], [-1.0, 1.0]])
     blocks = [(plan.cells, plan.stiffness()) for plan in plans.values()]
     blocks += [(structure.parts[name].cells, q[:, None, None] * line) for name, q in densities.items()]
-    return LinearBalance(structure, blocks, motions).solve(start, lambda points: nodal_loads(structure, loads, points))
+    balance = LinearBalance(structure, blocks, motions)
+    return balance.solve(start, lambda points: nodal_loads(structure, loads, points), words_of_loads(loads))
 
 
 def nodal_loads(structure: Structure, loads: Sequence[Any], points: Array) -> Array:
@@ -66,10 +68,12 @@ def cell_loads(load: Any, points: Array, cells: NDArray[np.int64]) -> Array:
     return np.asarray(size * np.asarray(load.load))
 
 
-def collapse_of(structure: Structure, points: Array) -> str:
+def collapse_of(structure: Structure, points: Array, only_bars: bool = False) -> str:
     """Tell of a cell that has shrunk to nothing, in words; empty without one."""
     for name, part in structure.parts.items():
-        gone = np.flatnonzero(aspects(points, part.cells) > SLIVER)
+        if only_bars and part.dimension == 2:
+            continue
+        gone = grown_slender(points, part.cells, structure.points)
         if len(gone):
             return (
                 f"part {name!r}, cell {gone[0]} shrinks to nothing at {place(points, part.cells, gone[0])}: the forces "

@@ -25,6 +25,7 @@ CLOSE = 1e-8  # slope of the energy from which Newton's method goes on
 LONGEST = 500  # maximum number of steps downhill
 ASIDE = 1e-3  # distance from the start, over the size
 UNSTABLE = -1e-9  # curvature over the largest, below which a balance is no minimum
+NEUTRAL = 1e-9  # the same, below which a direction counts as neutral: as masts that turn together about an axis
 
 
 def settled(bodies: Sequence[Body], stiffness: Array, loose: Array, start: Array) -> tuple[Array, Array]:
@@ -150,25 +151,25 @@ class _Equations:
 
 def _newton(equations: _Equations, stiffness: Array, loose: Array, start: Array) -> tuple[Array, Array] | None:
     """Minimum near a start by Newton's method, and the forces of constraints; None where it finds none."""
-    s = start
+    s, size, largest = start, equations.size, np.abs(stiffness).max()
     multipliers = np.linalg.lstsq(equations.gradients(s).T, stiffness @ (s - loose), rcond=None)[0]
     last = np.inf
     for _ in range(REPEATS):
-        gradients, values = equations.gradients(s), equations.values(s)
+        gradients = equations.gradients(s)
         force = gradients.T @ multipliers
-        unbalanced = stiffness @ (s - loose) - force
-        reference = np.abs(stiffness).max() * equations.size
-        error = max(np.abs(values).max() / equations.size**2, np.abs(unbalanced).max() / reference)
+        unbalanced = (stiffness @ (s - loose) - force) / (largest * size)
+        values = equations.values(s) / size**2
+        error = max(np.abs(values).max(), np.abs(unbalanced).max())
         curvature = stiffness - np.tensordot(multipliers, equations.curvatures, axes=1)
         if error <= EXACT or (error <= ROUNDING and error > last / 2):
             free = null_space(gradients)
             least = np.linalg.eigvalsh(free.T @ curvature @ free).min(initial=0.0)
-            return (s, force) if least >= UNSTABLE * np.abs(stiffness).max() else None
+            return (s, force) if least >= UNSTABLE * largest else None
         last = error
         zero = np.zeros((len(values), len(values)))
-        system = np.block([[curvature, -gradients.T], [gradients, zero]])
-        step = np.linalg.lstsq(system, -np.concatenate([unbalanced, values]), rcond=None)[0]
-        s, multipliers = s + step[: len(s)], multipliers + step[len(s) :]
-        if not np.abs(s).max() < 1 / np.finfo(float).eps * equations.size:
+        system = np.block([[curvature / largest, -gradients.T / size], [gradients / size, zero]])
+        step = np.linalg.lstsq(system, -np.concatenate([unbalanced, values]), rcond=NEUTRAL)[0]
+        s, multipliers = s + size * step[: len(s)], multipliers + largest * step[len(s) :]
+        if not np.abs(s).max() < 1 / np.finfo(float).eps * size:
             return None
     return None

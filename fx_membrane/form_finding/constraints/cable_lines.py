@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
-from ...geometry.measures import lengths
+from ...geometry.sizes import lengths
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -42,7 +42,7 @@ class Line(NamedTuple):
     def sag(self, points: Array, along: Array | None) -> float:
         """Largest distance of its nodes from the chord, along a direction or normal to the chord [m].
 
-        Along a direction, nodes are compared with the place of the chord at the same share of its extent across it.
+        Along a direction, nodes are compared with the chord at the same share of its extent across it.
         """
         place = points[self.nodes]
         chord, offset = place[-1] - place[0], place - place[0]

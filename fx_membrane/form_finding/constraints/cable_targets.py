@@ -1,8 +1,8 @@
 """Force densities of cables towards forces, lengths, sags and angles, from one shape to the next.
 
 A line of a cable has one unknown: its force in the measure of the method, the same in all its cells. The larger it is,
-the shorter and straighter is the line. A step multiplies it by the ratio that a shallow arc of given load asks for,
-whose sag and force are inverse to each other; acceleration makes the steps few.
+the shorter and straighter is the line. A step multiplies it by the ratio for a shallow arc of given load: its sag and
+force are inverse to each other; acceleration makes the steps few.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...checks import validation
-from ...geometry.measures import measures
-from ...model.parts import Cable, Mast
+from ...geometry.sizes import measures
+from ...model.parts import Cable, Mast, Rope
 from ...model.structure import Structure
 from ..balance.cable_forces import densities_of, measured_lengths
 from ..plan import place as place_of
@@ -125,7 +125,7 @@ class CableTargets:
             found[name][line.cells] = wanted[name][line.cells]
         return found
 
-    def asked(self, points: Array, densities: Mapping[str, Array]) -> dict[str, Cable | Mast]:
+    def asked(self, points: Array, densities: Mapping[str, Array]) -> dict[str, Cable | Mast | Rope]:
         """Bars with the forces asked for in a shape as prestress; lines of given geometry have those they carry."""
         wanted = self.mixed(self.by_force(points), densities)
         return {

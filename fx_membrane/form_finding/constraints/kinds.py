@@ -224,8 +224,8 @@ class Ring(ByValue):
     """Nodes on a circle that stay plane and round in form finding, while the ring moves and turns.
 
     The nodes keep their angles on the circle. Supports of the ring's nodes guide it: held in "z", it moves in its
-    plane. What keeps it round is in `Form.reactions`. In the structure of the form, bars without prestress along the
-    ring take these forces where they balance them, as those of a mast around a cone; else its nodes are held.
+    plane. What keeps it round is in `Form.reactions`. In the structure of the form, bars along the ring without
+    prestress take these forces where they balance them; else its nodes are held.
 
     Args:
         nodes: The nodes, on a circle at the start, shape (k,), k >= 3.
@@ -256,9 +256,10 @@ class Ring(ByValue):
 class RigidBody(ByValue):
     """Nodes that move and turn together in form finding, as those of a stiff head frame.
 
-    Two nodes are the ends of a strut of given length; a `Mast` without prestress between them takes its force. A mast
-    falls, with a warning, where stays of given force alone hold its head: hold that by supports, and add both by
-    `masts_and_stays`. Bars and supports take the forces of a body as those of a `Ring`.
+    Two nodes are the ends of a strut of given length; a `Mast` without prestress between them takes its force. Stays of
+    given force do not bring a mast back upright, but balance it: from a held foot it stands where they do, within 45
+    degrees of its start. Elsewhere it falls, with a warning that names the force missing: hold its head by supports
+    then, and add both by `masts_and_stays`. Bars and supports take the forces of a body as those of a `Ring`.
 
     Args:
         nodes: The nodes, shape (k,), k >= 2.

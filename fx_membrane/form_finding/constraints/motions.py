@@ -77,7 +77,7 @@ class Body:
         return (
             f"{self.label} has turned by {angle:.0f} degrees from its start: cables of given force do not hold a mast "
             "upright, and a flat start leaves its side open. Hold its head by supports and add mast and stays by "
-            "masts_and_stays, give supports that guide it, or start it nearer to its place in the form."
+            "masts_and_stays. Or give supports that guide it, or start it nearer to its place in the form."
         )
 
     def grown(self, points: Array) -> str:

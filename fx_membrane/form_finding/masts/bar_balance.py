@@ -1,7 +1,7 @@
 """Form of bars alone, where the steps of form finding find none: as of a mast between guys.
 
-A step takes the force of a bar for a force per length, with which a mast that pushes has a stiffness below zero. The
-lengths are found here from the balance of the forces themselves, by least squares with a trust region.
+A step takes the force of a bar for a force per length: a mast that pushes has negative stiffness then. The lengths are
+found here from the balance of the forces themselves, by least squares with a trust region.
 """
 
 from collections.abc import Callable
@@ -19,8 +19,8 @@ Array = NDArray[np.float64]
 BALANCED = 1e-12  # accepted unbalanced force, relative to the largest of a bar
 SHORT = 1e-2  # share of its first length, below which a bar counts as shrunk to a point
 STEPS = (1, 5, 20)  # numbers of steps, tried in turn, in which the unbalanced forces of the first shape are let go
-TRIES = 20  # of each
-EPS = 1e-15
+TRIES = 20  # maximum number of evaluations in each
+EPS = 1e-15  # tolerance of each: all digits
 FOLLOWED = 1e-6  # unbalanced force, above which a step has lost its way
 FALLEN = 45.0  # angle by which a free mast has turned, above which it is told [degrees]
 FLAT = 1e-9  # coordinate over the size, that is rounding

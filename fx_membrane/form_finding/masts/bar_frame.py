@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...checks import validation
-from ...geometry.measures import measures
-from ...model.parts import Cable, Mast
+from ...geometry.sizes import measures
+from ...model.parts import Bar, Cable, Mast
 from .bar_forces import RANK, nearest, signed
 
 Array = NDArray[np.float64]
@@ -29,7 +29,7 @@ class BarFrame:
         free: Components to balance, shape (n, 3).
     """
 
-    parts: Mapping[str, Mast | Cable]
+    parts: Mapping[str, Bar]
     points: Array
     free: NDArray[np.bool_]
 
@@ -102,8 +102,8 @@ class BarFrame:
         name, cell = self._names[bar]
         return (
             f"The form balances with {forces[bar]:.4g} in cell {cell} of part {name!r}, not with the wanted "
-            f"{self.wanted[bar]:.4g}, as the reactions and the directions of the bars decide; want that force, or "
-            "none, or move the feet."
+            f"{self.wanted[bar]:.4g}: reactions and directions of the bars decide; want that force, or none, or move "
+            "the feet."
         )
 
     @cached_property
@@ -140,7 +140,7 @@ class BarFrame:
         return validation.format_point(self.points[node])
 
 
-def sign_of(part: Mast | Cable) -> int:
+def sign_of(part: Bar) -> int:
     """Sign of the forces that a part is to carry: masts push, stays pull."""
     return -1 if part.is_strut else 1
 

@@ -48,7 +48,7 @@ def balance_masts(
     max_iterations: int,
     collapse: str,
 ) -> Balance | None:
-    """Find a shape in which the forces of free masts balance; None without such masts, or for bars alone.
+    """Find a shape in which the forces of free masts balance; None without these masts, or for bars alone.
 
     Args:
         structure: The first shape, with the forces prescribed.

@@ -1,27 +1,35 @@
 """Cells of the nearest stress: forces and energies of a small motion that corrects the stress wished for.
 
-The stress nearest to the wish w, among those in equilibrium in a shape, is w + w e w, with the strain e of a vector l
-at the nodes, the multiplier of equilibrium (in length over stress). The area integral of w : e + tr(w e w e) / 2, less
-the work of the loads on l, is a function of l and of the shape. Its derivative by l is the unbalanced force; the
-negative of its minimum over l is half the square of the norm of the relative difference of stress and wish.
+Among the stresses in equilibrium in a shape, the nearest to the wish w is w + w e w. e is the strain of a vector l at
+the nodes, the multiplier of equilibrium (in length over stress). The area integral of w : e + tr(w e w e) / 2, less the
+work of the loads on l, is a function of l and of the shape. Its derivative by l is the unbalanced force; its minimum
+over l is minus half the squared norm of the relative difference of stress and wish.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.sizes import measures
+from ...geometry.symmetric_tensors import components, sandwich, square_root, tensors
+from ...geometry.vector_columns import columns, dot, lengths, over_copies
 from ..balance.membrane_balance import cell_loads
 from ..wishes import Wish
+from .triangles import Triangle, Triangles
 
 Array = NDArray[np.float64]
 Cells = NDArray[np.int64]
 
 
 class Block(Protocol):
-    """Cells of one kind; corners and multipliers have the shape (cells, nodes of a cell, 3)."""
+    """Cells of one kind.
+
+    Corners have the shape (nodes of a cell, 3, ..., cells), with the cells last and copies of them, moved, in between:
+    sums over short last axes are slow. Multipliers have the shape (nodes of a cell, 3, cells).
+    """
 
     @property
     def cells(self) -> Cells:
@@ -31,19 +39,10 @@ class Block(Protocol):
         """Unbalanced forces on the nodes of the cells, shape of corners [N]."""
 
     def energies(self, corners: Array, multipliers: Array) -> Array:
-        """Values of the function whose derivative by the multipliers the forces are, shape (cells,)."""
+        """Values of the function whose derivative by the multipliers the forces are, shape (..., cells)."""
 
     def stiffnesses(self, corners: Array) -> Array:
-        """Second derivatives by the multipliers, shape (cells, nodes, 3, nodes, 3)."""
-
-
-class Triangle(NamedTuple):
-    """Geometry and wish of triangles: areas, gradients along warp and weft (cells, 3, 2), frame (cells, 2, 3), wish."""
-
-    areas: Array
-    gradients: Array
-    frame: Array
-    wish: Array
+        """Second derivatives by the multipliers, shape (cells, nodes, 3, nodes, 3); corners (cells, nodes, 3)."""
 
 
 @dataclass(frozen=True)
@@ -61,47 +60,28 @@ class MembraneBlock:
     ratio: Array | None = None
 
     def triangles(self, corners: Array) -> Triangle:
-        """Geometry of the cells, and the wish where they are."""
-        a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-        normal = np.cross(b - a, c - a)
-        twice = np.sqrt(np.einsum("ij,ij->i", normal, normal))
-        normal /= twice[:, None]
-        warp, size = self.wish.at(corners, normal)
-        if self.ratio is not None:
-            root = square_root(size)
-            size = root @ self.ratio @ root
-        weft = np.cross(normal, warp)
-        frame = np.stack([warp, weft], axis=1)
-        sides = np.stack([c - b, a - c, b - a], axis=1)
-        along = np.einsum("cix,cax->cia", sides, frame)
-        gradients = np.stack([-along[:, :, 1], along[:, :, 0]], axis=2) / twice[:, None, None]
-        return Triangle(twice / 2, gradients, frame, size)
-
-    def strains(self, triangles: Triangle, multipliers: Array) -> Array:
-        """Strains of the multipliers along warp and weft, shape (cells, 2, 2)."""
-        local = np.einsum("cix,cax->cia", multipliers, triangles.frame)
-        gradient = np.einsum("cia,cib->cab", local, triangles.gradients)
-        return np.asarray((gradient + gradient.swapaxes(1, 2)) / 2)
+        """Geometry of the cells, and the wish where they are; corners of the shape (cells, 3, 3)."""
+        return self._triangles(columns(corners)).by_cell()
 
     def stresses(self, corners: Array, multipliers: Array) -> tuple[Triangle, Array]:
-        """Geometry, and the corrected stress along warp and weft, shape (cells, 2, 2) [N/m]."""
-        triangles = self.triangles(corners)
-        wish = triangles.wish
-        return triangles, wish + wish @ self.strains(triangles, multipliers) @ wish
+        """Geometry, and the corrected stress along warp and weft, shape (cells, 2, 2) [N/m]; by cell."""
+        triangles = self._triangles(columns(corners))
+        return triangles.by_cell(), tensors(triangles.corrected(columns(multipliers)))
+
+    def _triangles(self, corners: Array) -> Triangles:
+        found = Triangles.of(corners, self.wish)
+        if self.ratio is None:
+            return found
+        return found._replace(wish=sandwich(square_root(found.wish), components(self.ratio)))
 
     def forces(self, corners: Array, multipliers: Array) -> Array:
         """See `Block`."""
-        triangles, stress = self.stresses(corners, multipliers)
-        local = triangles.areas[:, None, None] * (triangles.gradients @ stress)
-        return np.asarray(local @ triangles.frame)
+        triangles = self._triangles(corners)
+        return triangles.pulls(triangles.corrected(multipliers))
 
     def energies(self, corners: Array, multipliers: Array) -> Array:
         """See `Block`."""
-        triangles = self.triangles(corners)
-        strain = triangles.wish @ self.strains(triangles, multipliers)
-        trace = strain[:, 0, 0] + strain[:, 1, 1]
-        square = strain[:, 0, 0] ** 2 + strain[:, 1, 1] ** 2 + 2 * strain[:, 0, 1] * strain[:, 1, 0]
-        return np.asarray(triangles.areas * (trace + square / 2))
+        return self._triangles(corners).energies(multipliers)
 
     def stiffnesses(self, corners: Array) -> Array:
         """See `Block`."""
@@ -133,33 +113,41 @@ class BarBlock:
     def _given(self, corners: Array) -> Array:
         return self.force if self.growth is None else self.force * self.growth(corners)
 
-    def _strained(self, corners: Array, multipliers: Array) -> tuple[Array, Array, Array]:
-        way = corners[:, 1] - corners[:, 0]
-        length = np.sqrt(np.einsum("ij,ij->i", way, way))
-        unit = way / length[:, None]
-        return length, unit, np.einsum("ij,ij->i", unit, multipliers[:, 1] - multipliers[:, 0]) / length
-
     def tensions(self, corners: Array, multipliers: Array) -> Array:
-        """Corrected forces, shape (cells,) [N]."""
+        """Corrected forces, shape (cells,) [N]; corners and multipliers of the shape (cells, 2, 3)."""
+        at = columns(corners)
+        return self._corrected(at, _strained(at, columns(multipliers))[2])
+
+    def _corrected(self, corners: Array, strain: Array) -> Array:
         force = self._given(corners)
-        return np.asarray(force + force**2 / self.width * self._strained(corners, multipliers)[2])
+        return np.asarray(force + force**2 / self.width * strain)
 
     def forces(self, corners: Array, multipliers: Array) -> Array:
         """See `Block`."""
-        pull = self.tensions(corners, multipliers)[:, None] * self._strained(corners, multipliers)[1]
-        return np.stack([-pull, pull], axis=1)
+        _, unit, strain = _strained(corners, multipliers)
+        pull = self._corrected(corners, strain) * unit
+        return np.stack([-pull, pull])
 
     def energies(self, corners: Array, multipliers: Array) -> Array:
         """See `Block`."""
-        length, _, strain = self._strained(corners, multipliers)
+        length, _, strain = _strained(corners, multipliers)
         force = self._given(corners)
         return np.asarray(length * (force * strain + (force * strain) ** 2 / (2 * self.width)))
 
     def stiffnesses(self, corners: Array) -> Array:
         """See `Block`."""
-        length, unit, _ = self._strained(corners, np.zeros_like(corners))
-        along = (self._given(corners) ** 2 / self.width / length)[:, None, None] * unit[:, :, None] * unit[:, None, :]
-        return np.asarray(np.einsum("ij,cxy->cixjy", [[1.0, -1.0], [-1.0, 1.0]], along))
+        at = columns(corners)
+        length, unit, _ = _strained(at, np.zeros_like(at))
+        along = self._given(at) ** 2 / self.width / length * unit[:, None] * unit
+        return np.asarray(np.einsum("ij,xyc->cixjy", [[1.0, -1.0], [-1.0, 1.0]], along))
+
+
+def _strained(corners: Array, multipliers: Array) -> tuple[Array, Array, Array]:
+    """Lengths of bars, unit vectors along them, and their strains by the multipliers, with cells last."""
+    way = corners[1] - corners[0]
+    length = lengths(way)
+    unit = way / length
+    return length, unit, dot(unit, over_copies(multipliers[1] - multipliers[0], unit)) / length
 
 
 @dataclass(frozen=True)
@@ -171,13 +159,14 @@ class LoadBlock:
 
     def forces(self, corners: Array, multipliers: Array) -> Array:
         """See `Block`."""
-        numbers = np.arange(corners.shape[0] * corners.shape[1]).reshape(corners.shape[:2])
-        spread = cell_loads(self.load, corners.reshape(-1, 3), numbers) / corners.shape[1]
-        return np.broadcast_to(-spread[:, None], corners.shape)
+        count, cells = len(corners), corners[0, 0].size
+        points = corners.reshape(count, 3, cells).swapaxes(1, 2).reshape(-1, 3)
+        spread = cell_loads(self.load, points, np.arange(count * cells).reshape(count, cells).T) / count
+        return np.broadcast_to(-spread.T.reshape(corners.shape[1:]), corners.shape)
 
     def energies(self, corners: Array, multipliers: Array) -> Array:
         """See `Block`."""
-        return np.asarray(np.einsum("cix,cix->c", self.forces(corners, multipliers), multipliers))
+        return dot(self.forces(corners, multipliers)[0], over_copies(multipliers.sum(axis=0), corners[0]))
 
     def stiffnesses(self, corners: Array) -> Array:
         """See `Block`."""
@@ -185,9 +174,34 @@ class LoadBlock:
         return np.zeros((len(corners), n, 3, n, 3))
 
 
-def square_root(tensors: Array) -> Array:
-    """Square roots of symmetric positive tensors, shape (cells, 2, 2); NaN of others, which later checks refuse."""
-    with np.errstate(invalid="ignore"):
-        root = np.sqrt(np.linalg.det(tensors))
-        scale = np.sqrt(np.trace(tensors, axis1=1, axis2=2) + 2 * root)
-    return np.asarray((tensors + root[:, None, None] * np.eye(2)) / scale[:, None, None])
+def norm_of(
+    membranes: Mapping[str, MembraneBlock], bars: Mapping[str, BarBlock], points: Array, ratios: Mapping[str, Array]
+) -> tuple[float, float]:
+    """Sum areas times squared differences of stress and wish [m2], and the area, or that of strips for bars alone [m2].
+
+    Args:
+        membranes: Membranes by name.
+        bars: Bars by name.
+        points: The shape, shape (n, 3) [m].
+        ratios: Stress over wish, by part, as `State.ratios`.
+    """
+    norm = area = strips = 0.0
+    for name, block in membranes.items():
+        areas = measures(points, block.cells)
+        norm += float(areas @ np.sum((ratios[name] - np.eye(2)) ** 2, axis=(1, 2)))
+        area += float(areas.sum())
+    for name, bar in bars.items():
+        strip = measures(points, bar.cells) * np.where(np.isfinite(bar.width), bar.width, 0.0)
+        norm += float(strip @ (ratios[name] - 1) ** 2)
+        strips += float(strip.sum())
+    return norm, area or strips or 1.0
+
+
+def mean_stress(membranes: Mapping[str, MembraneBlock], points: Array) -> float:
+    """Mean of the stress wished for over the area of a shape [N/m]; zero without a membrane."""
+    total = area = 0.0
+    for block in membranes.values():
+        triangles = block.triangles(points[block.cells])
+        total += float(np.sum(triangles.areas * np.trace(triangles.wish, axis1=1, axis2=2) / 2))
+        area += float(triangles.areas.sum())
+    return total / area if area else 0.0

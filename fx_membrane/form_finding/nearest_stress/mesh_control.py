@@ -7,18 +7,21 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from ...geometry.measures import measures, normals
+from ...geometry.sizes import measures, normals
+from ...geometry.vector_columns import columns, dot
 from ...model.structure import Structure
 from ..constraints.motions import Motions
 from ..shape_change import nodal_normals
-from .assembly import assembled
-from .guide import MotionGuide
-from .mesh_lines import MeshLines
-from .triangle_evenness import Evenness, evenness_of
+from .assembly import Pattern
+from .guide import BodyWays, MotionGuide
+from .lines_of_mesh import MeshLines
+from .triangle_evenness import evenness_of, triangles_of
 
 Array = NDArray[np.float64]
 Segments = NDArray[np.int64]
 
+# Half and double of each were tried on a cone, a roof under snow and one with sags: forms move by less than 1e-8 of
+# their size.
 NORMAL = 0.05  # component of a direction that supports leave, below which it counts as held
 HALVINGS = 8  # of a slide that turns a triangle over
 SLIDES = 20  # maximum number of slides to an even mesh
@@ -26,14 +29,28 @@ EVEN = 0.02  # motion in a slide over the usual edge, at which a mesh counts as 
 
 
 class Ways(NamedTuple):
-    """Directions of free nodes: across surfaces and lines, and along them, each as columns, sparse (3 n, k)."""
+    """Directions of free nodes: across surfaces and lines, and along them, each as columns, sparse (3 n, k).
+
+    The last columns of each are those of bodies, combinations of all their motions.
+    """
 
     across: sparse.csc_matrix
     along: sparse.csc_matrix
+    bodies: BodyWays
+
+
+class _Slope(NamedTuple):
+    """Shape, its ways, and the imbalance of its mesh along them."""
+
+    points: Array
+    ways: Ways
+    imbalance: Array
 
 
 class MeshControl:
     """Even mesh: equal segments along lines, and triangles as near to equal sides as sliding brings them.
+
+    A body that slides along its own line, as a ring that spins, leaves the shape as it is: its triangles rule it, too.
 
     It is a property of the surface and of the numbering of the cells, not of the first mesh: all starts lead to one
     mesh, and a form is at rest. Inner nodes minimize the sum of the evenness of the triangles, which no size changes:
@@ -57,7 +74,11 @@ class MeshControl:
         rim, other = (sparse.diags(on.astype(float)) for on in (lines.on_rim, lines.on_line & ~lines.on_rim))
         springs = rim @ _springs(n, lines.rim) + other @ _springs(n, lines.segments)
         self._springs = sparse.kron(springs, sparse.eye(3)).tocsr()
-        self._inside = np.repeat(~lines.on_line, 3)
+        inside = ~lines.on_line
+        for body in motions.bodies:
+            inside[body.nodes] = True
+        self._inside = np.repeat(inside, 3)
+        self._pattern = Pattern(n, self.triangles)
         self.rest = np.zeros(3 * n)  # forces that count as none, shape (3 n,)
 
     def ways(self, points: Array) -> Ways:
@@ -76,60 +97,82 @@ class MeshControl:
         across[:, 0] = True
         across[:, 1] = on_line
         across[:, 2] = stuck
-        ways = _ways(self.guide.projected(triads), across, self.guide.free)
-        return ways._replace(across=sparse.hstack([ways.across, self.guide.of_bodies(points)]).tocsc())
+        single = _ways(self.guide.projected(triads), across, self.guide.free)
+        if not self.guide.motions.bodies:
+            return Ways(*single, self.guide.split(points, self.lines.segments))
+        split, moves = self.guide.split(points, self.lines.segments), self.guide.of_bodies(points)
+        of_bodies = moves @ split.across, moves @ split.along
+        both = [sparse.hstack(pair).tocsc() for pair in zip(single, of_bodies, strict=True)]
+        return Ways(both[0], both[1], split)
 
     def forces(self, points: Array) -> Array:
-        """Take the derivatives of the evenness of triangles at inner nodes, of segments on lines, shape (3 n,)."""
-        slopes = self._total(points, evenness_of(points[self.triangles]))
+        """Gradient of the evenness, of triangles at inner nodes and of segments on lines, shape (3 n,)."""
+        slopes = self._total(triangles_of(self._corners(points)).slopes())
         return np.where(self._inside, slopes.ravel(), self._springs @ points.ravel())
 
-    def _total(self, points: Array, evenness: Evenness) -> Array:
-        total = np.zeros_like(points)
-        np.add.at(total, self.triangles, evenness.slopes)
-        return total
+    def _corners(self, points: Array) -> Array:
+        """Corners of the triangles, shape (3, 3, cells) [m]."""
+        return columns(points[self.triangles])
+
+    def _total(self, slopes: Array) -> Array:
+        """Sum slopes of the triangles at the nodes, shape (n, 3)."""
+        nodes, n = self.triangles.T.ravel(), len(self.structure.points)
+        return np.stack([np.bincount(nodes, slopes[:, way].ravel(), n) for way in range(3)], axis=1)
 
     def imbalance(self, points: Array, ways: Ways) -> Array:
         """Project the forces on the directions along surfaces and lines, shape (k,)."""
         return np.asarray(ways.along.T @ (self.forces(points) - self.rest))
 
     def derivatives(self, points: Array, ways: Ways, near: bool) -> sparse.csr_matrix:
-        """Take those of the imbalance by the nodes, sparse (k, 3 n): convex, or if near all but the turns of lines."""
-        evenness = evenness_of(points[self.triangles])
+        """Jacobian of the imbalance, sparse (k, 3 n): convex, or if near exact but for the turns of lines."""
+        evenness = evenness_of(self._corners(points))
         if not near:
-            return ways.along.T @ self._matrix(points, evenness.convex)
+            return (ways.along.T @ self._matrix(evenness.convex)).tocsr()
         nodal = nodal_normals(self.structure, points)
         size = np.sum(nodal**2, axis=1)
-        pull = np.sum(self._total(points, evenness) * nodal, axis=1)
-        share = np.divide(pull, size, where=size > 0, out=np.zeros_like(size))[self.triangles]
-        sense = np.sign(np.einsum("cix,cx->ci", nodal[self.triangles], evenness.normal))
-        turning = np.einsum("ci,ckx,cy->cixky", share * sense, evenness.gradients, evenness.normal)
-        return ways.along.T @ self._matrix(points, evenness.convex + evenness.bent + turning)
+        pull = np.sum(self._total(evenness.slopes) * nodal, axis=1)
+        share = np.divide(pull, size, where=size > 0, out=np.zeros_like(size))[self.triangles].T
+        sense = np.sign(np.stack([dot(nodal[corner].T, evenness.normal) for corner in self.triangles.T]))
+        gradients = (share * sense)[:, None, None] * evenness.gradients  # (nodes, nodes, 3, cells)
+        turning = gradients.swapaxes(1, 2)[:, :, :, None] * evenness.normal
+        found = ways.along.T @ self._matrix(evenness.convex + evenness.bent + turning)
+        if ways.bodies.along.shape[1]:
+            turned = self.guide.turning(points, (self.forces(points) - self.rest).reshape(-1, 3))
+            rows = ways.bodies.along.T @ turned @ self.guide.of_bodies(points).T
+            none = sparse.csr_matrix((found.shape[0] - rows.shape[0], rows.shape[1]))
+            found = found + sparse.vstack([none, rows])
+        return found.tocsr()
 
-    def _matrix(self, points: Array, blocks: Array) -> sparse.csr_matrix:
-        inside = sparse.diags(self._inside.astype(float))
-        return inside @ assembled(len(points), [(self.triangles, blocks)]) + self._springs
+    def _matrix(self, blocks: Array) -> sparse.csr_matrix:
+        inside = self._inside[::3][self.triangles]
+        rows = np.moveaxis(blocks, -1, 0) * inside[:, :, None, None, None]
+        return self._pattern.summed(rows) + self._springs
 
     def evened(self, points: Array) -> Array:
         """Slide the nodes to an even mesh, by steps of Newton where they bring it nearer, else by convex ones."""
+        at = self._slope(points)
         for _ in range(SLIDES):
-            ways = self.ways(points)
-            if not ways.along.shape[1]:
+            if not at.ways.along.shape[1]:
                 return points
-            uneven = np.linalg.norm(self.imbalance(points, ways))
-            following = self._slid(points, ways, near=True)
-            after = np.inf if following is points else np.linalg.norm(self.imbalance(following, self.ways(following)))
-            if not after < uneven / 2:
-                following = self._slid(points, ways, near=False)
-            moved, points = np.abs(following - points).max(), following
-            if moved < EVEN * self.mean_edge(points):
+            following = self._slid(at, near=True)
+            after = at if following is at.points else self._slope(following)
+            if not np.linalg.norm(after.imbalance) < np.linalg.norm(at.imbalance) / 2:
+                following = self._slid(at, near=False)
+                after = self._slope(following)
+            moved, at = np.abs(following - at.points).max(), after
+            if moved < EVEN * self.mean_edge(at.points):
                 break
-        return points
+        return at.points
 
-    def _slid(self, points: Array, ways: Ways, near: bool) -> Array:
+    def _slope(self, points: Array) -> "_Slope":
+        ways = self.ways(points)
+        return _Slope(points, ways, self.imbalance(points, ways))
+
+    def _slid(self, at: "_Slope", near: bool) -> Array:
         """Points after a step along the ways, shortened until no triangle turns over."""
+        points, ways, imbalance = at
         matrix = self.derivatives(points, ways, near) @ ways.along
-        slide = splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A").solve(-self.imbalance(points, ways))
+        slide = splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A").solve(-imbalance)
         step = (ways.along @ slide).reshape(points.shape)
         for _ in range(HALVINGS):
             if self.keeps_sides(points, points + step):
@@ -148,8 +191,10 @@ class MeshControl:
         return bool((np.sum(sides[0] * sides[1], axis=1) > 0).all())
 
 
-def _ways(triads: Array, across: NDArray[np.bool_], free: NDArray[np.bool_]) -> Ways:
-    """Directions of nodes, made orthonormal within their free components, in the order of the triads."""
+def _ways(
+    triads: Array, across: NDArray[np.bool_], free: NDArray[np.bool_]
+) -> tuple[sparse.csc_matrix, sparse.csc_matrix]:
+    """Directions across and along, made orthonormal within their free components, in the order of the triads."""
     found = np.zeros_like(triads)
     for number in range(3):
         way = np.where(free, triads[:, number], 0.0)
@@ -158,14 +203,14 @@ def _ways(triads: Array, across: NDArray[np.bool_], free: NDArray[np.bool_]) -> 
         length = np.linalg.norm(way, axis=1, keepdims=True)
         found[:, number] = np.divide(way, length, where=length > NORMAL, out=np.zeros_like(way))
     there = found.any(axis=2)
-    return Ways(_columns(found, there & across), _columns(found, there & ~across))
+    return _columns(found, there & across), _columns(found, there & ~across)
 
 
 def _columns(ways: Array, chosen: NDArray[np.bool_]) -> sparse.csc_matrix:
     node, number = np.nonzero(chosen)
     rows = (3 * node[:, None] + np.arange(3)).ravel()
-    columns = np.repeat(np.arange(len(node)), 3)
-    return sparse.coo_matrix((ways[node, number].ravel(), (rows, columns)), shape=(ways.size // 3, len(node))).tocsc()
+    starts = 3 * np.arange(len(node) + 1)
+    return sparse.csc_matrix((ways[node, number].ravel(), rows, starts), shape=(ways.size // 3, len(node)))
 
 
 def _any_normal(vectors: Array) -> Array:

@@ -5,10 +5,17 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.symmetric_tensors import components, inverse, sandwich, square_root, tensors
 from ..form import relative_difference
 from ..plan import Plan
 
 Array = NDArray[np.float64]
+
+
+def relative(stress: Array, wish: Array) -> Array:
+    """Ratios w^-1/2 s w^-1/2 of a stress to a wish, all of shape (cells, 2, 2) [-]."""
+    root = inverse(square_root(components(wish)))
+    return tensors(sandwich(root, components(stress)))
 
 
 def power(ratio: Array, exponent: float) -> Array:

@@ -1,14 +1,15 @@
-"""Shapes in exact equilibrium on the way to the nearest stress, and the form that the last one makes."""
+"""Structure, loads and wishes of the nearest stress: its shapes in equilibrium, and the form of the last one."""
 
 from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.measures import measures, normals
+from ...geometry.sizes import measures, normals
+from ...geometry.vector_columns import columns, rows
 from ...model.loads import PointLoad
 from ...model.structure import Structure
 from ..balance.constrained_balance import Balance, ConstrainedBalance
@@ -19,50 +20,16 @@ from ..constraints.motions import motions_of
 from ..form import Form, FormStep
 from ..plan import Plan, cauchy
 from ..wishes import Wish
-from .cells import BarBlock, Block, LoadBlock, MembraneBlock, square_root
+from .cells import BarBlock, Block, LoadBlock, MembraneBlock, mean_stress, norm_of
+from .equilibrium import State
 from .guide import CableGuide
+from .lines_of_mesh import mesh_lines
 from .mesh_control import MeshControl
-from .mesh_lines import mesh_lines
-from .ratios import check_ratios, check_tension, differences, power
+from .ratios import check_ratios, check_tension, power, relative
 
 Array = NDArray[np.float64]
 
 LEAST = 0.05  # share of the wish that a principal stress, or the force of a bar, keeps at least
-
-
-class State(NamedTuple):
-    """Shape in exact equilibrium.
-
-    Attributes:
-        points: Positions of the nodes, shape (n, 3) [m].
-        multipliers: Multipliers of equilibrium, shape (n, 3) [m2/N].
-        plans: References of the membranes, with their stress there.
-        densities: Force densities of bars, by part, shape (cells,) [N/m].
-        reactions: Forces of supports, shape (n, 3) [N].
-        ratios: Stress over wish, by part: w^-1/2 s w^-1/2 in the frame of the wish, shape (cells, 2, 2), and T / T_w,
-            shape (cells,) [-].
-        area: Area of the membranes [m2], or of the strips that bars count as, without one.
-        norm: Sum of areas times squared differences from the wish [m2].
-    """
-
-    points: Array
-    multipliers: Array
-    plans: dict[str, Plan]
-    densities: dict[str, Array]
-    reactions: Array
-    ratios: dict[str, Array]
-    area: float
-    norm: float
-
-    @property
-    def mean(self) -> float:
-        """Root of the mean squared relative difference of stress and wish [-]."""
-        return float(np.sqrt(self.norm / self.area))
-
-    @property
-    def largest(self) -> float:
-        """Largest relative difference of a principal stress, or of the force of a bar, from the wish [-]."""
-        return max((float(differences(ratio).max(initial=0.0)) for ratio in self.ratios.values()), default=0.0)
 
 
 class NearestProblem:
@@ -98,11 +65,22 @@ class NearestProblem:
         self.blocks: list[Block] = [*self.membranes.values(), *self.bars.values(), *loaded]
         points = [load for load in loads if isinstance(load, PointLoad)]
         self.point_loads = nodal_loads(structure, points, structure.points)
+        self.control.guide.bind(structure.points, self.control.lines.segments, self._pulls)
+
+    def _pulls(self, points: Array) -> Array:
+        """Sum the forces wished for of bars and the loads at the nodes, shape (n, 3) [N]."""
+        found = self.point_loads.copy()
+        for bar in self.bars.values():
+            corners = columns(points[bar.cells])
+            np.add.at(found, bar.cells, -rows(bar.forces(corners, np.zeros_like(corners))))
+        return found
 
     def _bars(self) -> dict[str, BarBlock]:
         """Bars with a force and a free end; the others take no part. Those of constraints count for no difference."""
-        forces = self._forces(self.structure.points, None)
-        stress = self._mean_stress() or max((np.abs(force).max() for force in forces.values()), default=1.0)
+        forces = self.bar_forces(self.structure.points, None)
+        stress = mean_stress(self.membranes, self.structure.points) or max(
+            (np.abs(force).max() for force in forces.values()), default=1.0
+        )
         found = {}
         for name, force in forces.items():
             acting = self.acting(name)
@@ -111,7 +89,7 @@ class NearestProblem:
                 found[name] = BarBlock(self.structure.parts[name].cells[acting], force[acting], width[acting])
         return found
 
-    def _forces(self, points: Array, densities: Mapping[str, Array] | None) -> dict[str, Array]:
+    def bar_forces(self, points: Array, densities: Mapping[str, Array] | None) -> dict[str, Array]:
         """List forces of bars, wished for or given by constraints in a shape, by part, shape (cells,) [N]."""
         bars = {name: part for name, part in self.structure.parts.items() if part.dimension == 1}
         forces = {name: part.prestress_tensors().ravel() for name, part in bars.items()}
@@ -125,22 +103,33 @@ class NearestProblem:
         count = len(self.structure.parts[name].cells)
         return np.zeros(count, dtype=bool) if self.cables is None else self.cables.given[name]
 
-    def at(self, state: State) -> "NearestProblem":
-        """Problem with the forces of constraints as they are in a state."""
-        if self.cables is None:
+    def on(self, points: Array) -> "NearestProblem":
+        """Problem with the directions that wishes have on the surface in a shape, shape (n, 3) [m].
+
+        Raises:
+            ValueError: There is none on this surface.
+        """
+        if all(wish.along is None for wish in self.wishes.values()):
             return self
-        forces, found = self._forces(state.points, state.densities), copy(self)
+        found = copy(self)
+        found.wishes = {name: wish.on(points) for name, wish in self.wishes.items()}
+        found.membranes = {name: replace(block, wish=found.wishes[name]) for name, block in self.membranes.items()}
+        found.blocks = [*found.membranes.values(), *self.blocks[len(self.membranes) :]]
+        return found
+
+    def at(self, state: State) -> "NearestProblem":
+        """Problem with the directions of wishes and the forces of constraints as they are in a state."""
+        if self.cables is None:
+            return self.on(state.points)
+        forces, found = self.bar_forces(state.points, state.densities), copy(self.on(state.points))
         found.bars = {}
         for name, bar in self.bars.items():
             acting = self.acting(name)
             force = np.where(self.given(name)[acting], forces[name][acting], bar.force)
-            growth = self.cables.growth(name, acting, state.points[bar.cells])
+            growth = self.cables.growth(name, acting, columns(state.points[bar.cells]))
             found.bars[name] = replace(bar, force=force, growth=growth)
-        found.blocks = [
-            *self.membranes.values(),
-            *found.bars.values(),
-            *self.blocks[len(self.membranes) + len(self.bars) :],
-        ]
+        loaded = self.blocks[len(self.membranes) + len(self.bars) :]
+        found.blocks = [*found.membranes.values(), *found.bars.values(), *loaded]
         return found
 
     def _first_plans(self) -> dict[str, Plan]:
@@ -150,15 +139,6 @@ class NearestProblem:
             triangles = block.triangles(points[block.cells])
             found[name] = reference_of(block.cells, points, triangles.frame[:, 0], triangles.wish)
         return found
-
-    def _mean_stress(self) -> float:
-        """Mean of the stress wished for, over the first areas [N/m]; zero without a membrane."""
-        total = area = 0.0
-        for block in self.membranes.values():
-            triangles = block.triangles(self.structure.points[block.cells])
-            total += float(np.sum(triangles.areas * np.trace(triangles.wish, axis1=1, axis2=2) / 2))
-            area += float(triangles.areas.sum())
-        return total / area if area else 0.0
 
     def state(
         self, points: Array, multipliers: Array, least: float = LEAST, before: Mapping[str, Array] | None = None
@@ -213,15 +193,21 @@ class NearestProblem:
             raise RuntimeError("the shape collapses")
         if gone := collapse_of(self.structure, points):
             raise RuntimeError(gone)
-        ratios = self._ratios(points, plans, densities)
+        ratios = self.on(points)._ratios(points, plans, densities)
         check_ratios(ratios, least)
-        norm, area = self._norm(points, ratios)
+        norm, area = norm_of(self.membranes, self.bars, points, ratios)
         return State(points, multipliers, plans, densities, reactions, ratios, area, norm)
 
     def densities(
         self, points: Array, multipliers: Array, before: Mapping[str, Array] | None = None
     ) -> dict[str, Array]:
-        """Force densities of bars, by part, shape (cells,) [N/m]; those of constraints from those of a shape before."""
+        """Force densities of bars, by part, shape (cells,) [N/m]; those of constraints from those of a shape before.
+
+        Raises:
+            RuntimeError: A bar has shrunk to nothing.
+        """
+        if gone := collapse_of(self.structure, points, only_bars=True):
+            raise RuntimeError(gone)
         found = {}
         given = {} if self.cables is None else self.cables.densities(points, before)
         for name, part in self.structure.parts.items():
@@ -247,27 +233,19 @@ class NearestProblem:
         for name, block in self.membranes.items():
             triangles = block.triangles(points[block.cells])
             found = cauchy(plans[name], points, triangles.frame[:, 0])[0]
-            inverse = np.linalg.inv(square_root(triangles.wish))
-            ratios[name] = inverse @ found @ inverse
+            ratios[name] = relative(found, triangles.wish)
         for name, bar in self.bars.items():
             force = densities[name][self.acting(name)] * measures(points, bar.cells)
             ratios[name] = np.where(np.isfinite(bar.width), force / bar.force, 1.0)
         return ratios
 
-    def _norm(self, points: Array, ratios: Mapping[str, Array]) -> tuple[float, float]:
-        norm = area = strips = 0.0
-        for name, block in self.membranes.items():
-            areas = measures(points, block.cells)
-            norm += float(areas @ np.sum((ratios[name] - np.eye(2)) ** 2, axis=(1, 2)))
-            area += float(areas.sum())
-        for name, bar in self.bars.items():
-            strip = measures(points, bar.cells) * np.where(np.isfinite(bar.width), bar.width, 0.0)
-            norm += float(strip @ (ratios[name] - 1) ** 2)
-            strips += float(strip.sum())
-        return norm, area or strips or 1.0
+    def at_rest(self, state: State) -> State:
+        """State without multipliers, as a start from which `towards` leads to the wish."""
+        none = np.zeros_like(state.points)
+        return self.measured(state.points, none, state.plans, state.densities, state.reactions, 0.0)
 
     def towards(self, start: State, share: float) -> "NearestProblem":
-        """Problem whose wish is on the way from the stress of a state to the wish, and its mesh on that to an even one.
+        """Problem between a state and the wish: its stress on the way to the wish, its mesh to an even one.
 
         Args:
             start: The state, in exact equilibrium with the wish of share zero.
@@ -281,15 +259,15 @@ class NearestProblem:
     def form(self, state: State, steps: tuple[FormStep, ...], converged: bool, remarks: tuple[str, ...]) -> Form:
         """Make the form of a state."""
         structure, points = self.structure, state.points
-        warps = {}
-        for name, wish in self.wishes.items():
+        here, warps = self.on(points), {}
+        for name, wish in here.wishes.items():
             corners = points[wish.part.cells]
             warps[name] = wish.at(corners, normals(points, wish.part.cells))[0]
             if wish.direction is None:
                 warps[name] = warp_at(name, wish.part, points)
         parts, forces = stressed(structure, points, state.plans, state.densities, warps)
-        wishes = self._forces(points, state.densities)
-        for name, block in self.membranes.items():
+        wishes = self.bar_forces(points, state.densities)
+        for name, block in here.membranes.items():
             wishes[name] = block.triangles(points[block.cells]).wish
         motions = motions_of(structure) if self.balance is None else self.balance.motions
         form = handed_over(structure, motions, points, (parts, forces), state.reactions, steps, converged)

@@ -8,16 +8,31 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 from scipy import sparse
 
-from ...geometry.measures import measures
+from ...geometry.sizes import measures
+from ...geometry.vector_columns import columns
 from ...solvers import factorization
 from .assembly import assembled
 from .cells import Block
 from .mesh_control import MeshControl, Ways
+from .shape_derivatives import curvatures_by_shape, slopes_by_shape
 
 Array = NDArray[np.float64]
 
-FIRST = 1e-5  # length of a difference for first derivatives, over the size of the cell
-SECOND = 1e-3  # the same, for second ones
+
+class Steered(NamedTuple):
+    """Lines of cables of given geometry, whose forces are unknowns, as shares of those at hand.
+
+    Attributes:
+        pulls: Unbalanced forces of each line on the nodes, shape (3 n, k) [N].
+        slopes: Derivatives of its energy by the shape, shape (3 n, k).
+        gradients: Those of its relative difference from the wanted geometry, shape (3 n, k) [1/m].
+        gaps: That difference, shape (k,).
+    """
+
+    pulls: Array
+    slopes: Array
+    gradients: Array
+    gaps: Array
 
 
 class System(NamedTuple):
@@ -34,8 +49,9 @@ class System(NamedTuple):
         ways: Directions of the nodes.
         evenness: Imbalance of the mesh, shape (k,).
         evening: Its derivatives by the shape, sparse (k, 3 n).
-        bodies: Derivatives of the forces on bodies along their motions by these, the last of the ways across, (b, b).
+        bodies: Derivatives of the forces on bodies along their motions by these, the last of a basis, (b, b).
         multipliers: The multipliers, shape (3 n,).
+        steered: Lines of given geometry.
     """
 
     forces: Array
@@ -50,12 +66,19 @@ class System(NamedTuple):
     evening: sparse.csr_matrix
     bodies: sparse.csr_matrix
     multipliers: Array
+    steered: Steered
 
 
 def system_of(
-    blocks: Sequence[Block], control: MeshControl, point_loads: Array, points: Array, multipliers: Array, near: bool
+    blocks: Sequence[Block],
+    control: MeshControl,
+    point_loads: Array,
+    points: Array,
+    multipliers: Array,
+    steered: Steered,
+    near: bool,
 ) -> System:
-    """Take the derivatives in a shape with multipliers, both of shape (n, 3), under forces on the nodes [N].
+    """Assemble the derivatives in a shape with multipliers, both of shape (n, 3), under forces on the nodes [N].
 
     Near the optimum those of the mesh are exact, elsewhere convex.
     """
@@ -66,15 +89,14 @@ def system_of(
         corners, there = points[block.cells], multipliers[block.cells]
         size = measures(points, block.cells)
         length = np.sqrt(size) if block.cells.shape[1] == 3 else size
-        by_shape = _slopes(block, corners, there, FIRST * length)
-        for corner, part, slope in zip(
-            block.cells.T, block.forces(corners, there).swapaxes(0, 1), by_shape[1].swapaxes(0, 1), strict=True
-        ):
-            np.add.at(forces, corner, part)
-            np.add.at(slopes, corner, slope)
+        at, pulls = columns(corners), columns(there)
+        turned, slope = slopes_by_shape(block, at, pulls, length)
+        for corner, part, rise in zip(block.cells.T, block.forces(at, pulls), slope, strict=True):
+            np.add.at(forces, corner, part.T)
+            np.add.at(slopes, corner, rise.T)
             np.add.at(mass, corner, length**2 / block.cells.shape[1])
-        curvature = _curvatures(block, corners, there, SECOND * length)
-        for entries, blockwise in zip(matrices, (block.stiffnesses(corners), by_shape[0], curvature), strict=True):
+        curvature = curvatures_by_shape(block, at, pulls, length)
+        for entries, blockwise in zip(matrices, (block.stiffnesses(corners), turned, curvature), strict=True):
             entries.append((block.cells, blockwise))
     ways = control.ways(points)
     stiffness, mixed, curved = (assembled(n, entries) for entries in matrices)
@@ -93,36 +115,69 @@ def system_of(
         evening,
         bodies,
         multipliers.ravel(),
+        steered,
     )
 
 
-def step_of(system: System, basis: sparse.csr_matrix, damping: float, share: float = 1.0) -> tuple[Array, Array]:
+class Equations(NamedTuple):
+    """Newton's equations along the motions of the nodes, without damping.
+
+    Attributes:
+        rows: Blocks of their matrix, by multipliers, shape across and along the ways, and forces of given lines.
+        weight: Squared motion across the surface, sparse (k, k) [m2].
+        right: Right sides, of multipliers, of the shape across the ways, of the mesh, and of
+            lines of given geometry.
+        basis: Motions of the nodes, sparse (3 n, m).
+        ways: Directions of the nodes.
+    """
+
+    rows: list[list[sparse.csr_matrix | None]]
+    weight: sparse.csr_matrix
+    right: tuple[Array, Array, Array, Array]
+    basis: sparse.csr_matrix
+    ways: Ways
+
+
+def equations_of(system: System, basis: sparse.csr_matrix) -> Equations:
+    """Project the derivatives on the motions of the nodes, sparse (3 n, m)."""
+    across, along, bodies = system.ways
+    curved, mixed = across.T @ system.curvature, basis.T @ system.mixed
+    turning = _last(system.bodies @ bodies.across, (basis.shape[1], across.shape[1]))
+    spinning = _last(system.bodies @ bodies.along, (basis.shape[1], along.shape[1]))
+    lines = system.steered
+    pulls, bent = sparse.csr_matrix(basis.T @ lines.pulls), sparse.csr_matrix(across.T @ lines.slopes)
+    rows = [
+        [basis.T @ system.stiffness @ basis, mixed @ across + turning, mixed @ along + spinning, pulls],
+        [across.T @ mixed.T + turning.T, curved @ across, curved @ along, bent],
+        [None, system.evening @ across, system.evening @ along, None],
+        [None, *(sparse.csr_matrix(lines.gradients.T @ ways) for ways in (across, along)), None],
+    ]
+    slopes = across.T @ system.slopes + turning.T @ (basis.T @ system.multipliers)
+    return Equations(
+        rows if len(lines.gaps) else [row[:3] for row in rows[:3]],
+        across.T @ sparse.diags(system.mass) @ across,
+        (basis.T @ system.forces, slopes, system.evenness, lines.gaps),
+        basis,
+        system.ways,
+    )
+
+
+def step_of(equations: Equations, damping: float, share: float = 1.0) -> tuple[Array, Array]:
     """Newton step of the multipliers and of the shape, both of shape (n, 3), damped like that of Levenberg.
 
     Args:
-        system: The derivatives.
-        basis: Motions of the nodes, sparse (3 n, m).
+        equations: The equations.
         damping: Factor of the squared motion across the surface, over the area, beside the function.
         share: Share of the imbalance of the mesh that is removed.
     """
-    across, along = system.ways
-    curved, mixed = across.T @ system.curvature, basis.T @ system.mixed
-    turning = _last(system.bodies, (basis.shape[1], across.shape[1]))
-    weight = sparse.diags(damping * system.mass)
-    matrix = sparse.bmat(
-        [
-            [basis.T @ system.stiffness @ basis, mixed @ across + turning, mixed @ along],
-            [across.T @ mixed.T + turning.T, curved @ across - across.T @ weight @ across, curved @ along],
-            [None, system.evening @ across, system.evening @ along],
-        ]
-    ).tocsr()
-    slopes = across.T @ system.slopes + turning.T @ (basis.T @ system.multipliers)
-    right = -np.concatenate([basis.T @ system.forces, slopes, share * system.evenness])
-    found = _solved(matrix, right)
-    count = basis.shape[1]
-    split = count + across.shape[1]
-    multipliers = np.asarray(basis @ found[:count])
-    shape = across @ found[count:split] + along @ found[split:]
+    first, (left, middle, *side), *others = equations.rows
+    matrix = sparse.bmat([first, [left, middle - damping * equations.weight, *side], *others]).tocsr()
+    forces, slopes, evenness, gaps = equations.right
+    found = _solved(matrix, -np.concatenate([forces, slopes, share * evenness, gaps]))
+    across, along, _ = equations.ways
+    count, split = len(forces), len(forces) + len(slopes)
+    multipliers = np.asarray(equations.basis @ found[:count])
+    shape = across @ found[count:split] + along @ found[split : split + along.shape[1]]
     return multipliers.reshape(-1, 3), np.asarray(shape).reshape(-1, 3)
 
 
@@ -139,10 +194,9 @@ def tangential_multipliers(blocks: Sequence[Block], control: MeshControl, point_
     for block in blocks:
         corners = points[block.cells]
         entries.append((block.cells, block.stiffnesses(corners)))
-        for corner, part in zip(
-            block.cells.T, block.forces(corners, np.zeros_like(corners)).swapaxes(0, 1), strict=True
-        ):
-            np.add.at(forces, corner, part)
+        at = columns(corners)
+        for corner, part in zip(block.cells.T, block.forces(at, np.zeros_like(at)), strict=True):
+            np.add.at(forces, corner, part.T)
     along = control.ways(points).along
     if not along.shape[1]:
         return np.zeros_like(points)
@@ -168,42 +222,4 @@ def _solved(matrix: sparse.csr_matrix, right: Array) -> Array:
         each.destroy()
     if not np.isfinite(found).all():
         raise RuntimeError("Newton's equations of the nearest stress are singular")
-    return found
-
-
-def _moved(corners: Array, length: Array, *moves: tuple[int, int]) -> Array:
-    """Corners with components moved by lengths, each in a sense."""
-    moved = corners.copy()
-    flat = moved.reshape(len(moved), -1)
-    for number, sense in moves:
-        flat[:, number] += sense * length
-    return moved
-
-
-def _slopes(block: Block, corners: Array, multipliers: Array, length: Array) -> tuple[Array, Array]:
-    """Take derivatives of forces and energies by the shape, shapes (cells, 3 k, 3 k) and (cells, k, 3)."""
-    count = corners.shape[1] * 3
-    mixed, slopes = np.zeros((len(corners), count, count)), np.zeros((len(corners), count))
-    for number in range(count):
-        up, down = (_moved(corners, length, (number, sense)) for sense in (1, -1))
-        rise = block.forces(up, multipliers) - block.forces(down, multipliers)
-        mixed[:, :, number] = rise.reshape(len(corners), count) / (2 * length[:, None])
-        slopes[:, number] = (block.energies(up, multipliers) - block.energies(down, multipliers)) / (2 * length)
-    return mixed, slopes.reshape(corners.shape)
-
-
-def _curvatures(block: Block, corners: Array, multipliers: Array, length: Array) -> Array:
-    """Second derivatives of energies by the shape, shape (cells, 3 k, 3 k)."""
-    count = corners.shape[1] * 3
-    found = np.zeros((len(corners), count, count))
-
-    def energies(*moves: tuple[int, int]) -> Array:
-        return block.energies(_moved(corners, length, *moves), multipliers)
-
-    here = energies()
-    up = [energies((number, 1)) for number in range(count)]
-    for i in range(count):
-        for j in range(i + 1):
-            both = energies((i, 1), (j, 1)) - up[i] - up[j] + here
-            found[:, i, j] = found[:, j, i] = both / length**2
     return found

@@ -6,11 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...checks.values import format_point
-from ...geometry.measures import lengths, normals
+from ...geometry.sizes import lengths, normals
 from ...geometry.topology import boundary_edges
-from ..nearest_stress.state import NearestProblem, State
+from ..nearest_stress.equilibrium import State
+from ..nearest_stress.state import NearestProblem
 from ..plan import Plan
 from ..wishes import RadialDirection
+from .sewn_surfaces import cells_of, joined_membranes, listed
 
 Array = NDArray[np.float64]
 
@@ -46,22 +48,27 @@ def remarks_of(problem: NearestProblem, state: State) -> tuple[str, ...]:
     They are told only where the shape found is a surface of revolution, to the accuracy of its mesh.
     """
     found = []
-    for name, block in problem.membranes.items():
-        direction = block.wish.direction
-        triangles = block.triangles(state.points[block.cells])
-        wish = triangles.wish
+    for names in joined_membranes(problem.structure, problem.membranes):
+        directions = [problem.membranes[name].wish.direction for name in names]
+        direction = directions[0]
+        triangles = [block.triangles(state.points[block.cells]) for block in map(problem.membranes.get, names) if block]
+        wish, areas = (np.concatenate([getattr(one, what) for one in triangles]) for what in ("wish", "areas"))
         if not isinstance(direction, RadialDirection) or np.ptp(wish, axis=0).max() > SAME * wish.max():
             continue
+        if any(other != direction for other in directions):
+            continue
+        cells = cells_of(problem.structure, names)
         radial, tangential = float(wish[0, 0, 0]), float(wish[0, 1, 1])
         if abs(radial - tangential) <= SAME * radial or abs(wish[0, 0, 1]) > SAME * radial:
             continue
-        if not _is_of_revolution(state.points, block.cells, direction):
+        if not _is_of_revolution(state.points, cells, direction):
             continue
-        r = lengths(direction.arms(state.points[block.cells].mean(axis=1)))
-        choice = exact_choice(wish[:, 0, 0], wish[:, 1, 1], r, triangles.areas)
+        r = lengths(direction.arms(state.points[cells].mean(axis=1)))
+        choice = exact_choice(wish[:, 0, 0], wish[:, 1, 1], r, areas)
+        of_parts = listed(names)
         found.append(
-            f"Part {name!r}: about an axis equilibrium demands (r n_radial)' = n_tangential, so the constant "
-            f"{radial:g} and {tangential:g} have no form there. {choice.words} is nearest to the wish."
+            f"{of_parts[0].upper()}{of_parts[1:]}: about an axis equilibrium demands (r n_radial)' = n_tangential, so "
+            f"the constant {radial:g} and {tangential:g} have no form there. {choice.words} is nearest to the wish."
         )
     return tuple(found)
 

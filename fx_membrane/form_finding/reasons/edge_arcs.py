@@ -1,9 +1,9 @@
 """Arcs of edge cables: how far each may turn from its chord before it meets another one, or a held edge.
 
-A stress n pulls at an edge of span L with n L in all. Its cable of the force T is an arc of the radius T / n, whose
-ends turn from the chord by asin(n L / (2 T)), a quarter of a circle at most. With k segments of the force density q
-they turn by k n / (2 q), as the force then grows with the length of the arc. Where two edges meet, their turns together
-stay below the angle of their chords. Elsewhere arcs are compared in the plane that fits the boundary best.
+A stress n pulls at an edge of span L with n L in all. Its cable of the force T is an arc of the radius T / n. Its ends
+turn from the chord by asin(n L / (2 T)), a quarter of a circle at most. With k segments of the force density q they
+turn by k n / (2 q), as the force then grows with the length of the arc. Where two edges meet, their turns together stay
+below the angle of their chords. Elsewhere arcs are compared in the plane that fits the boundary best.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,8 +17,8 @@ from .edge_lines import Edge
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 
-SIDES = 24  # segments of an arc
-HALVINGS = 40  # of a turn
+SIDES = 24  # segments of an arc: half a circle lies within 0.2 % of its radius, (pi / 24)^2 / 8, of them
+HALVINGS = 40  # of a turn, to 1e-12 of it: far below the digits of forces in words
 
 
 class Conflict(NamedTuple):
@@ -37,26 +37,44 @@ class Conflict(NamedTuple):
     excess: Callable[[Array], float]
 
 
-def turns_of(edges: Sequence[Edge]) -> Array:
-    """Return the turns of the ends of arcs from their chords, shape (edges,) [rad]."""
-    return np.array([edge.turn for edge in edges], dtype=np.float64)
+def turns_of(edges: Sequence[Edge], given: Array) -> Array:
+    """Return the turns of the ends of arcs from their chords under forces, both of shape (edges,) [rad]."""
+    return np.array([edge.turn(float(force)) for edge, force in zip(edges, given, strict=True)], dtype=np.float64)
 
 
-def fitting_turns(turns: Array, conflicts: Sequence[Conflict]) -> tuple[Array, list[Conflict]]:
-    """Largest turns that leave no conflict, the larger ones of each cut first, and the conflicts, the worst first."""
-    turns, met = turns.copy(), list[Conflict]()
+def least_forces(edges: Sequence[Edge], conflicts: Sequence[Conflict]) -> tuple[Array, list[Conflict]]:
+    """Least forces, or force densities, of edges that have a form, and the conflicts met, the worst first.
+
+    Each edge needs half its pull, and turns that leave no conflict. Of two edges that meet, the one with the larger
+    turn is raised. Edges with one force keep to one. No result depends on the forces of edges that are raised.
+    """
+    forces = np.array([edge.given for edge in edges], dtype=np.float64)
+    for k, edge in enumerate(edges):
+        forces = _raised(edges, forces, [k], np.pi / 2) if edge.need else forces
+    met, turns = list[Conflict](), turns_of(edges, forces)
     for conflict in sorted(conflicts, key=lambda one: -one.excess(turns)):
-        if conflict.excess(turns) <= 0:
+        if conflict.excess(turns_of(edges, forces)) <= 0:
             continue
-        met.append(conflict)
-        among = list(conflict.edges)
-        low, high = 0.0, float(turns[among].max())
+        low, high = 0.0, np.pi / 2
         for _ in range(HALVINGS):
-            middle, cut = (low + high) / 2, turns.copy()
-            cut[among] = np.minimum(turns[among], middle)
-            low, high = (middle, high) if conflict.excess(cut) <= 0 else (low, middle)
-        turns[among] = np.minimum(turns[among], low)
-    return turns, met
+            middle = (low + high) / 2
+            fits = conflict.excess(turns_of(edges, _raised(edges, forces, conflict.edges, middle))) <= 0
+            low, high = (middle, high) if fits else (low, middle)
+        if low:  # straight edges fit where any do
+            met.append(conflict)
+            forces = _raised(edges, forces, conflict.edges, low)
+    return forces, met
+
+
+def _raised(edges: Sequence[Edge], forces: Array, among: Sequence[int], turn: float) -> Array:
+    """Raise forces until some edges turn by no more than an angle, and those with one force with them."""
+    found = forces.copy()
+    for k in among:
+        factor = edges[k].given_for(turn) / edges[k].given
+        for j, edge in enumerate(edges):
+            if edge.group == edges[k].group and edge.is_seam == edges[k].is_seam:
+                found[j] = max(found[j], factor * edge.given)
+    return found
 
 
 def conflicts_of(points: Array, edges: Sequence[Edge], held: Numbers, surfaces: Numbers) -> list[Conflict]:

@@ -9,13 +9,15 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from ...geometry.measures import lengths, normals
+from ...geometry.sizes import lengths, normals
 from ...geometry.topology import boundary_cells, boundary_edges
 from ...model.structure import Structure
 from ..constraints.cable_lines import TINY, Line, lines_of
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
+
+SAME = 1e-9  # relative difference of forces that counts as rounding
 
 
 class Edge(NamedTuple):
@@ -31,6 +33,9 @@ class Edge(NamedTuple):
         middle: Place on it, shape (3,) [m].
         surface: Number of the surface that it bounds, of membranes joined along seams.
         by_density: True for a cable of given force density.
+        is_seam: True between two membranes, whose difference pulls.
+        slope: Force over the one given here, which is horizontal where a plan counts [-].
+        group: Number of the edges of a part with one force, which they keep together.
     """
 
     part: str
@@ -42,6 +47,9 @@ class Edge(NamedTuple):
     middle: Array
     surface: int
     by_density: bool = False
+    is_seam: bool = False
+    slope: float = 1.0
+    group: int = 0
 
     @property
     def need(self) -> float:
@@ -53,16 +61,15 @@ class Edge(NamedTuple):
         """Length of the chord [m]."""
         return float(np.linalg.norm(self.chord))
 
-    @property
-    def turn(self) -> float:
-        """Turn of the ends of the arc from its chord, a quarter of a circle at most [rad].
+    def turn(self, given: float) -> float:
+        """Turn of the arc from its chord at its ends under a force, at most a quarter circle [rad].
 
-        The force of an arc of given force density is that density times the length of a segment, which grows with the
-        turn a: half the pull is T sin(a), and T is the density times span a / (sin(a) segments).
+        An arc of given force density has that times the length of a segment, which grows with the turn a: half the pull
+        is T sin(a), and T is the density times span a / (sin(a) segments).
         """
         if self.by_density:
-            return min(np.pi / 2, self.need * len(self.cells) / (self.span * self.given))
-        return float(np.arcsin(min(1.0, self.need / self.given)))
+            return min(np.pi / 2, self.need * len(self.cells) / (self.span * given))
+        return float(np.arcsin(min(1.0, self.need / given)))
 
     def given_for(self, turn: float) -> float:
         """Force, or force density, of an arc of this turn [N or N/m]."""
@@ -70,7 +77,7 @@ class Edge(NamedTuple):
 
     def shown(self, given: float) -> str:
         """Show a force, or a force density, in a message."""
-        return f"{'a force density of ' * self.by_density}{given:.4g}"
+        return f"{'a force density of ' * self.by_density}{given * self.slope:.4g}"
 
 
 class Rim(NamedTuple):
@@ -87,8 +94,8 @@ class Rim(NamedTuple):
     surfaces: Numbers
 
 
-def rim_of(structure: Structure, points: Array, stresses: Mapping[str, Array]) -> Rim:
-    """Boundary of the membranes with these stresses in space, by name, shape (cells, 3, 3) [N/m]."""
+def rims_of(structure: Structure, points: Array, stresses: Mapping[str, Array]) -> tuple[Rim, Rim]:
+    """Boundary of the membranes with these stresses in space, by name, shape (cells, 3, 3) [N/m], and their seams."""
     segments, pulls, owners = [np.zeros((0, 2), dtype=np.int64)], [np.zeros((0, 3))], [np.zeros(0, dtype=np.int64)]
     for number, (name, stress) in enumerate(stresses.items()):
         triangles = structure.parts[name].cells
@@ -102,8 +109,12 @@ def rim_of(structure: Structure, points: Array, stresses: Mapping[str, Array]) -
     seam = seam.ravel()
     ties = sparse.coo_matrix((np.ones(len(seam)), (owner, seam)), shape=(len(stresses), len(count))).tocsr()
     surface = connected_components(ties @ ties.T, directed=False)[1] if len(stresses) else owner
-    outer = count[seam] == 1
-    return Rim(edges[outer], np.concatenate(pulls)[outer], surface[owner[outer]])
+    outer, first = count[seam] == 1, np.unique(seam, return_index=True)[1]
+    total = np.zeros((len(count), 3))
+    np.add.at(total, seam, np.concatenate(pulls))
+    inner = first[count == 2]
+    rim = Rim(edges[outer], np.concatenate(pulls)[outer], surface[owner[outer]])
+    return rim, Rim(edges[inner], total[count == 2], surface[owner[inner]])
 
 
 def edges_of(
@@ -112,10 +123,12 @@ def edges_of(
     rim: Rim,
     forces: Mapping[str, Array],
     densities: Mapping[str, Array] = MappingProxyType({}),
+    told: Mapping[str, Array] = MappingProxyType({}),
 ) -> list[Edge]:
     """Edges with cables of these forces, by name, shape (cells,) [N]; none for closed cables.
 
-    A line has a force density where its cells have one in `densities`, by name, shape (cells,) [N/m], else its force.
+    Messages tell the forces of `told` instead, of which these are the horizontal parts. A line has a force density
+    where its cells have one in `densities`, by name, shape (cells,) [N/m], else its force.
     """
     if not len(rim.segments):
         return []
@@ -138,7 +151,22 @@ def edges_of(
                 by_density = bool((density > 0).all())
                 given = float(1 / np.mean(1 / density) if by_density else force[line.cells].mean())
                 edge = _edge(name, line, points, rim.pulls[at], given, rim.surfaces[at[0]])
-                found.append(edge._replace(by_density=by_density))
+                slope = 1.0 if by_density or name not in told else float(told[name][line.cells].mean() / given)
+                found.append(edge._replace(by_density=by_density, slope=slope))
+    return _grouped(found)
+
+
+def _grouped(edges: list[Edge]) -> list[Edge]:
+    """Give the edges of each part with one force, or one force density, one number."""
+    found = list[Edge]()
+    for edge in edges:
+        mates = (
+            other.group
+            for other in found
+            if (other.part, other.by_density) == (edge.part, edge.by_density)
+            and abs(other.given * other.slope / (edge.given * edge.slope) - 1) <= SAME
+        )
+        found.append(edge._replace(group=next(mates, len(found))))
     return found
 
 
@@ -152,16 +180,32 @@ def held_segments(structure: Structure, rim: Rim, edges: list[Edge]) -> tuple[Nu
 
 
 def keys_of(segments: Numbers, count: int) -> Numbers:
-    """One number for each segment, whichever its sense."""
+    """Key of each segment, the same in both senses."""
     return np.asarray(segments.min(axis=1) * count + segments.max(axis=1))
 
 
 def _edge(name: str, line: Line, points: Array, pulls: Array, given: float, surface: int) -> Edge:
     nodes = line.nodes
     chord = points[nodes[-1]] - points[nodes[0]]
-    pull = pulls.sum(axis=0)
+    pull = _flattened(np.diff(points[nodes], axis=0), chord, pulls)
     pull -= (pull @ chord) / (chord @ chord) * chord
-    # Cells of a first mesh that stand out of its surface, at held nodes, would count more than their span.
-    most = lengths(pulls).sum() / line.length(points) * np.linalg.norm(chord)
-    pull *= min(1.0, most / max(float(np.linalg.norm(pull)), TINY))
     return Edge(name, line.cells, nodes[[0, -1]], chord, pull, given, points[nodes[len(nodes) // 2]], surface)
+
+
+def _flattened(ways: Array, chord: Array, pulls: Array) -> Array:
+    """Sum pulls at the segments of a line, turned about these into one plane: a slope of the membrane takes none away.
+
+    Args:
+        ways: The segments, shape (k, 3) [m].
+        chord: Vector between the ends of the line, shape (3,) [m].
+        pulls: Forces of the membrane on the segments, shape (k, 3) [N].
+    """
+    along = ways / lengths(ways)[:, None]
+    shear = np.sum(pulls * along, axis=1, keepdims=True) * along
+    across = pulls - shear
+    normal = np.cross(chord, across.sum(axis=0))
+    if np.linalg.norm(normal) <= TINY:
+        return np.asarray(pulls.sum(axis=0))
+    inward = np.cross(normal / np.linalg.norm(normal), along)  # shorter where a segment leaves the plane, as its span
+    strength = np.copysign(lengths(across), np.sum(across * inward, axis=1))
+    return np.asarray((strength[:, None] * inward + shear).sum(axis=0))

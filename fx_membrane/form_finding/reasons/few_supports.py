@@ -1,6 +1,6 @@
 """Supports too few for a form: held nodes at one place or on one line, onto which tension pulls all the rest.
 
-Without loads and thrusts each coordinate of a free node is a mean of those around it, so a form lies within the
+Without loads and thrusts each coordinate of a free node is a mean of those around it. So a form lies within the
 smallest convex region around its held nodes.
 """
 
@@ -27,7 +27,7 @@ def check_supports_of_form(structure: Structure, loads: Sequence[object], constr
     """Refuse a structure that its tension pulls onto one place or one line; not under loads, which may spread it.
 
     Raises:
-        ValueError: The held nodes of a piece are at one place, or on a line in a piece with a membrane or meshes.
+        ValueError: The held nodes of a piece are at one place, or on one line if it has membranes or meshes.
     """
     bars = [part for part in structure.parts.values() if part.dimension == 1]
     if any(not isinstance(load, np.ndarray) or load.any() for load in loads) or any(

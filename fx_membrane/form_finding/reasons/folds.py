@@ -4,29 +4,39 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...checks.values import format_point
-from ...geometry.measures import normals
+from ...geometry.sizes import normals
 from ...geometry.topology import orientation
 from ...model.structure import Structure
 from .edge_lines import keys_of
+from .sewn_surfaces import cell_in, cells_of, joined_membranes
 
 Array = NDArray[np.float64]
 
-FOLDED = -0.5  # cosine of the angle between normals of adjoining cells, below which they count as folded
+FOLDED = (
+    -0.5
+)  # cosine of the angle between normals of adjoining cells, below which they count as folded: beyond 120 degrees
 
 
 def fold(structure: Structure, points: Array) -> str:
     """Tell of the sharpest fold of a membrane, in words; empty without one."""
-    for name, part in structure.parts.items():
-        sense = orientation(part.cells) if part.dimension == 2 else None
+    for names in joined_membranes(structure):
+        cells = cells_of(structure, names)
+        sense = orientation(cells)
         if sense is None:
             continue
-        pairs, edges = _adjoining(part.cells, len(points))
-        normal = sense[:, None] * normals(points, part.cells)
+        pairs, edges = _adjoining(cells, len(points))
+        normal = sense[:, None] * normals(points, cells)
         cosine = np.sum(normal[pairs[:, 0]] * normal[pairs[:, 1]], axis=1)
         if cosine.min(initial=1.0) < FOLDED:
             sharpest = int(cosine.argmin())
             a, b = np.sort(pairs[sharpest])
             where = format_point(points[edges[sharpest]].mean(axis=0))
+            (name, a), (other, b) = (cell_in(structure, names, int(cell)) for cell in (a, b))
+            if name != other:
+                return (
+                    f"Parts {name!r} and {other!r} fold over each other at their seam between cell {a} and cell {b}, "
+                    f"at {where}: unfold their first mesh there"
+                )
             return f"Part {name!r} folds over itself between cells {a} and {b}, at {where}: unfold its first mesh there"
     return ""
 

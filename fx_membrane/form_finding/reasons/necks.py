@@ -3,10 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.measures import measures
+from ...geometry.sizes import measures
 from ...model.structure import Structure
 from ..plan import place
 from .ring_reach import has_ring
+from .sewn_surfaces import cell_in, cells_of, joined_membranes
 
 SHRUNK = 0.3  # length of a cell over the usual one, below which a membrane closes to a neck
 
@@ -19,18 +20,20 @@ def neck(structure: Structure, points: NDArray[np.float64]) -> str:
         points: The shape now, shape (n, 3) [m].
     """
     least, where = SHRUNK, ""
-    for name, part in structure.parts.items():
-        if part.dimension != 2 or not has_ring(structure, part.cells):
+    for names in joined_membranes(structure):
+        cells = cells_of(structure, names)
+        if not has_ring(structure, cells):
             continue
-        ratio = np.sqrt(measures(points, part.cells) / measures(structure.points, part.cells))
+        ratio = np.sqrt(measures(points, cells) / measures(structure.points, cells))
         ratio /= np.median(ratio)
         cell = int(ratio.argmin())
         if ratio[cell] < least:
-            least, where = float(ratio[cell]), f"part {name!r}, at {place(points, part.cells, cell)}"
+            name, _ = cell_in(structure, names, cell)
+            least, where = float(ratio[cell]), f"part {name!r}, at {place(points, cells, cell)}"
     if not where:
         return ""
     return (
-        f"No surface of such stress spans the supports; it closes to a neck in {where}. Bring the rings nearer to "
-        "each other, make the ring larger, wish for more stress from ring to ring than around them, or give the stress "
-        "in plan, projected_stress."
+        f"No surface of this stress spans the supports; it closes to a neck in {where}. Bring the rings nearer to "
+        "each other, or make the ring larger. Or wish for more stress from ring to ring than around them, or give the "
+        "stress in plan, projected_stress."
     )

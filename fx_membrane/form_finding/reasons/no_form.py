@@ -5,13 +5,13 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.measures import normals, projected
+from ...geometry.sizes import normals, projected
 from ...model.structure import Structure
-from .as_asked import Asked
+from .asked_structure import Asked
+from .edge_forces import weak_edges
 from .folds import fold
 from .ring_reach import far_ring
 from .unheld import free_edge, lone_point
-from .weak_edges import weak_edges
 
 Array = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ def cause(structure: Structure, points: Array, asked: Asked | None = None) -> st
 
 
 def established(structure: Structure, points: Array, asked: Asked | None = None) -> str:
-    """Tell of weak edge cables, rings too far away, edges and points without hold, or else of a fold, in sentences.
+    """Sentences on weak edge cables, far rings, edges and points without hold, and folds.
 
     Args:
         structure: The structure.
@@ -39,7 +39,7 @@ def established(structure: Structure, points: Array, asked: Asked | None = None)
     stresses = stresses_in(structure, points)
     found = [weak_edges(asked.structure, points, stresses, forces_in(asked.structure), asked.densities).words]
     found += [far_ring(structure, points, stresses), free_edge(asked.structure, points), lone_point(structure, points)]
-    return causes(*found) or causes(fold(structure, points))
+    return causes(*found, fold(structure, points))
 
 
 def causes(*found: str) -> str:

@@ -1,11 +1,14 @@
 """Membranes that nothing holds where they need it: edges without cable or support, and single held points."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ...checks import validation
 from ...geometry.topology import boundary_edges
 from ...model.structure import Structure
+from ...model.supports import Support
 from .edge_lines import keys_of
 
 Array = NDArray[np.float64]
@@ -54,6 +57,11 @@ def lone_point(structure: Structure, points: Array) -> str:
                 "lead cables to it"
             )
     return ""
+
+
+def lone_head(structure: Structure, node: int) -> str:
+    """Tell of a mast head at a single point within a membrane, in words; empty for others."""
+    return lone_point(replace(structure, supports=[*structure.supports, Support([node])]), structure.points)
 
 
 def _unheld(structure: Structure, points: Array) -> tuple[str, str] | None:

@@ -39,7 +39,7 @@ def test_checkpoint_of_other_parts_is_refused(path):
     fabric = structure().parts["fabric"]
     other = Analysis(Structure(POINTS, {"fabric": fabric}, [Support(EDGE)]))
     message = (
-        r"which differs in: kind of part 'ridge', cells of part 'ridge', axial_stiffness of part 'ridge' and 4 more;"
+        r"which differs in: kind of part 'ridge', cells of part 'ridge', axial_stiffness of part 'ridge' and 5 more;"
     )
     with pytest.raises(ValueError, match=message):
         other.run(stages(), path)

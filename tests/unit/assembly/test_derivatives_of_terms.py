@@ -12,6 +12,7 @@ from fx_membrane import (
     Pressure,
     Stage,
 )
+from fx_membrane.assembly.actions import between
 from fx_membrane.assembly.problem import Problem
 from models import MIXED, TRIANGLES, close, inclined_sheet, same_state, sheet
 from own_terms import ElasticBed, Everything, Follower, Water, WaterWork, random, under
@@ -78,6 +79,90 @@ def test_energy_along_includes_the_work_of_terms_without_potential(loads):
         end = x.copy()
         end.axpy(length, d)
         assert problem.energy(end) - found(length) == pytest.approx(length / 2 * weights @ power, rel=1e-10)
+
+
+WORK = WaterWork("fabric", 2e3, 0.3)
+BED = ElasticBed("fabric", 100 + 10 * np.arange(3.0)[:, None], cells=[4, 0, 7])
+
+# Term, parameter, and its change.
+PARAMETERS = [
+    (ALL, "k", 20.0),
+    (ALL, "direction", (0.3, 1.0, -2.0)),
+    (ALL, "force", RNG.normal(size=(COUNT, 3))),
+    (ALL, "force", (1.0, 0.0, -3.0)),
+    (ALL, "stiff", 2.0),
+    (ALL, "stiff", RNG.random((COUNT, 1))),
+    (SOME, "k", [1.0, -2, 3, 4, 5]),
+    (BED, "k", [1.0, -2, 3]),  # of three cells: numbers, no vector
+    (WORK, "level", 0.1),
+    (WORK, "weight", -300.0),
+]
+
+
+def changed(term, name, direction, h):
+    """Term with another parameter."""
+    own, step = np.asarray(getattr(term, name)), np.asarray(direction)
+    if step.size == own.size:
+        step = step.reshape(own.shape)
+    return replace(term, **{name: own + h * step})
+
+
+@pytest.mark.mpi_once
+@pytest.mark.parametrize("place", ["stage", "structure"])
+@pytest.mark.parametrize(("term", "name", "direction"), PARAMETERS)
+def test_derivative_by_a_parameter_of_a_term(term, name, direction, place):
+    """Central differences; no switch is passed within them. Half of the load factor is half of a stage's term."""
+
+    def view(term):
+        if place == "structure":
+            return Problem(replace(inclined_sheet(), terms=[WATER, term])).under()
+        problem = under(replace(inclined_sheet(), terms=[]), SNOW, term)
+        return problem.under(between(Problem(inclined_sheet()).under().actions, problem.actions, 0.5))
+
+    problem = view(term)
+    x = random(problem, 1)
+    h = 1e-4
+    above, below = (view(changed(term, name, direction, sign * h)).residual(x) for sign in (1, -1))
+    found = problem.derivative(x, term, name, direction)
+    above.axpy(-1.0, below)
+    above.scale(1 / (2 * h))
+    assert found.norm() > 1e-4
+    rounding = 1e-15 * problem.residual(x).norm() / h
+    above.axpy(-1.0, found)
+    assert above.norm() < 1e-6 * found.norm() + rounding
+
+
+def test_derivative_by_a_parameter_that_the_energy_does_not_have_is_zero():
+    @dataclass(frozen=True)
+    class Idle:
+        part: str
+        k: float
+        other: float
+
+        def energy(self, state, parameters):
+            return parameters.k * state.u[2] ** 2
+
+    term = Idle("fabric", 2.0, 3.0)
+    problem = under(inclined_sheet(), term)
+    x = random(problem, 1)
+    assert problem.derivative(x, term, "k").norm() > 0
+    assert problem.derivative(x, term, "other").norm() == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "facts"),
+    [
+        ((replace(BED), "k"), r"^ElasticBed on 'fabric' is none of.*, ElasticBed on 'fabric'; give the object itself"),
+        ((BED, "part"), r"ElasticBed on 'fabric'.*no parameter 'part'.*\['k'\]"),
+        ((BED, "k", [1.0, 2.0]), r"'k' of ElasticBed on 'fabric'.*\(2,\).*a number or shape \(3,\) or shape \(3, 1\)"),
+        ((BED, "k", np.nan), r"'k'.*finite"),
+        ((ElasticBed, "k"), r"No part.*ElasticBed"),
+    ],
+)
+def test_bad_parameters_of_terms_are_refused(arguments, facts):
+    problem = under(inclined_sheet(), BED)
+    with pytest.raises(ValueError, match=facts):
+        problem.derivative(random(problem, 1), *arguments)
 
 
 @pytest.mark.mpi

@@ -7,6 +7,7 @@ import pytest
 
 from fx_membrane import DistributedLoad, Membrane, Pressure, Structure, Support
 from fx_membrane.assembly.problem import Problem
+from fx_membrane.solvers.line_search import line
 from models import EDGE, FABRIC, INCLINED, end, flipped, inclined_sheet
 
 LENGTHS = [0.0, 0.1, 0.5, 1.0, 1.7, -0.6]
@@ -99,3 +100,22 @@ def test_slope_is_that_of_the_residual():
         problem.residual(x, b)
         slope = np.sum(problem.discretization.to_numpy(b) * step)
         assert (found(t + h) - found(t - h)) / (2 * h) == pytest.approx(slope, rel=1e-7)
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("loads", [[], [Pressure(300.0, "fabric")]], ids=["potential", "pressure"])
+def test_point_of_a_line_search_sets_the_shape_once(loads, monkeypatch):
+    """Each time takes messages between processes; the work of pressures is known from three points."""
+    problem = under_pressure(inclined_sheet(), *loads)
+    start, step = (problem.discretization.to_petsc(random(seed)) for seed in (1, 2))
+    at = line(problem, start, step)
+    at(1.0)
+    scattered, scatter = [], problem.discretization.scatter
+    monkeypatch.setattr(problem.discretization, "scatter", lambda x: (scattered.append(x), scatter(x)))
+    found = [at(0.3), at(0.7)]
+    assert len(scattered) == 2
+    trial = start.duplicate()
+    for point in found:
+        trial.waxpy(point.length, step, start)
+        assert point.slope == problem.residual(trial).dot(step)
+        assert point.energy == problem.energy_along(start, step)(point.length)

@@ -3,7 +3,6 @@
 import gc
 import os
 import weakref
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -37,7 +36,7 @@ from fx_membrane import (
 
 @dataclass(frozen=True)
 class Linear:
-    """Law with products of a scalar and a tensor, for which UFL numbers indices, and with a variable of its own."""
+    """Law with a variable of its own, and products of a scalar and a tensor, for which UFL numbers indices."""
 
     k: float
 
@@ -116,7 +115,7 @@ KINDS = {
 }
 
 
-@pytest.mark.mpi
+@pytest.mark.mpi_once
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.filterwarnings("ignore::fx_membrane.UnstableStateWarning")
 def test_next_structure_loads_no_code(kind, searches):
@@ -245,20 +244,6 @@ def test_processes_that_are_forked_find_the_same_forms():
         assert np.frombuffer(found.read()).tolist() == expected[::-1]
     assert os.waitpid(child, 0)[1] == 0
     assert forces_of_laws(LAWS) == expected
-
-
-def test_threads_find_the_same_code():
-    """Compilation is safe in threads; PETSc is not."""
-    mesh = _dolfinx.create_mesh(np.eye(3), np.array([[0, 1, 2]]))
-    dx = ufl.Measure("dx", domain=mesh, metadata={"quadrature_degree": 1})
-    area = np.sqrt(3) / 2
-    numbers = [2.0, 3.0, 5.0, 7.0] * 4
-
-    def integral(number):
-        return float(fem.assemble_scalar(_dolfinx.form(number * (ufl.SpatialCoordinate(mesh)[0] + 1) * dx)))
-
-    with ThreadPoolExecutor(4) as threads:
-        assert list(threads.map(integral, numbers)) == pytest.approx([n * 4 / 3 * area for n in numbers], rel=1e-12)
 
 
 def test_quadrature_and_cells_make_other_forms():

@@ -6,7 +6,7 @@ import pytest
 from fx_membrane import Cable, Structure, Support
 from fx_membrane.assembly.actions import Actions
 from fx_membrane.assembly.problem import Problem
-from fx_membrane.geometry.measures import measures
+from fx_membrane.geometry.sizes import measures
 from models import MIXED, sheet
 
 pytestmark = pytest.mark.mpi

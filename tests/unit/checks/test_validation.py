@@ -10,7 +10,7 @@ import pytest
 import fx_membrane
 from fx_membrane import Cable, DistributedLoad, Mast
 from fx_membrane.checks import validation
-from fx_membrane.checks.entries import ODD, equal_rows
+from fx_membrane.checks.array_entries import ODD, equal_rows
 
 
 @pytest.mark.parametrize(
@@ -226,3 +226,9 @@ def test_wrong_arguments_are_refused_under_the_public_name(public):
 def test_missing_modulus_is_refused_under_a_public_name(kind):
     with pytest.raises(TypeError, match=r"^[A-Z].* 'E' and 'area'$"):
         kind.from_modulus([[0, 1]])
+
+
+def test_rounding_of_places_is_told_as_zero():
+    assert validation.format_point(np.array([-8.8e-17, 1e-3, 0.5])) == "(0, 0.001, 0.5)"
+    assert validation.format_point(np.array([1e-17, 0.0, -2e-17])) == "(1e-17, 0, -2e-17)"
+    assert validation.format_point(np.zeros(3)) == "(0, 0, 0)"

@@ -48,6 +48,32 @@ def test_compas(wrap, tmp_path):
     assert len(found.parts["edges"].cells) == len(POINTS) + len(TRIANGLES) - 1  # Euler
 
 
+def test_numbers_of_compas_come_to_the_last_bit(tmp_path):
+    """JSON has the shortest decimals that give a number back."""
+    points, branches = np.random.default_rng(5).normal(size=(4, 3)) * [1e-7, 1.0, 1e7], [[0, 1], [1, 2], [2, 3]]
+    densities, loads = np.array([1 / 3, np.pi * 1e5, 1e-9 / 7]), np.sqrt(2.0) * points
+    names = [
+        dict(zip(("x", "y", "z", "px", "py", "pz"), [*at, *load], strict=True))
+        for at, load in zip(points.tolist(), loads.tolist(), strict=True)
+    ]
+    edges = {str(a): {str(b): {"q": q}} for (a, b), q in zip(branches, densities.tolist(), strict=True)}
+    net = {"dna": {}, "dea": {}, "node": {str(row): name for row, name in enumerate(names)}, "edge": edges}
+    (tmp_path / "net.json").write_text(json.dumps(net))
+    found = read_compas(tmp_path / "net.json")
+    assert np.array_equal(found.points, points)
+    assert np.array_equal(found.loads, loads)
+    assert np.array_equal(found.force_densities, densities)
+
+
+def test_edges_of_faces_with_many_corners_are_taken(tmp_path):
+    mesh = MESH | {"face": {"0": [str(10 + node) for node in range(5)]}}
+    (tmp_path / "mesh.json").write_text(json.dumps(mesh))
+    found = structure_from_file(tmp_path / "mesh.json", {"edges": PARTS["edge"]})
+    assert len(found.parts["edges"].cells) == 5
+    with pytest.raises(ValueError, match="face with 5 corners"):
+        structure_from_file(tmp_path / "mesh.json", {"faces": PARTS["Dach süd"]})
+
+
 def test_compas_net_finds_its_form(tmp_path):
     data = NETWORK | {"edge": {str(10 + a): {str(10 + b): {}} for a, b in [(4, 5)]}}
     data["edge"] = {"14": {"15": {}, "18": {}, "13": {}, "11": {}}, "15": {"12": {}, "16": {}}}

@@ -5,27 +5,16 @@ import pytest
 
 from fx_membrane import (
     Analysis,
-    Cable,
     Fabric,
-    Mast,
     Membrane,
     OrthotropicFabric,
     Pressure,
     Stage,
     Structure,
-    Support,
     structure_from_file,
     write_mesh,
 )
-from fx_membrane.files.convert import convert
-from square_roofs import PARTS, POINTS, RIM, TRIANGLES
-
-
-def roof():
-    points = POINTS + np.array([0.1, 1 / 3, 1e-7])
-    points[:, 2] += points[:, 0] * points[:, 1] / 7
-    parts = {"Dach süd": PARTS["Dach süd"](TRIANGLES), "edge": PARTS["edge"](RIM)}
-    return Structure(points, parts, [Support(np.unique(RIM))])
+from square_roofs import PARTS, POINTS, TRIANGLES, roof
 
 
 def in_space(structure):
@@ -75,78 +64,6 @@ def test_part_may_depend_on_place(tmp_path):
         tmp_path / "roof.msh", {"Dach süd": lambda cells, stress=7.0: Membrane(cells, Fabric(4e5, 0.3), stress)}
     )
     assert with_default.parts["Dach süd"].prestress == 7.0
-
-
-def test_dxf_of_a_drawing_office(tmp_path, capfd):
-    ezdxf = pytest.importorskip("ezdxf")
-    document = ezdxf.new()
-    document.header["$INSUNITS"] = 4  # mm
-    space, block = document.modelspace(), document.blocks.new("bay")
-    block.add_3dface([(0, 0, 0), (1000, 0, 0), (1000, 1000, 0), (0, 1000, 0)], dxfattribs={"layer": "roof"})
-    space.add_blockref("bay", (0, 0, 0))
-    space.add_blockref("bay", (1000.0001, 0, 0))
-    space.add_lwpolyline([(0, 0), (1000, 0), (2000, 0)], dxfattribs={"layer": "edge"})
-    space.add_line((0, 1000, 0), (0, 1000, 2000), dxfattribs={"layer": "mast"})
-    mesh = space.add_mesh(dxfattribs={"layer": "wall"})
-    with mesh.edit_data() as data:
-        data.vertices = [(0, 0, 0), (0, 1000, 0), (0, 0, 1000)]
-        data.faces = [(0, 1, 2)]
-    space.add_point((0, 0, 0), dxfattribs={"layer": "feet"})
-    document.saveas(tmp_path / "a.DXF")
-    parts = {
-        "roof": lambda cells: Membrane(cells, Fabric(4e5, 0.3)),
-        "wall": lambda cells: Membrane(cells, Fabric(4e5, 0.3)),
-        "edge": lambda cells: Cable(cells, 1e6),
-        "mast": lambda cells: Mast(cells, 1e7),
-    }
-    found = structure_from_file(
-        tmp_path / "a.DXF", parts, {"feet": "xyz"}, weld=1e-3, split_quadrilaterals=True, unit="m"
-    )
-    assert len(found.points) == 3 * 2 + 1 + 1
-    assert "joined" in capfd.readouterr().err
-    assert [len(part.cells) for part in found.parts.values()] == [4, 1, 2, 1]
-    assert np.ptp(found.points, axis=0) == pytest.approx([2.0, 1.0, 2.0], abs=1e-6)
-    assert found.points[found.supported.any(axis=1)].tolist() == [[0.0, 0.0, 0.0]]
-    with pytest.raises(ValueError, match=r"roof.*quadrilaterals"):
-        structure_from_file(tmp_path / "a.DXF", {"roof": parts["roof"]})
-    with pytest.raises(ValueError, match=r"'Roof'.*edge.*wall"):
-        structure_from_file(tmp_path / "a.DXF", {"Roof": parts["roof"]})
-    structure_from_file(tmp_path / "a.DXF", {"wall": parts["wall"]})
-    assert "mm" in capfd.readouterr().err
-
-
-def test_curves_and_mixed_layers_are_refused(tmp_path):
-    ezdxf = pytest.importorskip("ezdxf")
-    document = ezdxf.new()
-    document.modelspace().add_3dface([(0, 0, 0), (1, 0, 0), (1, 1, 0)], dxfattribs={"layer": "mixed"})
-    document.modelspace().add_line((0, 0, 0), (1, 0, 0), dxfattribs={"layer": "mixed"})
-    document.saveas(tmp_path / "a.dxf")
-    with pytest.raises(ValueError, match=r"'mixed'.*lines and faces"):
-        structure_from_file(tmp_path / "a.dxf", {"mixed": PARTS["edge"]})
-    document.modelspace().add_arc((0, 0, 0), 1, 0, 90, dxfattribs={"layer": "arc"})
-    document.saveas(tmp_path / "a.dxf")
-    with pytest.raises(ValueError, match=r"'arc'.*ARC"):
-        structure_from_file(tmp_path / "a.dxf", {"arc": PARTS["edge"]})
-
-
-def test_curve_on_another_layer_is_no_obstacle(tmp_path, capfd):
-    ezdxf = pytest.importorskip("ezdxf")
-    document = ezdxf.new()
-    space = document.modelspace()
-    space.add_line((0, 0, 0), (1, 0, 0), dxfattribs={"layer": "edge"})
-    space.add_circle((0, 0, 0), 1, dxfattribs={"layer": "notes"})
-    space.add_spline([(0, 0, 0), (1, 1, 0), (2, 0, 0)], dxfattribs={"layer": "sketch"})
-    space.add_lwpolyline([(0, 0, 0, 0, 1), (1, 1, 0, 0, 0)], dxfattribs={"layer": "bulge"})
-    document.saveas(tmp_path / "a.dxf")
-    assert len(structure_from_file(tmp_path / "a.dxf", {"edge": PARTS["edge"]}).parts["edge"].cells) == 1
-    for layer in ("notes", "sketch", "bulge"):
-        with pytest.raises(ValueError, match=rf"'{layer}' has a (curve|polyline with arcs)"):
-            structure_from_file(tmp_path / "a.dxf", {"edge": PARTS["edge"]}, {layer: "xyz"})
-    capfd.readouterr()
-    convert(tmp_path / "a.dxf", tmp_path / "a.obj")
-    told = capfd.readouterr().err
-    assert all(f"layer '{layer}' has a" in told for layer in ("notes", "sketch", "bulge"))
-    assert len(structure_from_file(tmp_path / "a.obj", {"edge": PARTS["edge"]}).parts["edge"].cells) == 1
 
 
 def test_obj_by_hand(tmp_path):
@@ -264,54 +181,6 @@ def test_concave_quadrilateral_is_split_within(turn, backwards, tmp_path):
         a, b, c = (found.points[found.parts["sail"].cells][:, row] for row in range(3))
         normals = np.cross(b - a, c - a)[:, 2]
         assert normals[0] * normals[1] > 0
-
-
-@pytest.mark.parametrize(("unit", "code"), [("m", 6), ("mm", 4), ("ft", 2), ("", 0), ("furlong", 0)])
-def test_dxf_has_its_unit(unit, code, tmp_path):
-    ezdxf = pytest.importorskip("ezdxf")
-    write_mesh(roof(), tmp_path / "a.dxf", length_unit=unit)
-    document = ezdxf.readfile(tmp_path / "a.dxf")
-    assert document.header["$INSUNITS"] == code
-    assert {"Dach süd", "edge", "supports"} <= {entity.dxf.layer for entity in document.modelspace()}
-    found = structure_from_file(tmp_path / "a.dxf", PARTS, unit="mm" if code else None)
-    assert np.ptp(found.points) == pytest.approx(
-        np.ptp(roof().points) * {"m": 1000, "ft": 304.8}.get(unit, 1), rel=1e-12
-    )
-
-
-def test_convert_keeps_the_unit_of_dxf(tmp_path):
-    ezdxf = pytest.importorskip("ezdxf")
-    write_mesh(roof(), tmp_path / "a.dxf", length_unit="mm")
-    for name, unit, code in (("same", None, 4), ("metres", "m", 6)):
-        convert(tmp_path / "a.dxf", tmp_path / f"{name}.dxf", unit)
-        assert ezdxf.readfile(tmp_path / f"{name}.dxf").header["$INSUNITS"] == code
-    write_mesh(roof(), tmp_path / "a.obj")
-    convert(tmp_path / "a.obj", tmp_path / "none.dxf")
-    assert ezdxf.readfile(tmp_path / "none.dxf").header["$INSUNITS"] == 0
-
-
-def test_layer_0_in_blocks_is_that_of_the_insert(tmp_path):
-    ezdxf = pytest.importorskip("ezdxf")
-    document = ezdxf.new()
-    space, bay, pair = document.modelspace(), document.blocks.new("bay"), document.blocks.new("pair")
-    bay.add_3dface([(0, 0, 0), (1, 0, 0), (0, 1, 0)])
-    bay.add_line((0, 0, 0), (1, 0, 0), dxfattribs={"layer": "edge"})
-    pair.add_blockref("bay", (0, 0, 0))
-    pair.add_blockref("bay", (0, 0, 5), dxfattribs={"layer": "upper"})
-    pair.add_blockref("pair", (0, 0, 0))  # within itself
-    space.add_blockref("bay", (10, 0, 0), dxfattribs={"layer": "roof"})
-    space.add_blockref("pair", (20, 0, 0), dxfattribs={"layer": "roof"})
-    rows = space.add_blockref("bay", (30, 0, 0), dxfattribs={"layer": "row"})
-    rows.grid((1, 3), (0, 2))
-    space.add_line((0, 0, 0), (0, 0, 1))  # on layer 0 itself
-    document.saveas(tmp_path / "a.dxf")
-    membranes = dict.fromkeys(("roof", "upper", "row"), lambda cells: Membrane(cells, Fabric(4e5, 0.3)))
-    bars = dict.fromkeys(("edge", "0"), lambda cells: Cable(cells, 1e6))
-    found = structure_from_file(tmp_path / "a.dxf", membranes | bars, unit="m")
-    counts = {name: len(part.cells) for name, part in found.parts.items()}
-    assert counts == {"roof": 2, "upper": 1, "row": 3, "edge": 6, "0": 1}
-    lowest = found.points[found.parts["row"].cells].min(axis=(0, 1))
-    assert lowest.tolist() == [30, 0, 0]
 
 
 @pytest.mark.parametrize(

@@ -62,6 +62,23 @@ def test_tables_have_every_number(results, tmp_path):
     assert sum(float(row["area [m2]"]) for row in cells[half:]) == pytest.approx(4.0, rel=1e-14)
 
 
+def test_every_column_comes_back_to_the_last_bit(results, tmp_path):
+    pytest.importorskip("pandas")
+    write_tables(results, tmp_path)
+    load = results["load"]
+    parts = list(load.structure.parts)
+    for file, names in [("nodes", [None]), ("membranes", parts[:1]), ("cables", parts[1:2]), ("masts", parts[2:])]:
+        written = [row for row in rows(tmp_path / f"{file}.csv") if row["stage"] == "load"]
+        for name in names:
+            frame = load.to_dataframe(name)
+            assert len(frame) == len(written)
+            heads = [head for head in frame if frame[head].dtype.kind in "fiu"]
+            assert len(heads) > 3
+            assert set(frame) <= set(written[0])
+            for head in heads:
+                assert np.array_equal(numbers(written, head), frame[head], equal_nan=True), head
+
+
 def test_summary(results, tmp_path):
     write_tables(results, tmp_path)
     found = json.loads((tmp_path / "summary.json").read_text())

@@ -24,7 +24,7 @@ from fx_membrane import (
     updated_reference,
 )
 from fx_membrane.form_finding.balance.constrained_balance import ConstrainedBalance
-from fx_membrane.form_finding.reasons.as_asked import as_asked
+from fx_membrane.form_finding.reasons.asked_structure import as_asked
 from fx_membrane.form_finding.reasons.no_form import cause
 
 METHODS = {
@@ -86,7 +86,7 @@ FAULTS = {
     "far ring": (
         IN_SPACE,
         rings,
-        r"'film' around \(0, 0, 6\), of radius 0.5, is 6 away.* as much stress .* about 1\.\d",
+        r"'film' around \(0, 0, 6\), of radius 0.5, is 6 away.* equal stress .* about 1\.\d",
     ),
     "fold in plan": (["projected"], lambda: plan(fold=True), r"'film' folds over itself in plan at cell \d+, AT"),
     "fold": (IN_SPACE, lambda: plan(fold=True), r"'film' folds over itself between cells \d+ and \d+, at AT: unfold"),

@@ -27,14 +27,14 @@ from fx_membrane import (
     projected_stress,
     updated_reference,
 )
-from fx_membrane.geometry.measures import measures
+from fx_membrane.geometry.sizes import measures
 
 N = 8
 LOADS = {"none": [], "force": [PointLoad(3 * (N + 1) + 3, (200.0, 100.0, -900.0))]}
 
 
 def start():
-    """Canopy with a strut and a hoop of masts, none of which has a force, around a circle of nodes inside."""
+    """Canopy with a strut and a hoop of masts without force around a circle of nodes inside."""
     structure = canopy(N, force=25e3)
     points = structure.points.copy()
     circle = ring_nodes(points)
@@ -169,7 +169,7 @@ def every_pair():
         yield pytest.param(method, kind, [*LOADS][(m + k) % 2], marks=marks)
 
 
-@pytest.mark.parametrize(("method", "kind", "load"), every_pair())
+@pytest.mark.parametrize(("method", "kind", "load"), list(every_pair()))
 def test_constraint_is_met_and_the_form_is_at_rest(method, kind, load):
     structure, loads = start(), LOADS[load]
     form = METHODS[method](structure, loads, KINDS[kind](structure))

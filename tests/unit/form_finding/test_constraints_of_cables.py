@@ -22,7 +22,7 @@ from fx_membrane import (
     projected_stress,
 )
 from fx_membrane.form_finding.constraints.cable_lines import lines_of
-from fx_membrane.geometry.measures import measures
+from fx_membrane.geometry.sizes import measures
 from models import rotation
 
 pytestmark = pytest.mark.filterwarnings("ignore::fx_membrane.UnsettledFormWarning")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fx_membrane import RadialDirection, UnsettledFormWarning, prescribed_stress
-from unit.form_finding.test_prescribed_stress import canopy, cone
+from wished_films import canopy, cone
 
 pytestmark = pytest.mark.filterwarnings("ignore::fx_membrane.LargeStrainWarning")
 
@@ -16,11 +16,21 @@ def test_form_far_from_the_wish_says_so_in_words():
     form = prescribed_stress(cone(), warp={"film": RadialDirection()})
     assert form.converged
     found = re.search(
-        r"differs from the wish by ([\d.]+) % in the mean.*'film', cell (\d+) at .* by ([\d.]+) %;", form.remarks[-1]
+        r"differs from the wish by ([\d.]+) % in the mean.*'film', cell (\d+) at .* by ([\d.]+) % in one direction;",
+        form.remarks[-1],
     )
     assert 10 < float(found[1]) < 50
     assert int(found[2]) == form.differences["film"].argmax()
     assert float(found[3]) == pytest.approx(100 * form.steps[-1].stress_error, rel=6e-3)
+
+
+def test_mean_above_the_largest_difference_names_the_terms_in_it():
+    form = prescribed_stress(canopy(prestress=(3e3, 1e3), warp=(1, 1, 0)))
+    found = re.search(
+        r"by ([\d.]+) % in the mean, warp, weft and cables together.* by ([\d.]+) % in one", form.remarks[-1]
+    )
+    assert float(found[1]) > float(found[2])
+    assert float(found[2]) == pytest.approx(100 * form.steps[-1].stress_error, rel=6e-3)
 
 
 def test_form_near_the_wish_says_nothing():

@@ -49,6 +49,7 @@ def height(push):
     return 3 * share / np.sqrt(1 - share**2)
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("push", [2400.0, 2399, 2500, 2900, 2000, 1000, 500])
 @pytest.mark.parametrize("unit", [1e-3, 1.0], ids=["kN", "N"])
 def test_head_comes_where_the_forces_balance(push, unit):

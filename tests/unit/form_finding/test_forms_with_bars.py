@@ -19,7 +19,7 @@ from fx_membrane import (
     updated_reference,
 )
 from fx_membrane.form_finding.shape_change import change_of_shape
-from fx_membrane.geometry.measures import measures
+from fx_membrane.geometry.sizes import measures
 
 FABRIC = Fabric(Et=800.0, nu=0.2)
 PLAN, TRIANGLES = rectangle(2.0, 2.0, 8, 8)

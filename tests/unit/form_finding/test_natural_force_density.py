@@ -23,7 +23,7 @@ from fx_membrane import (
     rectangle,
     updated_reference,
 )
-from fx_membrane.geometry.measures import measures, normals
+from fx_membrane.geometry.sizes import measures, normals
 from models import rotation
 from own_terms import ElasticBed
 

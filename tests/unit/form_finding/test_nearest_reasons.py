@@ -44,7 +44,7 @@ def is_equal(problem, at_once):
 
 def test_equal_stress_that_has_a_form_is_the_reason_of_unequal_stress():
     words = told(problem_of(with_stress(canopy(n=4, force=60e3))), is_equal)
-    assert "4 times as large in one direction as in the other, and only with their mean in all directions" in words
+    assert "4 times as large in one direction as in the other. Only with their mean in all directions" in words
     assert "farthest from the wish in part" in words
     assert "not established" not in words
 

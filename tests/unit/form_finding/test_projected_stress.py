@@ -18,7 +18,7 @@ from fx_membrane import (
     Support,
     projected_stress,
 )
-from fx_membrane.geometry.measures import measures, normals
+from fx_membrane.geometry.sizes import measures, normals
 from models import rotation
 from sails import canopy, loads_of, sail, state_of
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fx_membrane import Analysis, Cable, Stage, Structure, prescribed_stress
-from unit.form_finding.test_prescribed_stress import canopy, cone, saddle
+from wished_films import canopy, cone, saddle
 
 pytestmark = pytest.mark.filterwarnings("ignore::fx_membrane.LargeStrainWarning")
 

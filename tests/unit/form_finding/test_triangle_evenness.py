@@ -2,7 +2,14 @@
 
 import numpy as np
 
-from fx_membrane.form_finding.nearest_stress.triangle_evenness import evenness_of
+from fx_membrane.form_finding.nearest_stress import triangle_evenness
+from fx_membrane.geometry.vector_columns import columns
+
+
+def evenness_of(corners):
+    """Evenness with the cells first."""
+    found = triangle_evenness.evenness_of(columns(corners))
+    return type(found)(*(np.moveaxis(values, -1, 0) for values in found))
 
 
 def value(corners):

@@ -74,9 +74,10 @@ def test_film_without_an_equilibrium_is_reported():
     [
         (-1e3, 15e3, r"'film', cell 0.*prestress.*compressive \(-1000\)"),
         (2e3, -1.0, "'edge', cell 0: .*compressive"),
+        (0.0, 15e3, r"'film', cell 0 at \(.*no prestress.*give a tension"),
     ],
 )
-def test_compressive_prestress_is_refused(film, edge, message):
+def test_prestress_that_is_no_tension_is_refused(film, edge, message):
     points, triangles = rectangle(10.0, 10.0, 4, 4)
     parts = {
         "film": Membrane(triangles, Fabric(5e5, 0.3), prestress=film),

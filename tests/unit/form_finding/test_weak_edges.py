@@ -12,7 +12,6 @@ from fx_membrane import (
     CableDensity,
     Fabric,
     Membrane,
-    OrthotropicFabric,
     Structure,
     Support,
     UnsettledFormWarning,
@@ -23,10 +22,10 @@ from fx_membrane import (
     rectangle,
     updated_reference,
 )
+from fx_membrane.form_finding.reasons.edge_forces import weak_edges
 from fx_membrane.form_finding.reasons.no_form import forces_in, stresses_in
-from fx_membrane.form_finding.reasons.weak_edges import weak_edges
+from wished_films import WOVEN
 
-WOVEN = OrthotropicFabric(Et_warp=8e5, Et_weft=5e5, nu=0.2, Gt=2e4)
 COARSE = 4  # segments of an edge; the force that it needs depends on the spans, not on the mesh
 
 
@@ -74,6 +73,7 @@ def needed(message):
     return {name: float(force) for name, force in re.findall(r"'([^']+)' ([\d.e+]+)", words)}
 
 
+@pytest.mark.study
 @pytest.mark.parametrize(("corners", "stress"), [(3, (3e3, 2e3)), (4, 2e3), (5, (4e3, 1e3)), (6, (3e3, 2e3))])
 def test_force_named_by_prescribed_stress_gives_a_form(corners, stress):
     with pytest.warns(UnsettledFormWarning, match=r"edge cables are too weak: .* more than") as told:
@@ -85,6 +85,7 @@ def test_force_named_by_prescribed_stress_gives_a_form(corners, stress):
     assert prescribed_stress(plan(corners, stress, enough, COARSE)).converged
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("corners", [4, 7])
 def test_force_named_for_a_cable_around_all_edges_gives_a_form(corners):
     with pytest.warns(UnsettledFormWarning, match="edge cables are too weak") as told:
@@ -112,6 +113,14 @@ def sheet(width, depth, forces, n=8, held=()):
     corners = np.flatnonzero((np.abs(points[:, :2]) == [width / 2, depth / 2]).all(axis=1))
     fixed = np.unique(np.concatenate([corners, *(rim[on[k]].ravel() for k in held)]))
     return Structure(points, parts, [Support(fixed)])
+
+
+def test_rule_is_exact_in_a_plane_and_a_guide_in_space():
+    flat = sheet(12, 6, [5.0, 5.0, 5.0, 5.0])
+    assert "are too weak" in rule(flat).words
+    assert "less may do" not in rule(flat).words
+    saddle = replace(flat, points=flat.points + flat.points[:, :1] * flat.points[:, 1:2] * [0, 0, 0.05])
+    assert rule(saddle).words.endswith("by the rule of arcs, in space mostly sufficient: less may do")
 
 
 def test_strong_edge_at_a_corner_is_not_called_too_weak():

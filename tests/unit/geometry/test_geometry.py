@@ -5,7 +5,7 @@ import pytest
 from scipy.sparse.csgraph import connected_components
 
 from fx_membrane import boundary_edges, polyline, rectangle
-from fx_membrane.geometry.measures import measures, normals
+from fx_membrane.geometry.sizes import measures, normals
 from fx_membrane.geometry.topology import (
     boundary_cells,
     connected,
@@ -25,7 +25,7 @@ def test_rectangle_is_covered_once_with_normals_up(diagonals):
     assert triangles.shape == (40, 3)
     assert measures(points, triangles) == pytest.approx(3.0 * 2.0 / 40)
     assert normals(points, triangles) == pytest.approx(np.tile([0, 0, 1], (40, 1)))
-    # Signed areas of the same size add up to the whole only if no two triangles overlap and none is missing.
+    # Signed areas of one size add up to the whole only if no triangles overlap and none is missing.
     centres = points[triangles].mean(axis=1)
     assert len(np.unique(centres.round(9), axis=0)) == 40
 

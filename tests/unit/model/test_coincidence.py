@@ -22,7 +22,7 @@ SQUARES = {"west": Membrane(TRIANGLES, FABRIC), "east": Membrane(np.array(TRIANG
 def test_parts_that_meet_without_sharing_nodes(scale, apart):
     points = scale * (BESIDE + np.repeat([0, apart], 4)[:, None])
     message = (
-        r"^Nodes 1 and 4 are at the same place, \([^)]*, 0, 0\), but nothing joins them \(2 such pairs in all\): "
+        r"^Nodes 1 and 4 are at the same place, \([^)]*, 0, 0\), but nothing joins them \(2 pairs in all\): "
         "cell 0 of 'west' and cell 0 of 'east' can part there. To join them, give .* the same node number"
     )
     with pytest.warns(CoincidentNodesWarning, match=message) as found:

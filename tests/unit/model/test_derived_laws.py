@@ -8,7 +8,7 @@ import ufl
 
 from fx_membrane import Fabric, NeoHooke, OrthotropicFabric
 from fx_membrane.model import laws
-from fx_membrane.model.fingerprints import fingerprints
+from fx_membrane.model.digests import fingerprints
 from fx_membrane.model.structure import Structure
 from models import POINTS
 from own_laws import Foil, law, membrane

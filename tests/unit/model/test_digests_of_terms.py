@@ -5,17 +5,19 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
 from ufl import inner
 
 from fx_membrane import (
     Cable,
     Fabric,
     Membrane,
+    Problem,
     Stage,
     Structure,
     Support,
 )
-from fx_membrane.model.fingerprints import fingerprint, fingerprints
+from fx_membrane.model.digests import fingerprint, fingerprints
 from models import EDGE, POINTS, TRIANGLES
 from own_terms import bed, term
 
@@ -41,6 +43,20 @@ def test_parameters_and_formula_are_in_the_digest():
     assert len(found) == len(others) + 1
 
 
+def test_term_without_parameters_has_a_digest():
+    own, other = (term(lambda self, state, parameters, k=k: k * state.u[2], fields=()) for k in (50.0, 60.0))
+    assert digests(own) != digests(other)
+
+
+@pytest.mark.mpi
+def test_term_without_parameters_is_taken_on_several_processes():
+    """They compare what they are given by its digest."""
+    own = term(lambda self, state, parameters: 50.0 * state.u[2], fields=())
+    problem = Problem(replace(STRUCTURE, terms=[own]))
+    forces = problem.to_numpy(problem.under().residual(problem.create_vector()))
+    assert abs(forces[:, 2].sum() - 50.0 * 4.0) < 1e-9
+
+
 def test_digest_tells_parameters_apart():
     def use(name):
         return lambda self, state, parameters: getattr(parameters, name) * inner(state.u, state.u)
@@ -52,7 +68,7 @@ def test_digest_tells_parameters_apart():
 SCRIPT = """
 import sys
 sys.path.insert(0, {tests!r})
-from fx_membrane.model.fingerprints import fingerprint
+from fx_membrane.model.digests import fingerprint
 from own_terms import ElasticBed, Water
 {before}
 print(fingerprint([ElasticBed("fabric", [1.0, 2.0], [0, 1]), Water("fabric", 2.0, 3.0)]))

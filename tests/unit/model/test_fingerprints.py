@@ -15,7 +15,7 @@ from fx_membrane import (
     Stage,
     Structure,
 )
-from fx_membrane.model.fingerprints import fingerprint, fingerprints, of_stages
+from fx_membrane.model.digests import fingerprint, fingerprints, of_stages
 from interrupted import stages, structure
 from models import POINTS, TRIANGLES
 

@@ -20,7 +20,7 @@ from fx_membrane import (
     boundary_edges,
     rectangle,
 )
-from fx_membrane.geometry.measures import aspects
+from fx_membrane.geometry.sizes import aspects
 from models import rotation
 
 

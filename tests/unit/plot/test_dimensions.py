@@ -6,8 +6,9 @@ import pytest
 
 from fx_membrane import Fabric, Membrane, Structure, rectangle
 from fx_membrane.plot import scene, windows
-from fx_membrane.plot.dimensions import box_of, draw_axes, draw_scale, round_length
-from fx_membrane.plot.shown import shown
+from fx_membrane.plot.dimensions import box_of, draw_axes, draw_scale, edges_of, round_length
+from fx_membrane.plot.panels import Look, setting
+from fx_membrane.plot.subjects import shown
 
 POINTS = np.array([(0, 0, 0), (4, 0, 0), (4, 3, 0), (0, 3, 2.0)])
 
@@ -77,3 +78,27 @@ def test_windows_have_their_mirror_images():
     shapes = windows.mirrored(POINTS, "x")
     assert windows.window_of(shapes, (0, 0, 1)).extent == pytest.approx((-4.16, 4.16, -0.16, 3.16))
     assert windows.mirrored(POINTS, None) == [POINTS]
+
+
+@pytest.mark.parametrize(("rise", "told"), [(0.02, "z [m]\n0 to 0.02"), (0.0, "z [m]\n0")])
+def test_shallow_structures_have_their_heights(rise, told):
+    """An axis too short for ticks tells its ends: it was left out."""
+    texts, axes, window = drawn((1, -1.6, 1.1), POINTS * [1, 1, rise / 2])
+    assert told in texts
+    assert texts[told][0] < window.seen(POINTS * [1, 1, 0])[:, 0].min()
+    left = window.seen(POINTS)[:, 0].min()
+    upright = [line for line in axes.lines if np.abs(np.asarray(line.get_xdata()) - left).max() < 1e-9]
+    assert len(upright) == 1
+
+
+def test_window_holds_structure_and_axes_without_empty_corners_of_the_box():
+    """A tent with one high point: the top corners of its box are empty, and made half of the picture white."""
+    points, triangles = rectangle(8.0, 8.0, 4, 4)
+    points[12, 2] = 6.0
+    subject = shown("a test", Structure(points, {"sheet": Membrane(triangles, Fabric(1e5, 0.3), 1e3)}))
+    same = setting([subject], [[]], Look(1.0, (1, -1.6, 1.1), axes=True))
+    seen = same.window.seen(np.concatenate([points, *edges_of(same.box, (1, -1.6, 1.1)).values()]))
+    room = windows.MARGIN * same.window.size
+    assert same.window.high[1] == pytest.approx(seen[:, 1].max() + room, abs=0.1 * room)
+    assert (seen >= same.window.low).all()
+    assert (seen <= same.window.high).all()

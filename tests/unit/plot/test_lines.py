@@ -22,7 +22,7 @@ from fx_membrane import (
     stress_trajectories,
 )
 from fx_membrane.plot import marks, scene, windows
-from fx_membrane.plot.shown import shown
+from fx_membrane.plot.subjects import shown
 from pictures import assert_drawn, has_colour, picture
 
 CUT, TRIANGLES = rectangle(2.0, 2.0, 6, 6)
@@ -69,6 +69,22 @@ def test_all_slack_cells_are_hatched_and_no_others(folded):
     corners = CUT[subject.slack[owner]]
     assert (ends.min(axis=1) >= corners.min(axis=1) - 1e-12).all()
     assert (ends.max(axis=1) <= corners.max(axis=1) + 1e-12).all()
+
+
+@pytest.mark.parametrize("length", [0.3, 0.07, 5.0])
+def test_dashes_cover_every_other_length_of_their_lines(length):
+    """Two lines, of which one bends: dashes lie on them, and are as long as the others of the same length."""
+    places = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (5, 5, 5), (5, 5, 7.0)])
+    found, counts = marks.dashes(places, np.array([3, 2]), length)
+    ends = found.reshape(-1, 2, 3)
+    assert counts.tolist() == [2] * len(ends)
+    sizes = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    assert (sizes > 0).all()
+    every = np.arange(0, 2.0, 2 * length)
+    assert sizes.sum() == pytest.approx(2 * np.minimum(length, 2.0 - every).sum())
+    on = [(ends[:, :, 1:] == 0).all(axis=(1, 2)), (ends[:, :, 0] == 1).all(axis=1) & (ends[:, :, 2] == 0).all(axis=1)]
+    on.append((ends[:, :, :2] == 5).all(axis=(1, 2)))
+    assert np.logical_or.reduce(on).all()
 
 
 @pytest.mark.parametrize("cells", [[5], [0, 71], [3, 4, 60]])

@@ -3,6 +3,8 @@
 import errno
 import os
 
+import numpy as np
+import PIL.Image
 import pytest
 
 from fx_membrane.plot import movies
@@ -35,3 +37,13 @@ def test_earlier_movie_stays_on_a_full_disk(tmp_path, monkeypatch):
     with pytest.raises(ValueError, match="No space left"):
         movies.write(tmp_path / "a.gif", [], 1.0)
     assert [(file.name, file.read_bytes()) for file in tmp_path.iterdir()] == [("a.gif", b"whole")]
+
+
+def test_paper_of_a_gif_stays_white_beside_pale_shades(tmp_path):
+    """Pillow took white for the nearest of the fours below it: a pale shade at the borders of letters."""
+    frame = np.full((60, 60, 3), 255, dtype=np.uint8)
+    for row, shade in enumerate([(251, 248, 252), (247, 249, 252), (252, 249, 247)]):
+        frame[20 * row : 20 * row + 15, :30] = shade
+    movies.write(tmp_path / "a.gif", [frame, frame], 0.5)
+    with PIL.Image.open(tmp_path / "a.gif") as image:
+        assert image.convert("RGB").getpixel((50, 10)) == (255, 255, 255)

@@ -21,9 +21,9 @@ from fx_membrane import (
     rectangle,
 )
 from fx_membrane.results.check import Verdict
-from fx_membrane.results.checks import checks, table
 from fx_membrane.results.limits import Limits, limit_checks
-from fx_membrane.results.overview import overview
+from fx_membrane.results.state_checks import checks, table
+from fx_membrane.results.table_of_run import overview, states_and_checks
 
 pytestmark = pytest.mark.filterwarnings("ignore")
 
@@ -75,9 +75,31 @@ def test_overview_has_work_extremes_and_places():
     assert re.match(r"Stage 'load': 1 increment, \d+ iterations$", lines[0])
     assert re.match(r"  largest displacement \S+ m, node 12 at \(0, 0, 0\)$", lines[1])
     least, largest = results["load"].membrane("roof").principal[:, 1].min(), results["load"].membrane("roof").principal
-    shown = re.match(r"  roof\s+(\S+) \(cell \d+ at \(.*\)\) to (\S+) \(cell \d+ at \(.*\)\) kN/m", lines[2])
-    assert [float(number) for number in shown.groups()] == pytest.approx([least, largest.max()], rel=1e-4)
-    assert lines[3].endswith("kN; 100 % slack")
+    assert float(re.match(r"  roof\s+least (\S+) kN/m, cell \d+ at \(", lines[2])[1]) == pytest.approx(least, rel=1e-4)
+    assert float(re.match(r"\s+largest (\S+) kN/m, cell", lines[3])[1]) == pytest.approx(largest.max(), rel=1e-4)
+    assert re.match(r"  line\s+least \S+ kN, cell \d+ at \(", lines[4])
+    assert lines[6].strip() == "100 % slack"
+
+
+LONG = "roof over the northern entrance hall, between axes A and F, second layer of the fabric"
+
+
+def test_lines_fit_on_a_screen():
+    """No line is longer than 80 columns, but for a word; long names of parts keep their numbers."""
+    points, triangles = rectangle(4.0, 4.0, 4, 4)
+    parts = {
+        LONG: Membrane(triangles, Fabric(100.0, 0.3), 0.1),
+        "d\u00e4mmung_" * 9: Cable(polyline([10, 11, 12, 13, 14]), 1e3, prestress=-300.0),
+    }
+    structure = Structure(points, parts, [Support(np.unique(boundary_edges(triangles)))])
+    results = Analysis(structure, progress=False).run([Stage("load", [DistributedLoad((0, 0, -8.0), LONG)])])
+    results.limits = Limits(displacement=1e-9, stress={LONG: 1e-9})
+    for text in (overview(results), states_and_checks(results)):
+        long = [line for line in text.splitlines() if len(line) > 80]
+        assert all(len(line.split()) <= 2 or max(map(len, line.split())) > 60 for line in long), long
+    text = " ".join(overview(results).split())
+    assert re.search(f"(PASS|WARN) wrinkled or slack area of '{LONG}' \\S+ % 5 %", text)
+    assert f"FAIL displacement {results['load'].largest_displacement:.3g} m 1e-09 m" in text
 
 
 def test_limits_of_the_user_pass_or_fail_with_place_and_remedy():

@@ -65,10 +65,16 @@ def push(*force, after=None):
 
 
 @pytest.mark.parametrize(
-    ("kept", "load"),
-    [(1e-4, 30), (1e-4, 100), (1e-4, 3000), (1e-3, 10), (1e-3, 1000)],
+    ("kept", "load", "prestress"),
+    [
+        *(
+            (*case, prestress)
+            for case in [(1e-4, 30), (1e-4, 100), (1e-3, 10), (1e-3, 1000)]
+            for prestress in (0.0, 100.0)
+        ),
+        (1e-4, 3000, 0.0),  # the mast falls; guys on one side keep no prestress, so that with it it falls the same way
+    ],
 )
-@pytest.mark.parametrize("prestress", [0.0, 100.0])
 def test_mast_that_is_pushed_towards_its_only_guys_is_reported(kept, load, prestress):
     structure = guyed(kept, prestress)
     with pytest.warns(UnstableStateWarning, match="mast 'mast'"):
@@ -86,10 +92,9 @@ def test_mast_that_is_pushed_towards_its_only_guys_is_reported(kept, load, prest
     assert [line[9:] for line in report(result).splitlines()[: len(result.remarks)]] == list(result.remarks)
 
 
-@pytest.mark.parametrize(("kept", "load"), [(1e-4, 1000), (1e-6, 3000)])
-def test_mast_that_falls_is_said_to_fall(kept, load):
+def test_mast_that_falls_is_said_to_fall():
     with pytest.warns(UnstableStateWarning, match=HELD_BY_SLACK):
-        result = Analysis(guyed(kept)).run([push(-load, 0, 0)])["push"]
+        result = Analysis(guyed(1e-6)).run([push(-3000, 0, 0)])["push"]
     assert any(increment.outcome is Outcome.FALLEN for increment in result.increments)
 
 
@@ -99,19 +104,14 @@ def test_mast_that_leans_towards_its_guys_falls():
 
 
 def test_motion_is_that_of_the_stage():
-    """Each of its increments moves the mast by less than half its height."""
-    result = Analysis(guyed()).run([push(-400, 0, 0)])["push"]
-    assert len(result.increments) > 1
-    far = np.linalg.norm(result.displacement[1])
-    assert any(f"node 1 moved by {far:.3g}, more than half" in remark for remark in result.remarks)
-
-
-def test_far_node_that_nothing_uses_hides_no_motion():
+    """Each of its increments moves the mast by less than half its height; a far node that nothing uses hides none."""
     structure = guyed()
     wide = Structure([*POINTS, [1e3, 0, 0]], structure.parts, structure.supports)
     assert wide.size == structure.size == 4
-    remarks = Analysis(wide).run([push(-400, 0, 0)])["push"].remarks
-    assert any("more than half" in remark for remark in remarks)
+    result = Analysis(wide).run([push(-400, 0, 0)])["push"]
+    assert len(result.increments) > 1
+    far = np.linalg.norm(result.displacement[1])
+    assert any(f"node 1 moved by {far:.3g}, more than half" in remark for remark in result.remarks)
 
 
 RIGHT = {
@@ -267,6 +267,7 @@ def test_remarks_are_the_same_from_a_checkpoint_and_on_a_path(tmp_path):
     with pytest.warns(UnstableStateWarning, match=HELD_BY_SLACK):
         again = Analysis(guyed()).run(stages, tmp_path / "push")["push"]
     assert again.remarks == whole.remarks != ()
+    assert any(increment.outcome is Outcome.FALLEN for increment in again.increments)
     path = equilibrium_path(guyed(), Stage("push", [PointLoad(1, (-100.0, 0, 0))], increments=10))
     with pytest.warns(UnstableStateWarning, match=CARRY):
         assert CARRY in path.state(-1).remarks[0]

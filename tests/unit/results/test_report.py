@@ -16,6 +16,7 @@ from fx_membrane import (
     OrthotropicFabric,
     PrescribedDisplacement,
     Stage,
+    StageResults,
     Structure,
     Support,
     boundary_edges,
@@ -185,3 +186,8 @@ def test_without_nodes_there_are_no_reactions_of_nodes(result):
 def test_refusals(result, arguments, message):
     with pytest.raises(ValueError, match=message):
         report(arguments[0] or result, *arguments[1:])
+
+
+def test_results_of_all_stages_in_the_place_of_one(result):
+    with pytest.raises(ValueError, match=re.escape(f"give a StageResult, as its entry [{result.name!r}].")):
+        report(StageResults({result.name: result}))

@@ -19,7 +19,7 @@ from fx_membrane import (
     boundary_edges,
     rectangle,
 )
-from fx_membrane.geometry.measures import normals
+from fx_membrane.geometry.sizes import normals
 
 FABRIC = Fabric(Et=1e5, nu=0.3)
 N0, EA = np.linspace(800.0, 1200.0, 8), 2e6  # prestress of each of the edge cables, their axial stiffness

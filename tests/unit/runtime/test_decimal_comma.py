@@ -9,7 +9,7 @@ import sys
 import numpy as np
 import pytest
 
-from fx_membrane.runtime.decimal_point import decimal_point
+from fx_membrane.runtime.number_locale import decimal_point
 
 SCRIPT = """
 import locale

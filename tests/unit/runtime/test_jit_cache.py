@@ -101,6 +101,34 @@ def test_warnings_as_errors_and_closed_streams_with_a_cold_cache(environment):
     assert subprocess.run(command, env=environment, check=False).returncode == 0
 
 
+CONDITIONS = """
+import numpy as np
+import ufl
+from mpi4py import MPI  # it finds the MPI library of a wheel, which dolfinx alone does not
+from dolfinx import fem
+from fx_membrane import _dolfinx
+
+msh = _dolfinx.create_mesh(np.array([[0.0, 0, 0], [1, 0, 0]]), np.array([[0, 1]]))
+a, b, c = numbers = [fem.Constant(msh, 0.0) for _ in range(3)]
+A, B, C = [ufl.gt(number, 0.5) for number in numbers]
+conditions = ufl.Or(A, ufl.And(B, C)), ufl.And(ufl.Or(A, B), C)
+forms = [_dolfinx.form(ufl.conditional(condition, 1.0, 0.0) * ufl.dx(msh)) for condition in conditions]
+for k in range(8):
+    a.value, b.value, c.value = values = [float(k >> i & 1) for i in range(3)]
+    assert [fem.assemble_scalar(form) > 0.5 for form in forms] == [
+        bool(values[0] or (values[1] and values[2])), bool((values[0] or values[1]) and values[2])
+    ]
+"""
+
+
+def test_compiler_has_no_remark_on_conditions_of_conditions(environment):
+    """Of a law with Or and And, gcc printed pages with FFCx 0.5; the conditions keep their meaning."""
+    command = [sys.executable, "-c", CONDITIONS]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "warning" not in done.stderr
+
+
 class FFCx:
     """Finds sources as FFCx does: no objects and no module for one to be compiled."""
 
@@ -149,16 +177,23 @@ def test_interrupted_in_the_same_process(tmp_path):
     """At once, as in a notebook: without the waiting time for other programs."""
     with pytest.raises(KeyboardInterrupt):
         FFCx(None).compile(tmp_path, KeyboardInterrupt)
-    assert (tmp_path / jit_cache.LOCK).read_text() == "form.c"
+    assert jit_cache.lock_of(tmp_path / "form.c").read_text() == "form.c"
     assert FFCx("found").compile(tmp_path) is None
-    assert (tmp_path / jit_cache.LOCK).read_text() == ""
+    assert jit_cache.lock_of(tmp_path / "form.c").read_text() == ""
 
 
 def test_another_process_that_never_ends_to_compile(tmp_path):
-    with open(tmp_path / jit_cache.LOCK, "w") as lock:
+    with open(jit_cache.lock_of(tmp_path / "form.c"), "w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         with pytest.raises(TimeoutError, match=r"^Another process.*compiled forms.*1 s; end"):
             FFCx(None).compile(tmp_path)
+
+
+def test_forms_with_other_locks_are_compiled_meanwhile(tmp_path):
+    with open(jit_cache.lock_of(tmp_path / "shape.c"), "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        assert FFCx(None).compile(tmp_path) is None
+    assert jit_cache.complete(tmp_path / "form.c")
 
 
 def test_module_is_loaded_once(tmp_path):

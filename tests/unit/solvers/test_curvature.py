@@ -5,13 +5,11 @@ import pytest
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, Support, boundary_edges, rectangle
+from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, Support
 from fx_membrane.assembly.actions import Actions
 from fx_membrane.assembly.problem import Problem
 from fx_membrane.solvers.curvature import STEPS, WEAK, lowest_mode, negative_curvature_direction
-
-POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
-EDGE = np.unique(boundary_edges(TRIANGLES))
+from models import EDGE, POINTS, TRIANGLES
 
 
 def sheet(prestress, **data):
@@ -119,7 +117,7 @@ def test_ripples_are_no_instability():
 @pytest.mark.parametrize("kept", [1e-6, 1e-4, 1.0])
 @pytest.mark.parametrize(("load", "negative"), [(-100.0, 0), (100.0, 1)])
 def test_mast_between_two_stays_stands_by_uplift_only(load, negative, kept):
-    """Out of the plane of the stays, which pull it down, the load Q on a mast of length L has the stiffness -Q / L.
+    """Out of the plane of its stays, a mast of length L under the load Q has the stiffness -Q / L.
 
     The compression stiffness of the stays has no influence: they are not slack.
     """

@@ -59,7 +59,7 @@ class Reduced:
 
 
 def net():
-    """Ten nodes that move along x, tied to each other and to two fixed ones by forces that grow with their length."""
+    """Ten nodes along x, tied to each other and to two fixed ones by forces that grow with their length."""
     rng = np.random.default_rng(1)
     points = rng.uniform(-1, 1, (12, 3))
     ties = [(i, j) for i in range(12) for j in range(i + 1, 12) if j == i + 1 or rng.random() < 0.3]

@@ -7,7 +7,7 @@ import pytest
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fx_membrane import Cable, Fabric, Mast, Membrane, Structure, Support, boundary_edges, rectangle
+from fx_membrane import Cable, Fabric, Mast, Membrane, Rope, Structure, Support
 from fx_membrane.assembly.actions import Actions
 from fx_membrane.assembly.problem import Problem
 from fx_membrane.solvers.base import max_norm
@@ -20,15 +20,10 @@ from fx_membrane.solvers.diagnosis import (
     swung_masts,
     unlikely_units,
 )
+from models import EDGE, POINTS, TRIANGLES, rotation
+from models import sheet as square
 
-POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
-EDGE = np.unique(boundary_edges(TRIANGLES))
 INSIDE = np.setdiff1d(np.arange(25), EDGE)
-
-
-def rotation(seed):
-    Q, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
-    return Q * np.sign(np.linalg.det(Q))
 
 
 def first_tangent(structure):
@@ -40,8 +35,7 @@ def first_tangent(structure):
 
 
 def sheet(prestress, points=POINTS):
-    membrane = Membrane(TRIANGLES, Fabric(Et=1e5, nu=0.3), prestress=prestress)
-    return Structure(points, {"fabric": membrane}, [Support(EDGE)])
+    return square(prestress=prestress, points=points)
 
 
 @pytest.mark.mpi_once
@@ -84,6 +78,14 @@ def test_linear_failure_of_masts_in_line_tells_of_no_membrane():
     assert "node 1 in the direction" in message
     assert "masts in line" in message
     assert "prestress" not in message
+
+
+def test_linear_failure_of_a_rope_tells_that_it_slides():
+    line = Structure([[0.0, 0, 0], [1, 0, 0], [2, 0, 0]], {"rope": Rope([0, 1, 2], 1e6)}, [Support([0, 2])])
+    message = linear_failure(*first_tangent(line))
+    assert "node 1" in message
+    assert "A straight rope without prestress" in message
+    assert "slides" in message
 
 
 def test_linear_failure_where_membrane_and_cable_meet():

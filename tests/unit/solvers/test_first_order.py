@@ -24,6 +24,7 @@ from fx_membrane.solvers import preconditioners
 from models import CENTRE, INCLINED, LIFT, SNOW, WIND, arch, inclined_sheet, sheet
 
 KINDS = [None, "jacobi", "tangent"]
+DESCENTS = ["SD jacobi", "SD tangent"]
 TANGENT = 'preconditioner="tangent"'
 ALL = [
     *(ConjugateGradient(beta, kind) for beta in ("FR", "PR") for kind in KINDS),
@@ -54,8 +55,11 @@ CASES = {
 
 
 def choose(case, solver):
-    """On several processes: the case with few steps, by one formula of conjugate gradients and by steepest descent."""
-    again = case == "prescribed displacements" and getattr(solver, "beta", "PR") == "PR"
+    """On several processes: the case with few steps, by one formula of conjugate gradients and by steepest descent.
+
+    Steepest descent without a preconditioner, of thousands of steps, runs there in `demos/solvers.py`.
+    """
+    again = case == "prescribed displacements" and name(solver) in {*(f"PR {kind}" for kind in KINDS), *DESCENTS}
     return pytest.param(case, solver, id=f"{case}, {name(solver)}", marks=[pytest.mark.mpi] if again else [])
 
 

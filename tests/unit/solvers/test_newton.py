@@ -3,23 +3,16 @@
 import numpy as np
 import pytest
 
-from fx_membrane import Cable, Fabric, Mast, Membrane, Newton, Outcome, Structure, Support, boundary_edges, rectangle
+from fx_membrane import Cable, Fabric, Mast, Membrane, Newton, Outcome, Structure, Support
 from fx_membrane.assembly.actions import Actions
 from fx_membrane.assembly.problem import Problem
+from models import EDGE, POINTS, TRIANGLES, rotation, sheet
 
-POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
-EDGE = np.unique(boundary_edges(TRIANGLES))
 PLAIN = Newton(line_search=False)
 
 
-def rotation(seed):
-    Q, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))
-    return Q * np.sign(np.linalg.det(Q))
-
-
 def sheet_under(force, prestress=1e3):
-    membrane = Membrane(TRIANGLES, Fabric(Et=1e5, nu=0.3), prestress=prestress)
-    problem = Problem(Structure(POINTS, {"fabric": membrane}, [Support(EDGE)]))
+    problem = Problem(sheet(prestress=prestress))
     loads = np.zeros(POINTS.shape)
     loads[12] = force
     return problem, problem.under(Actions(loads, problem.structure.supported, np.zeros(POINTS.shape)))

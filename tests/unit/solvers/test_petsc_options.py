@@ -16,6 +16,7 @@ from fx_membrane import (
     ConvergenceError,
     DistributedLoad,
     Newton,
+    Outcome,
     Pressure,
     Stage,
     UnusedOptionWarning,
@@ -150,8 +151,21 @@ def test_error_of_petsc_without_words_is_told_in_words(options):
 @pytest.mark.mpi
 def test_linear_solver_that_fails_is_named(options):
     options(ksp_type="cg", pc_type="jacobi", ksp_max_it=2)
-    with pytest.raises(ConvergenceError, match="the linear solver that the PETSc options choose, cg with jacobi"):
+    with pytest.raises(ConvergenceError, match="the linear solver that the PETSc options choose, cg with jacobi") as e:
         run(SNOW)
+    assert "its 2 iterations" in str(e.value)
+    assert "-fx_membrane_ksp_max_it" in str(e.value)
+    assert e.value.failed.outcome is Outcome.LINEAR_LIMIT
+    assert e.value.failed.load_factor == 1.0  # at once: no increment was halved
+    assert e.value.failed.total_iterations <= 2
+
+
+@pytest.mark.parametrize("stages", [SNOW, WIND])
+@pytest.mark.parametrize("line_search", [True, False])
+def test_limit_of_the_linear_solver_is_told_by_any_newton(line_search, stages, options):
+    options(ksp_type="gmres", pc_type="jacobi", ksp_max_it=12)
+    with pytest.raises(ConvergenceError, match="ran out of its 12 iterations"):
+        run(stages, Newton(line_search=line_search))
 
 
 @pytest.mark.mpi

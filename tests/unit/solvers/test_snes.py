@@ -14,12 +14,10 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
-    boundary_edges,
-    rectangle,
 )
+from models import EDGE, POINTS, TRIANGLES
 
-POINTS, TRIANGLES = rectangle(2.0, 2.0, 4, 4)
-SUPPORTS = [Support(np.unique(boundary_edges(TRIANGLES)))]
+SUPPORTS = [Support(EDGE)]
 STAGES = [Stage("load", [PointLoad(12, (0, 0, -3.0))], increments=2)]
 
 

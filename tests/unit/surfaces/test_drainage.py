@@ -1,6 +1,7 @@
 """Depressions of surfaces and their least slope: exact volumes, walls, drains, merging ponds, refusals."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -142,6 +143,22 @@ def test_slope_of_other_directions():
     np.testing.assert_allclose(turned.slope, 0.5, rtol=1e-13)
     upright = drainage((points[:, [2, 0, 1]] * [0, 1, 1], triangles))
     assert np.isinf(upright.slope).all()
+
+
+def test_words_have_units():
+    points, triangles = surface(lambda x, y: 0.1 * (x**2 + y**2))
+    found = drainage((points, triangles))
+    (pond,) = found.depressions
+    assert f", {pond.depth:.3g} m deep, with an area of {pond.area:.4g} m2" in str(found)
+    assert "<th>depth [m]</th><th>area [m2]</th><th>volume [m3]</th>" in found._repr_html_()
+    form = Form(
+        points, {}, np.zeros_like(points), made=Structure(points, {"roof": Membrane(triangles, Fabric(4e5, 0.3))})
+    )
+    assert f" {pond.depth:.3g} ft deep" in str(drainage(replace(form, length_unit="ft")))
+    assert f" {pond.depth:.3g} mm deep" in str(drainage(form, length_unit="mm"))
+    bare = drainage(form, length_unit="")
+    assert f" {pond.depth:.3g} deep, with an area of {pond.area:.4g}" in str(bare)
+    assert "<th>depth</th>" in bare._repr_html_()
 
 
 def test_level_surface_says_so():

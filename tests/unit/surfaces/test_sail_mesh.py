@@ -242,3 +242,16 @@ def test_ring_of_no_radius():
         RoundHole((0, 0), 0)
     with pytest.raises(ValueError, match=r"^RoundHole centre is .*give \(x, y\)"):
         RoundHole((0, 0, 0, 0), 1)
+
+
+@pytest.mark.parametrize("unit", [1e3, 0.3048, 1e-2])
+def test_mesh_does_not_depend_on_the_unit(unit):
+    def drawn(scale):
+        corners = {"A": (0, 0, 0), "B": (12, 0, 3), "C": (11, 9, 0), "D": (0.3, 12, 3)}
+        scaled = {name: tuple(scale * x for x in place) for name, place in corners.items()}
+        ring = RoundHole((5.1 * scale, 6.2 * scale, 5 * scale), 0.6 * scale)
+        return sail_mesh(scaled, 0.9 * scale, sag=0.1, holes={"ring": ring})
+
+    metres, other = drawn(1.0), drawn(unit)
+    np.testing.assert_array_equal(other.triangles, metres.triangles)
+    np.testing.assert_allclose(other.points / unit, metres.points, atol=1e-12 * 12)

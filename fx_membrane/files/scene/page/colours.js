@@ -69,7 +69,9 @@ function legendOf(number, stage, common) {
     bar.append(band);
   }
   const ends = element("div", "ends");
-  const ticks = range.colours.length > 1 ? [range.low, (range.low + range.high) / 2, range.high] : [range.high];
+  const mean = (range.low + range.high) / 2;
+  const middle = Math.abs(mean) > 1e-9 * (range.high - range.low) ? mean : 0; // else rounding of a zero
+  const ticks = range.colours.length > 1 ? [range.low, middle, range.high] : [range.high];
   ends.append(...ticks.map((value) => element("span", "", entry ? shown(value) : "")));
   const scaleBox = element("div", "scale");
   scaleBox.append(bar, ends);
@@ -77,7 +79,7 @@ function legendOf(number, stage, common) {
   const words = element("p", "extremes");
   for (const end of ["least", "largest"]) {
     const line = element("span");
-    line.append(`${end} `, element("b", end, shown(entry && entry[end])), ` in ${(entry && entry[`${end}_at`]) || "no cell"}`);
+    line.append(`${end} `, element("b", end, shown(entry && entry[end])), `, ${(entry && entry[`${end}_at`]) || "no cell"}`);
     words.append(line);
   }
   row.append(words);

@@ -17,6 +17,7 @@ function showNotes() {
   for (const name of ["loads", "reactions"]) {
     if (choice[name] && choice.stage[name].of > 1) notes.push(`One in ${choice.stage[name].of} of the ${name} is drawn.`);
   }
+  notes.push(...choice.stage.notes);
   if (scene.coarse) notes.push(scene.coarse);
   document.getElementById("notes").textContent = notes.join(" ");
   const remarks = document.getElementById("remarks");

@@ -69,6 +69,7 @@ def test_the_case_with_all_tables_has_no_fault(tmp_path):
     assert case.methods == ["force density", "projected stress", "masts and stays", "new mesh"]
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("count", [1, 2, 5])
 @pytest.mark.parametrize("text", [roof_case.ROOF, tent_case.TENT], ids=["roof", "tent"])
 def test_broken_files_are_told_in_sentences(text, count, tmp_path):
@@ -87,6 +88,83 @@ def test_broken_files_are_told_in_sentences(text, count, tmp_path):
         for line in lines
         if re.search(r"pydantic|Traceback|object at 0x|\bbool\(|NoneType|shape \(|WorkLimit|\bA [A-Z][a-z]+\b", line)
     ] == []
+
+
+WORDS = (  # of TOML, in the place of a value
+    *("nan", "-inf", "1e999", "9" * 40, "-0.0", "0x1F", "1979-05-27", "07:32:00", "true", '"nan kN/m"', '"1e999 m"'),
+    *(
+        '"3 mm/m"',
+        '"\u22123 kN"',
+        '"½ m"',
+        '"\uff11\uff12 kN"',
+        '"3\u00a0m"',
+        '"3 kN\u200b"',
+        '"12 kN/m kN"',
+        '"5 m + 2 ft"',
+        '"3°"',
+    ),
+    *(
+        '"../../etc/passwd"',
+        '"/dev/zero.obj"',
+        '"~/a.obj"',
+        '"a/\\u0000.obj"',
+        '"' + "a" * 5000 + '.obj"',
+        '"."',
+        '"/"',
+    ),
+    *("[[[[1]]]]", "{ a = { b = { c = 1 } } }", "[1, [2], 3]", '["a", 1, 0.5, true]', "[nan, nan, nan]", '"""\n\n"""'),
+    *("'\\U0001F600'", '"\\u001b[31m"', '"\u202e"', "[]", "{}", "1_000_000_000", "1e300", "5e-324"),
+)
+
+
+def spoiled_text(draw, text):
+    """Case with a wrong word, or with lines that are doubled, moved, or under another table."""
+    rows = text.splitlines()
+    valued = [number for number, row in enumerate(rows) if re.match(r"\s*\w+ = ", row)]
+    number = draw.choice(valued)
+    head, value = rows[number].split(" = ", 1)
+    kind = draw.randrange(6)
+    if kind < 3:
+        rows[number] = f"{head} = {draw.choice(WORDS)}"
+    elif kind == 3:
+        rows.insert(draw.randrange(len(rows)), rows[number])
+    elif kind == 4:
+        rows[number] = f"{head}.{draw.choice(['x', head.strip(), 'kind'])} = {value}"
+    else:
+        key = draw.choice(["größe", "''", '"a.b"', '"\\u0007"', "_", "\uff11", "x y", "."])
+        rows[number] = f"{key} = {value}"
+    ends = draw.choice(["\n", "\r\n"])
+    return draw.choice(["", "\ufeff"]) + ends.join(rows) + ends
+
+
+@pytest.mark.study
+@pytest.mark.parametrize("text", [roof_case.ROOF, tent_case.TENT], ids=["roof", "tent"])
+def test_strange_values_keys_and_lines_are_told_in_sentences(text, tmp_path):
+    told, lines = 0, list[str]()
+    for seed in range(150):
+        content = spoiled_text(random.Random(seed), text)
+        (tmp_path / "a.toml").write_bytes(content.encode())
+        try:
+            read_case(tmp_path / "a.toml")
+        except CaseError as error:
+            told += 1
+            lines += error.lines
+    assert told > 100
+    assert [line for line in lines if not re.fullmatch(r".*a\.toml:\d+: [^:]+: .{8,}", line, re.DOTALL)] == []
+    shown = r"pydantic|Traceback|object at 0x|\bbool\(|NoneType|shape \(|datetime\.|tomllib|numpy|\ba (str|dict)\b"
+    assert [line for line in lines if re.search(shown, line)] == []
+
+
+@pytest.mark.parametrize("text", [roof_case.ROOF, tent_case.TENT], ids=["roof", "tent"])
+def test_ends_of_lines_and_a_mark_of_their_order_change_nothing(text, tmp_path):
+    lines = list[tuple[str, ...]]()
+    for start, end in (("", "\n"), ("\ufeff", "\r\n")):
+        content = start + text.replace("nu = 0.3", "nu = 3").replace("\n", end)
+        (tmp_path / "a.toml").write_bytes(content.encode())
+        with pytest.raises(CaseError) as caught:
+            read_case(tmp_path / "a.toml")
+        lines.append(caught.value.lines)
+    assert lines[0] == lines[1]
 
 
 def test_torn_files_are_told_in_sentences(tmp_path):

@@ -21,6 +21,7 @@ from fx_membrane import Analysis, load_results
 from fx_membrane.files.cases.case import read_case
 
 COMMAND = ["-c", "from fx_membrane.cli import main; main()"]
+WITHOUT_SERIES = ROOF + "paraview = false\n"  # which takes each process that writes it seconds to load pyvista
 
 
 def run(folder, *arguments, processes=1):
@@ -47,7 +48,7 @@ def test_first_case_from_nothing_to_results(tmp_path):
 
 
 def test_results_are_kept_unless_told_otherwise(tmp_path):
-    (tmp_path / "roof.toml").write_text(ROOF, encoding="utf-8")
+    (tmp_path / "roof.toml").write_text(WITHOUT_SERIES, encoding="utf-8")
     case = read_case(tmp_path / "roof.toml")
     expected = Analysis(case.structure, case.solver).run(case.stages)["snow"].displacement
     code, said, _ = run(tmp_path, "run", "roof.toml", processes=2)
@@ -64,7 +65,7 @@ def test_results_are_kept_unless_told_otherwise(tmp_path):
 
 def test_failed_stage_leaves_the_results_before_it(tmp_path):
     (tmp_path / "roof.toml").write_text(
-        ROOF.replace("rtol = 1e-11", "rtol = 1e-11\nmax_iterations = 2"), encoding="utf-8"
+        WITHOUT_SERIES.replace("rtol = 1e-11", "rtol = 1e-11\nmax_iterations = 2"), encoding="utf-8"
     )
     code, _, complaint = run(tmp_path, "run", "roof.toml")
     assert code == 1
@@ -83,31 +84,32 @@ def test_faults_are_told_and_end_with_two(tmp_path):
     assert run(tmp_path, "fly")[0] == 2
 
 
-def test_ctrl_c_ends_with_130_and_the_run_goes_on(tmp_path):
+def test_sigterm_and_ctrl_c_end_with_words_and_the_run_goes_on(tmp_path):
     pytest.importorskip("pyvista")  # whose series shows how far the run is
     (tmp_path / "roof.toml").write_text(ROOF.replace("increments = 2", "increments = 20000"), encoding="utf-8")
     environment = dict(os.environ) | launch.ENVIRONMENT | {"PYTHONPATH": str(Path(__file__).parents[4])}
     heed = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "  # a background shell ignores it
-    command = [sys.executable, "-c", heed + COMMAND[1], "run", "roof.toml"]
-    with subprocess.Popen(command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True) as process:
-        try:
-            while not _begun(tmp_path / "out"):
-                assert process.poll() is None
-                time.sleep(0.2)
-            process.send_signal(signal.SIGINT)
-            complaint = process.communicate(timeout=120)[1]
-        finally:
-            process.kill()
-    assert process.returncode == 130
-    assert "--resume" in complaint
+    command = [sys.executable, "-c", heed + COMMAND[1], "run", "roof.toml", "--resume"]
+    for by, code, words in ((signal.SIGTERM, 143, "Ended by SIGTERM."), (signal.SIGINT, 130, "Stopped.")):
+        done = _steps(tmp_path / "out")
+        with subprocess.Popen(command, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True) as process:
+            try:
+                while _steps(tmp_path / "out") <= max(done, 1):  # an increment of the long stage is saved
+                    assert process.poll() is None
+                    time.sleep(0.2)
+                process.send_signal(by)
+                complaint = process.communicate(timeout=120)[1]
+            finally:
+                process.kill()
+        assert (process.returncode, words in complaint, "--resume" in complaint) == (code, True, True)
     (tmp_path / "roof.toml").write_text(ROOF, encoding="utf-8")
     assert run(tmp_path, "run", "roof.toml", "--resume", "--quiet")[0] == 0
 
 
-def _begun(folder):
-    """Return True once an increment of the long stage is saved."""
+def _steps(folder):
+    """Count the increments in the series."""
     series = folder / "paraview" / "series.pvd"
-    return series.exists() and series.read_text().count("<DataSet") > 1
+    return series.read_text().count("<DataSet") if series.exists() else 0
 
 
 def test_conversion(tmp_path):
@@ -118,6 +120,15 @@ def test_conversion(tmp_path):
     code, _, complaint = run(tmp_path, "convert", "a.obj", "a.step")
     assert code == 2
     assert ".dxf" in complaint
+
+
+def test_warnings_are_lines_of_the_command(tmp_path):
+    stiff = WITHOUT_SERIES.replace('prestress = ["1 kN/m", 1500e-3]', 'prestress = "90 kN/m"')
+    (tmp_path / "roof.toml").write_text(stiff, encoding="utf-8")
+    code, _, words = run(tmp_path, "check", "roof.toml")
+    assert code == 0
+    assert words
+    assert all(line.startswith("Warning: ") for line in words.splitlines())
 
 
 def test_schema(tmp_path):
@@ -147,7 +158,7 @@ def test_full_disk_at_the_output_is_one_sentence(arguments, tmp_path):
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no full device")
 def test_full_disk_at_the_log_is_one_sentence(tmp_path):
-    (tmp_path / "roof.toml").write_text(ROOF + "paraview = false\n", encoding="utf-8")
+    (tmp_path / "roof.toml").write_text(WITHOUT_SERIES, encoding="utf-8")
     code, _, complaint = run(tmp_path, "run", "roof.toml", "--quiet", "--log", "/dev/full")
     assert code == 2
     assert complaint.splitlines()[-1].startswith("'/dev/full' cannot be written (No space left on device)")

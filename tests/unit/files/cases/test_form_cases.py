@@ -1,5 +1,6 @@
 """Form finding in case files: the forms of scripts, constraints by method, and refusals in words."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from fx_membrane import (
     Analysis,
     Cable,
     CableForce,
+    GeodesicDirection,
     Mast,
     PointLoad,
     Pressure,
@@ -49,6 +51,18 @@ METHODS = {
         lambda sail: updated_reference(sail, [PointLoad(12, (0, 0, 1.0))], tolerance=1e-2),
     ),
 }
+
+
+def test_cables_in_balance_with_stress_in_plan_are_those_of_the_script(tmp_path):
+    woven = TENT.replace("prestress = 2 }", "prestress = [3, 2], warp = [1, 1, 0] }")
+    text = '[form_finding]\nmethod = "projected stress"\ncables = "balanced force"'
+    form = case_of(tmp_path, text, woven).form()
+    film = replace(tent().parts["film"], prestress=(3.0, 2.0), warp=(1.0, 1.0, 0.0))
+    sail = replace(tent(), parts=tent().parts | {"film": film})
+    expected = projected_stress(sail, cables="balanced force")
+    assert np.array_equal(form.points, expected.points)
+    assert np.array_equal(form.forces["edge"], expected.forces["edge"])
+    assert not np.allclose(form.forces["edge"], projected_stress(sail).forces["edge"], rtol=1e-3)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -168,3 +182,32 @@ def test_radial_warp_and_stress_reach_the_method_as_functions_of_place(tmp_path,
     assert np.allclose(seen["warp"]["film"](places), [[1, 0, 0], [np.sqrt(0.5), np.sqrt(0.5), 0]], rtol=0, atol=1e-15)
     expected = [[3 * 2 / 4 + 1, 2 * 2 / 4 + 1], [3 * np.sqrt(2) + 1, 2 * np.sqrt(2) + 1]]
     assert np.allclose(seen["stress"]["film"](places), expected, rtol=1e-14)
+
+
+WOVEN = TENT.replace("prestress = 2 }", "prestress = [3, 2], warp = [1, 0, 0] }")
+
+
+def test_geodesics_reach_the_method_as_pairs_of_nodes(tmp_path):
+    text = """
+        [form_finding]
+        method = "prescribed stress"
+        tolerance = 1e-2
+        geodesics = { film = [[0, 20], [4, 24]] }
+    """
+    case = case_of(tmp_path, text, WOVEN)
+    expected = prescribed_stress(case.structure, warp={"film": GeodesicDirection([[0, 20], [4, 24]])}, tolerance=1e-2)
+    assert np.array_equal(case.form().points, expected.points)
+
+
+@pytest.mark.parametrize(
+    ("pairs", "words"),
+    [
+        ("{ film = [[0, 0]] }", "form_finding.geodesics.film.*node twice"),
+        ("{ edge = [[0, 20]] }", "form_finding.geodesics.edge.*membrane"),
+        ("{ film = [[0, 'a']] }", "form_finding.geodesics.film.*'a'"),
+        ("{ film = 3 }", "form_finding.geodesics.film"),
+    ],
+)
+def test_geodesics_that_are_none_are_named_with_their_place(tmp_path, pairs, words):
+    with pytest.raises(ValueError, match=words):
+        case_of(tmp_path, f'[form_finding]\nmethod = "prescribed stress"\ngeodesics = {pairs}', WOVEN).form()

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from roof_case import ROOF
+from roof_case import ROOF, changed
 
 pytest.importorskip("pydantic", "2")
 pytest.importorskip("pint")
@@ -15,10 +15,7 @@ from fx_membrane.files.cases.faults import CaseError
 
 def faults(folder, *changes, text=ROOF):
     """Faults of a changed case as (line, key, words)."""
-    for right, wrong in changes:
-        assert right in text
-        text = text.replace(right, wrong, 1)
-    (folder / "roof.toml").write_text(text, encoding="utf-8")
+    (folder / "roof.toml").write_text(changed(text, *changes, count=1), encoding="utf-8")
     with pytest.raises(CaseError) as caught:
         read_case(folder / "roof.toml")
     found = [re.fullmatch(r".*roof\.toml:(\d+): ([^:]+): (.*)", line, re.DOTALL) for line in caught.value.lines]
@@ -93,3 +90,18 @@ def test_form_finding_may_be_a_table_or_a_list(tmp_path):
         ((_, key, words),) = faults(tmp_path, ("[solver]", wrong))
         assert key == ("form_finding.tolerance" if head == "[form_finding]" else "form_finding.0.tolerance")
         assert "no unit" in words
+
+
+def test_head_of_a_table_without_its_bracket_is_told_beside_the_faults_below_it(tmp_path):
+    heads = [("[materials.pvc]", "[materials.pvc"), ("[[supports]]", "[[supports")]
+    found = faults(tmp_path, *heads, ("500 kN/m", "500 kN"))
+    assert [key for _, key, _ in found] == ["file", "file", "materials.pvc.Et"]
+
+
+def test_lists_of_a_wrong_length_are_told_by_their_key(tmp_path):
+    short = ('load = [0, 0, "-0.6 kN/m2"]', "load = [0, 0]")
+    found = faults(tmp_path, short, ("load = [0.01, 0, 0]", "load = [1, 2, 3, 4]"))
+    assert [entry[1:] for entry in found] == [
+        ("stages.1.loads.0.load", "the list has 2 values; give 3"),
+        ("stages.1.loads.3.load", "[1, 2, 3, 4]: give 3 values, not 4"),
+    ]

@@ -69,11 +69,11 @@ def test_conversion_of_units(tmp_path):
     document.saveas(tmp_path / "a.dxf")
     code, words = said("convert", tmp_path / "a.dxf", tmp_path / "a.obj")
     assert code == 0
-    assert "--unit" in words
+    assert "names no unit of length; its numbers are in mm" in words
     assert "unit=" not in words
     assert said("convert", tmp_path / "a.dxf", tmp_path / "b.obj", "--unit", "m") == (
         0,
-        f"Wrote {tmp_path / 'b.obj'}\n",
+        f"Wrote {tmp_path / 'b.obj'}\n{tmp_path / 'b.obj'} names no unit of length; its numbers are in m.\n",
     )
     points = [np.loadtxt(tmp_path / f"{name}.obj", usecols=(1, 2, 3), max_rows=3) for name in "ab"]
     assert np.array_equal(points[0], 1000 * points[1])

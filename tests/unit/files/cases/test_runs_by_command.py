@@ -40,6 +40,8 @@ def test_demo_is_listed_written_and_run(tmp_path, monkeypatch):
     assert code == 0
     assert {line.split()[0] for line in listed.split("\n\n")[0].splitlines()} >= {"cone", "square_membrane"}
     assert "own_law" in listed
+    titles = [re.search(r"\S+ +(\S)", line).start(1) for line in listed.split("\n\n")[0].splitlines()]
+    assert len(set(titles)) == 1, "the titles are one column"
     code, words = said("demo", "square_membrane", "--run")
     assert code == 0
     assert "Stage 'point load': 1 increment, 6 iterations" in words
@@ -63,7 +65,24 @@ def test_demo_comes_with_its_mesh_and_passes_its_check(tmp_path, monkeypatch):
     assert "2 steps of form finding, 3 stages; no faults" in words
 
 
-@pytest.mark.parametrize(("name", "words"), [("own_law", "is a script"), ("cones", "There is no demo 'cones'")])
+@pytest.mark.parametrize("name", ["rain", "rain_stiff"])
+def test_demo_of_rain_is_written_and_is_sound(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert said("demo", name)[0] == 0
+    assert {path.name for path in tmp_path.glob("*.toml")} == {f"{name}.toml"}
+    code, words = said("check", f"{name}.toml")
+    assert code == 0
+    assert "no faults" in words
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("own_law", "is a script (a law of one's own is a class in Python)"),
+        ("solvers", "it compares solvers, and a case file has one"),
+        ("cones", "There is no demo 'cones'"),
+    ],
+)
 def test_demo_that_is_no_case_is_refused(name, words, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     code, output = said("demo", name)

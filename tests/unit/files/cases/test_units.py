@@ -5,6 +5,7 @@ import pytest
 pytest.importorskip("pydantic", "2")
 pytest.importorskip("pint")
 
+from fx_membrane.files.cases import units
 from fx_membrane.files.cases.units import Units
 
 
@@ -75,3 +76,12 @@ def test_traps_are_refused_in_words(value, dimension, words):
 def test_units_of_a_file_are_of_force_and_length(force, length):
     with pytest.raises(ValueError, match="unit"):
         Units(force, length)
+
+
+def test_pint_reads_a_unit_once_for_all_numbers_of_all_files(monkeypatch):
+    registry, read = units._registry(), []
+    parse = registry.parse_units
+    monkeypatch.setattr(registry, "parse_units", lambda name: (read.append(name), parse(name))[1])
+    numbers = [Units("kN", "mm").number(f"{n} MN/km2", "F/L^2") for n in (1, 2, 3)]
+    assert numbers == pytest.approx([1e-9, 2e-9, 3e-9], rel=1e-12)
+    assert read.count("MN/km2") == 1

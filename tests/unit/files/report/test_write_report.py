@@ -1,10 +1,13 @@
 """Reports: order of chapters, numbers, names that are no markup, and a page that asks for nothing."""
 
+import logging
 import os
 import re
 import subprocess
 import sys
+import time
 import urllib.parse
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -31,15 +34,17 @@ from fx_membrane import (
     write_tables,
 )
 from fx_membrane.cli import main
-from fx_membrane.files.scene.fields import fields as scene_fields
-from fx_membrane.files.scene.views import views
+from fx_membrane.files.report.template_values import content
+from fx_membrane.files.scene.field_data import fields as scene_fields
+from fx_membrane.files.scene.view_data import views
 from fx_membrane.results.limits import Limits
+from fx_membrane.solvers import progress
 from models import masted_roof
 
 pytest.importorskip("jinja2")
 CHAPTERS = [
-    "Verdict", "Model and materials", "Load cases", "Extremes", "Reactions", "Pictures", "Convergence", "Warnings",
-    "Versions",
+    "Verdict", "Model and materials", "Load cases", "Extremes", "Reactions", "Certificate", "Pictures", "Convergence",
+    "Warnings", "Versions",
 ]  # fmt: skip
 EVIL = "<script>alert(1)</script>"
 
@@ -73,6 +78,20 @@ class Page(HTMLParser):
             pass
 
 
+def test_certificate_has_the_moments():
+    points, triangles = rectangle(2.0, 2.0, 4, 4)
+    roof = {"roof": Membrane(triangles, Fabric(1e5, 0.3), 1e3)}
+    held = Structure(points, roof, [Support(np.unique(boundary_edges(triangles)))])
+    found = Analysis(held, progress=False).run([Stage("push", [PointLoad(8, (0, 0, -5.0))])])
+    row = content(found, "Roof", "N", "m")["stages"][0]["certificate"]
+    balance = found["push"].equilibrium
+    for shown, moment in (row["loads"], balance.load_moment), (row["reactions"], balance.reaction_moment):
+        values = [float(word) for word in shown.strip("()").split(", ")]
+        assert max(np.abs(values)) > 1.0
+        assert values == pytest.approx(moment, rel=1e-4, abs=1e-8)
+    assert row["stable"] == "yes"
+
+
 def test_page(results, tmp_path):
     pytest.importorskip("pyvista")
     write_report(results, tmp_path / "new" / "report.html", title=f"Roof {EVIL}", force_unit="kN")
@@ -83,6 +102,9 @@ def test_page(results, tmp_path):
     assert all(address.startswith(("data:", "#")) for address in page.addresses)
     assert page.tags.count("img") == 6  # displacement, stress and forces of two stages
     wind = results["wind"]
+    certificate = text[text.index("<h2>Certificate") : text.index("<h2>Pictures")]
+    assert certificate.count("<td>yes</td>") == len(results)
+    assert f"{wind.equilibrium.residual:.1e}" in certificate
     assert f"{wind.membrane(EVIL).principal[:, 0].max():.5g}" in text
     assert f"{wind.largest_displacement:.5g}" in text
     assert "gale &amp; co" in text
@@ -144,6 +166,61 @@ def test_pdf(results, tmp_path):
         pytest.skip(str(error).splitlines()[0])
     write_report(results, tmp_path / "report.pdf", pictures=False)
     assert (tmp_path / "report.pdf").read_bytes()[:5] == b"%PDF-"
+
+
+def test_pdf_tells_its_pages_while_they_are_laid_out(results, tmp_path, capfd, monkeypatch):
+    """Many stages and parts take minutes, in which nothing was written."""
+    try:
+        import weasyprint  # noqa: F401, PLC0415
+    except (ImportError, OSError) as error:
+        pytest.skip(str(error).splitlines()[0])
+    monkeypatch.setattr(progress, "SILENCE", 0.02)
+    pages = logging.getLogger("weasyprint.progress")
+
+    def slow(record: logging.LogRecord) -> bool:
+        """Let each step and page take longer than the silence, as those of a long report do."""
+        time.sleep(0.2)
+        return True
+
+    pages.addFilter(slow)
+    try:
+        write_report(results, tmp_path / "r.pdf", pictures=False)
+    finally:
+        pages.removeFilter(slow)
+    told = capfd.readouterr().err
+    assert "r.pdf: styles of the PDF, " in told
+    assert re.search(r"r\.pdf: page \d of the PDF, ", told)
+    time.sleep(0.1)
+    assert capfd.readouterr().err == ""  # it has ended
+
+
+def renamed(results, names):
+    """Give other names to stages and their states."""
+    return StageResults({name: replace(state, name=name) for name, state in zip(names, results.values(), strict=True)})
+
+
+def test_each_table_of_a_stage_has_its_name_in_its_head(results, tmp_path):
+    """A head is repeated on each page: a column of stages left the second page without one."""
+    long = "snow_and_wind_from_the_north_" * 4
+    write_report(renamed(results, [long, "\u98a8 2"]), tmp_path / "r.html", pictures=False)
+    text = (tmp_path / "r.html").read_text(encoding="utf-8")
+    checks, designed = text.split("Checks of the computation")[1].split("Limits of the design")[:2]
+    for chapter in (checks, designed, text.split("<h2>Extremes</h2>")[1]):
+        heads = re.findall(r'<thead><tr><th class="stage" colspan="\d">(.*?)</th></tr>', chapter.split("<h2>")[0])
+        assert [re.sub("<wbr>", "", head) for head in heads] == [long, "\u98a8 2"]
+    broken = re.search(r'<th class="stage" colspan="5">(snow.*?)</th>', text)[1]
+    assert max(map(len, broken.split("<wbr>"))) < 25
+
+
+def test_letters_without_a_font_are_told_once(results, tmp_path, caplog):
+    try:
+        import weasyprint  # noqa: F401, PLC0415
+    except (ImportError, OSError) as error:
+        pytest.skip(str(error).splitlines()[0])
+    odd = "\U0001d300\ue123"  # the second is for private use: no font has it
+    with pytest.warns(UserWarning, match=r"No font of this machine has .* letters? of names .*: the PDF shows boxes"):
+        write_report(renamed(results, [odd, odd * 2]), tmp_path / "r.pdf", pictures=False)
+    assert not [record for record in caplog.records if "notdef" in record.getMessage()]
 
 
 def test_command(results, tmp_path):

@@ -1,6 +1,7 @@
 """Scenes in a browser: numbers of every stage and field, no request, no error, pictures that are not blank."""
 
 import io
+import itertools
 import json
 import urllib.parse
 
@@ -98,16 +99,21 @@ def colours(page, box):
     return np.ptp(image.imread(io.BytesIO(page.picture()))[y : y + high, x : x + wide, :3], axis=2) > 0.2
 
 
-@pytest.mark.parametrize(("width", "height"), [(1400, 900), (390, 800)])
-def test_picture_fills_the_window(page, width, height):
-    page.size(width, height)
-    page.change("control.field.value = 8; control.field.dispatchEvent(new Event('change'))")
+def wait_for_the_new_size(page):
+    """Wait until the observer of the size has drawn anew."""
     same = (
         "(({clientWidth, clientHeight}) => clientWidth === figure.clientWidth && clientHeight === figure.clientHeight)"
     )
     for _ in range(200):  # the observer of the size draws anew
         if page.run(f"{FRAMES}.then(() => {same}(figure.querySelector('canvas')))"):
             break
+
+
+@pytest.mark.parametrize(("width", "height"), [(1400, 900), (390, 800)])
+def test_picture_fills_the_window(page, width, height):
+    page.size(width, height)
+    page.change("control.field.value = 8; control.field.dispatchEvent(new Event('change'))")
+    wait_for_the_new_size(page)
     assert page.run("document.documentElement.scrollWidth - document.documentElement.clientWidth") <= 0
     box = page.run("(({x, y, width, height}) => [x, y, width, height])(figure.getBoundingClientRect())")
     x, y, wide, high = map(int, box)
@@ -117,6 +123,30 @@ def test_picture_fills_the_window(page, width, height):
     assert 0.03 < coloured.mean() < 0.6
     rows, columns = np.flatnonzero(coloured.any(axis=1)), np.flatnonzero(coloured.any(axis=0))
     assert max(np.ptp(rows) / high, np.ptp(columns) / wide) > 0.4
+
+
+BOXES = """[...document.querySelectorAll('select, button, input, summary, #shown')].filter((e) => e.checkVisibility())
+  .map((e) => { const { left, top, right, bottom } = e.getBoundingClientRect(); return [e.id || e.outerHTML,
+  left, top, right, bottom]; })"""
+
+
+@pytest.mark.parametrize("width", [320, 400, 700, 1280])
+def test_all_controls_are_inside_the_window_and_apart(page, width):
+    page.size(width, 800)
+    page.run("scrollTo(0, 0)")
+    wait_for_the_new_size(page)
+    closed = page.run(BOXES)
+    page.run("document.getElementById('more').open = true; 0")
+    opened = page.run(BOXES)
+    for name, left, _, right, _ in [*closed, *opened]:
+        assert left >= 0, name
+        assert right <= width, name
+    assert page.run("document.documentElement.scrollWidth <= innerWidth")
+    for (one, *a), (other, *b) in itertools.combinations(closed, 2):
+        assert a[0] >= b[2] or b[0] >= a[2] or a[1] >= b[3] or b[1] >= a[3], (one, other)
+    if width <= 400:  # long names of stages and fields have a line of their own
+        stage = next(box for box in closed if box[0] == "stage")
+        assert stage[3] - stage[1] > 0.7 * width
 
 
 def test_membranes_without_the_field_have_no_colours_of_the_field_before(page):
@@ -227,3 +257,14 @@ def drag(page, x, y):
 def _numbers(state):
     eye, zoom = json.loads(state)
     return [*eye.values(), zoom]
+
+
+def test_middle_of_a_symmetric_range_is_zero(page):
+    """It was written as the rounding of its mean, 2.6021e-18."""
+    shown = """((least, largest) => {
+      const entries = scene.stages[0].fields.map((entry) => entry && { ...entry, least, largest });
+      const stage = { ...scene.stages[0], fields: entries };
+      return [...legendOf(1, stage, false).querySelectorAll(".ends span")].map((end) => end.textContent);
+    })"""
+    assert page.run(f"{shown}(-0.01205, 0.01205 + 5.2e-18)") == ["-0.01205", "0", "0.01205"]
+    assert page.run(f"{shown}(2e-6, 4e-6)") == ["2e-6", "3e-6", "4e-6"]

@@ -25,8 +25,8 @@ from fx_membrane import (
     updated_reference,
     write_scene,
 )
-from fx_membrane.files.scene import document
-from fx_membrane.files.scene.coarser import coarser
+from fx_membrane.files.scene import scene_data
+from fx_membrane.files.scene.coarsening import coarser
 from scene_models import EVIL, results, roof
 
 pytest.importorskip("plotly")
@@ -194,7 +194,7 @@ def test_structure_far_from_zero_keeps_its_shape(tmp_path):
 
 
 def test_more_triangles_than_a_browser_turns_are_drawn_coarser(found, tmp_path, monkeypatch):
-    monkeypatch.setattr(document, "MOST", 40)
+    monkeypatch.setattr(scene_data, "MOST", 40)
     write_scene(found, tmp_path / "scene.html")
     _, scene = opened(tmp_path / "scene.html")
     membrane = found["snow"].membrane(EVIL)

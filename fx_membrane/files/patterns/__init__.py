@@ -1,0 +1,1 @@
+"""Files of cutting patterns: DXF for cutting machines, sheets to print, tables."""

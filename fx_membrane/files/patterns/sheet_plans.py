@@ -1,0 +1,159 @@
+"""Contents of sheets: pieces at their places, at a standard scale, and entries of the title block."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...patterns.cloth_pieces import Piece
+from ...patterns.roll_layout import Placement, RollLayout, one_by_one
+from .paper import SCALES, Paper, scale_for
+
+Array = NDArray[np.float64]
+
+APART = 0.1  # distance between pieces and bands, over the width of the roll
+
+
+class Head(NamedTuple):
+    """Entries of the title block that the user gives, and the unit.
+
+    Attributes:
+        project: Name of the project.
+        material: Name of the cloth.
+        date: Date, as text; empty for none.
+        unit: Name of the unit of length.
+        millimetres: Its length [mm].
+    """
+
+    project: str
+    material: str
+    date: str
+    unit: str
+    millimetres: float
+
+
+class Sheet(NamedTuple):
+    """One sheet.
+
+    Attributes:
+        placements: Places of its pieces.
+        size: Width and height of the drawing, which begins at zero.
+        scale: Its scale, 20 for 1:20.
+        entries: Entries of the title block about it.
+        line: Entry of its last row.
+        edges: Edges of the roll, each of shape (2, 2).
+    """
+
+    placements: Sequence[Placement]
+    size: tuple[float, float]
+    scale: int
+    entries: Sequence[tuple[str, str]]
+    line: tuple[str, str] = ("", "")
+    edges: Sequence[Array] = ()
+
+
+def piece_sheet(piece: Piece, head: Head, paper: Paper, wanted: int | None) -> Sheet:
+    """Sheet of a single piece.
+
+    Raises:
+        ValueError: It does not fit on the paper.
+    """
+    unit = head.unit
+    sides = ", ".join(f"{side.edge} {side.length:.4g}" for side in piece.sides)
+    entries = [
+        ("Strip", piece.name),
+        ("Number", str(len(piece.copies))),
+        (f"Area sewn / cut [{unit}2]", f"{piece.sewn_area:.4g} / {piece.cut_area:.4g}"),
+        (f"Length / width [{unit}]", f"{piece.length:.4g} / {piece.width:.4g}"),
+    ]
+    size = piece.length, piece.width
+    scale = scale_for(f"Strip {piece.name!r}", size, paper, wanted, head.millimetres)
+    return Sheet(
+        one_by_one({piece.name: piece}, 0.0).placements, size, scale, entries, (f"Lengths of sides [{unit}]", sides)
+    )
+
+
+def all_sheets(
+    pieces: Mapping[str, Piece], roll: RollLayout | None, head: Head, paper: Paper, wanted: int | None
+) -> list[Sheet]:
+    """Sheets of all pieces: on the roll, drawn in bands if it is long, or else one behind the other, each once.
+
+    Raises:
+        ValueError: A row of the roll does not fit on the paper.
+    """
+    layout = roll
+    if layout is None:
+        layout = one_by_one(pieces, APART * max(piece.width for piece in pieces.values()))
+    room = np.array(paper.room) / head.millimetres
+    row = float(layout.rows[:, 1].max()), layout.width
+    least = scale_for("The longest row of the drawing", row, paper, wanted, head.millimetres)
+    scales = [scale for scale in SCALES if scale >= least] if wanted is None else [wanted]
+    for scale in scales:
+        bands = _bands(layout.rows, room[0] * scale)
+        high = layout.width * (1 + APART)
+        each = int((room[1] * scale * (1 + 1e-9) + APART * layout.width) // high)
+        pages = -(-(bands[-1] + 1) // each)
+        if pages == 1:
+            break
+    entries = _entries(pieces, roll, head.unit)
+    return [
+        _sheet(layout, bands - page * each, each, scale, _numbered(entries, page, pages), roll is not None)
+        for page in range(pages)
+    ]
+
+
+def _bands(rows: Array, room: float) -> NDArray[np.int64]:
+    """Band of each row of a roll that is cut where it is longer than a room."""
+    found, start = [0], 0.0
+    for begin, length in rows[1:]:
+        if begin + length - start > room * (1 + 1e-9):
+            found.append(found[-1] + 1)
+            start = begin
+        else:
+            found.append(found[-1])
+    return np.array(found)
+
+
+def _sheet(
+    layout: RollLayout, bands: NDArray[np.int64], each: int, scale: int, entries: Sequence[tuple[str, str]], drawn: bool
+) -> Sheet:
+    """Sheet with the bands from 0 on of a roll."""
+    there = np.unique(bands[(bands >= 0) & (bands < each)])
+    starts = {band: float(layout.rows[bands == band, 0].min()) for band in there}
+    ends = {band: float(layout.rows[bands == band].sum(axis=1).max()) for band in there}
+    step = layout.width * (1 + APART)
+    top = step * float(there.max())
+    length = max(ends[band] - starts[band] for band in there)
+    places = [
+        replace(placement, shift=placement.shift + np.array([-starts[band], top - step * band]))
+        for placement in layout.placements
+        if (band := int(bands[placement.row])) in starts
+    ]
+    edges = [
+        np.array([(0.0, level), (ends[band] - starts[band], level)])
+        for band in there
+        for level in (top - step * band, top - step * band + layout.width)
+    ]
+    return Sheet(places, (length, top + layout.width), scale, entries, edges=edges if drawn else ())
+
+
+def _entries(pieces: Mapping[str, Piece], roll: RollLayout | None, unit: str) -> list[tuple[str, str]]:
+    area = sum(len(piece.copies) * piece.cut_area for piece in pieces.values())
+    entries = [
+        ("Strips", str(sum(len(piece.copies) for piece in pieces.values()))),
+        (f"Area cut [{unit}2]", f"{area:.4g}"),
+    ]
+    if roll is None:
+        return entries
+    return [
+        *entries,
+        (f"Roll width / length [{unit}]", f"{roll.width:.4g} / {roll.length:.4g}"),
+        (f"Cloth [{unit}2]", f"{roll.area:.4g}"),
+        ("Waste", f"{100 * roll.waste:.1f} %"),
+    ]
+
+
+def _numbered(entries: list[tuple[str, str]], page: int, pages: int) -> list[tuple[str, str]]:
+    return entries if pages == 1 else [*entries, ("Sheet", f"{page + 1} of {pages}")]

@@ -1,0 +1,46 @@
+"""Structure with the forces and the held nodes that constraints ask for, to tell of its edges."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.sizes import measures
+from ...model.structure import Structure
+from ...model.supports import Support
+from ..balance.constrained_balance import ConstrainedBalance
+
+AMPLE = 10.0  # force of a cable of given geometry, over the largest stress times the size: no rule calls it too weak.
+# An edge along the whole size needs half the stress times the size; edges that share a right angle need 0.7 of it.
+
+
+class Asked(NamedTuple):
+    """Structure as its constraints ask for it.
+
+    Attributes:
+        structure: The structure, with nodes of constraints as supports, and cables with the forces of constraints in
+            the first shape. A cable of given geometry, whose force is found, has an ample one.
+        densities: By cable, force density of its cells that are given by it, zero of others, shape (cells,) [N/m].
+    """
+
+    structure: Structure
+    densities: Mapping[str, NDArray[np.float64]]
+
+
+def as_asked(structure: Structure, balance: ConstrainedBalance) -> Asked:
+    """Put the constraints of a balance into its structure."""
+    parts, targets = dict(structure.parts), balance.targets
+    membranes = [part for part in parts.values() if part.dimension == 2]
+    stress = max((float(np.abs(part.prestress_tensors()).max()) for part in membranes), default=0.0)
+    densities = targets.by_force(structure.points)
+    for name, bar in targets.bars.items():
+        force = densities[name] * measures(structure.points, bar.cells)
+        for of, line, *_ in targets.targets:
+            if of == name:
+                force[line.cells] = np.maximum(force[line.cells], AMPLE * stress * structure.size or 1.0)
+        parts[name] = replace(bar, prestress=force)
+    nodes = np.flatnonzero(balance.motions.guided)
+    supports = [*structure.supports, *([Support(nodes)] if len(nodes) else [])]
+    return Asked(replace(structure, parts=parts, supports=supports), targets.by_density(structure.points))

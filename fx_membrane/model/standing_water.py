@@ -1,0 +1,84 @@
+"""Water of rain on a new shape of a membrane: basins are found anew, and the water runs until it rests.
+
+Water is lost over the rim and into drains only.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..geometry import water_on_triangles
+from ..geometry.hollows import OUTSIDE, hollows_of
+from .basins import ROUNDING, StandingWater, basins_of, filling, hollow_at
+from .ponds import Pond, outlets, triangles_of
+from .structure import Structure
+from .water_events import STILL_OVER_TINY, Change, Comparison
+
+Array = NDArray[np.float64]
+
+
+class Renewal(NamedTuple):
+    """Basins of a new shape.
+
+    Attributes:
+        water: The water in them.
+        events: Events since the last ones: kind, basin, other, node and volume, as of `WaterEvent`.
+        moved: True if water has moved, so that the shape is no longer at rest.
+    """
+
+    water: StandingWater
+    events: tuple[Change, ...]
+    moved: bool
+
+
+def renewed(
+    structure: Structure,
+    pond: Pond,
+    old: StandingWater,
+    position: Array,
+    levels: Sequence[float],
+    total: float,
+) -> Renewal:
+    """Find the basins of a new shape, and let the water run until it rests.
+
+    Args:
+        structure: The structure.
+        pond: The pond.
+        old: The water in the basins of the shape before.
+        position: Positions of all nodes now, shape (n, 3) [m].
+        levels: Levels of these basins now, shape (basins,) [m]; minus infinity without water.
+        total: Volume of all rain that has fallen [m3].
+    """
+    triangles = triangles_of(structure, pond)
+    found = hollows_of(position, triangles, outlets(structure, pond))
+    standing, came = np.zeros(len(found.pits)), []
+    above, gone = np.zeros(len(found.pits)), np.zeros(len(old.basins))
+    for number, (basin, level, volume) in enumerate(zip(old.basins, levels, old.volumes(total), strict=True)):
+        wet = water_on_triangles.volumes(position[triangles[basin.cells]], level)[0] if np.isfinite(level) else 0.0
+        hollow = found.of_cell[basin.cells]
+        here = np.bincount(hollow + 1, np.broadcast_to(wet, len(hollow)), len(found.pits) + 1)
+        standing, gone[number] = standing + here[1:], here[0]
+        came.append(here[1:])
+        rest = max(volume - float(here.sum()), 0.0)  # above its outlet
+        home = hollow_at(found, triangles, basin.node)
+        if home == OUTSIDE:
+            gone[number] += rest
+        else:
+            above[home] += rest
+    tiny = ROUNDING * total
+    joined = [
+        (a, b)
+        for a, b, node in found.ways.tolist()
+        for level, here in zip(levels, came, strict=True)
+        if b != OUTSIDE and here[a] > 0 and here[b] > 0 and level > position[node, 2]
+    ]
+    state = filling(found, standing + above, position, triangles, tiny, joined)
+    state.run_once()
+    pools = state.pools
+    water = StandingWater(basins_of(structure, pond, found, pools, position), total)
+    compared = Comparison(found, pools, state.flows, old.basins, np.array(came), tiny, position[:, 2])
+    events = (*compared.mergers(), *compared.partings(), *compared.spills(gone))
+    moved = compared.moved(standing) or compared.uneven(levels, 1e-10 * structure.size)
+    return Renewal(water, events, moved or bool((gone > STILL_OVER_TINY * tiny).any()))

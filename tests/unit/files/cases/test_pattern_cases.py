@@ -1,0 +1,144 @@
+"""Cutting patterns of case files: the command, its files, and the chapter of the report."""
+
+import csv
+import json
+from importlib.util import find_spec
+
+import pytest
+
+pytest.importorskip("pydantic", "2")
+pytest.importorskip("pint")
+pytest.importorskip("shapely", "2")
+pytest.importorskip("ezdxf")
+
+
+from fx_membrane.plot.screen import obstacle
+from pattern_case import PATTERNS, case, said
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """Folder of a case whose pattern is made, and what the command said."""
+    folder = tmp_path_factory.mktemp("roof")
+    return folder, said("patterns", case(folder))
+
+
+def test_command_writes_all_files_and_tells_the_proof(made):
+    folder, (code, words) = made
+    assert code == 0
+    assert "Proof of the cutting pattern: 2 strips" in words
+    assert "stress [kN/m]" in words
+    files = {path.name for path in (folder / "roof" / "patterns").iterdir()}
+    assert files >= {
+        "patterns.dxf",
+        "patterns.pdf",
+        "strips.csv",
+        "strips_sides.csv",
+        "sheets",
+        "proof.json",
+        "proof.txt",
+        "pattern.fxm",
+        "proof.fxm",
+    }
+    proof = json.loads((folder / "roof" / "patterns" / "proof.json").read_text())
+    assert proof["units"] == {"force": "kN", "length": "m"}
+    assert proof["roll width"] == pytest.approx(2.2 - 2 * 0.02)
+    assert proof["stress error"] < 1e-6  # a flat sheet fits
+    assert [strip["utilisation"] for strip in proof["strips"]] == pytest.approx([0.1, 0.1])
+    with (folder / "roof" / "patterns" / "strips.csv").open(encoding="utf-8-sig", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    stretch = 1 + 2 * 0.7 / 500
+    assert float(rows[0]["sewn area [m2]"]) == pytest.approx(12 / stretch**2, rel=1e-3)
+    assert float(rows[-1]["width [m]"]) == 2.2
+
+
+def test_proof_marks_strips_wider_than_the_roll_without_welds(tmp_path):
+    """Their edges have no allowance, so that they fit with one weld, not with two."""
+    narrow = PATTERNS.replace("2.2 m", "2.03 m").replace('border = "50 mm"', "border = 0")
+    code, words = said("patterns", case(tmp_path, narrow))
+    assert code == 0
+    assert "Wider than the roll without allowances, 1.99 m: strip 1, strip 2" in words
+
+
+def test_earlier_pattern_is_replaced_on_demand_only(made):
+    folder, _ = made
+    code, words = said("patterns", folder / "roof.toml")
+    assert code == 2
+    assert "has an earlier cutting pattern; give --overwrite" in words
+    assert said("patterns", folder / "roof.toml", "--overwrite", "--quiet") == (0, "")
+
+
+def test_report_has_a_chapter_on_the_pattern(made):
+    pytest.importorskip("jinja2")
+    folder, _ = made
+    pictures = {"Strips on the roof and flat", "Stress error after assembly", "Shift from the design"}
+    if not find_spec("pyvista") or obstacle():
+        pictures = set()
+    assert said("run", folder / "roof.toml", "--quiet")[0] == 0
+    assert said("report", folder / "roof", folder / "report.html")[0] == 0
+    page = (folder / "report.html").read_text()
+    assert "<h2>Cutting patterns</h2>" in page
+    assert "The cloth of 2 strips, sewn together" in page
+    assert page.count("<td>strip 2</td>") == 2
+    assert "Error, mean / rms / largest [%]" in page
+    assert "Fits the roll" in page
+    assert '<th class="n">Utilisation</th>' in page
+    for words in pictures:
+        assert f"<figcaption>{words}</figcaption>" in page
+    (folder / "roof" / "patterns" / "proof.json").write_text("{}")
+    code, words = said("report", folder / "roof", folder / "report.html")
+    assert code == 2
+    assert "is no proof of a cutting pattern" in words
+
+
+def test_commands_know_archives_of_patterns(made, tmp_path):
+    folder, (_, table) = made
+    patterns = folder / "roof" / "patterns"
+    code, words = said("show", patterns / "proof.fxm")
+    assert code == 0
+    assert words.strip() in table
+    assert said("show", patterns) == (0, words)
+    assert "Cutting pattern: 2 strips, 2 of unlike shape, 1 seam" in said("show", patterns / "pattern.fxm")[1]
+    assert "PatternProof" in said("info", patterns / "proof.fxm")[1].splitlines()[0]
+    code, words = said("info", folder / "roof.toml")
+    assert (code, "is no archive of results" in words) == (2, True)
+    code, words = said("patterns", patterns / "proof.fxm")
+    assert code == 2
+    assert "it is an archive, as of results, and no case; `fx-membrane show`" in words
+    pytest.importorskip("jinja2")
+    assert said("report", patterns / "proof.fxm", tmp_path / "proof.html")[0] == 0
+    assert "The cloth of 2 strips, sewn together" in (tmp_path / "proof.html").read_text()
+    code, words = said("report", patterns / "pattern.fxm", tmp_path / "pattern.html")
+    assert code == 2
+    assert "holds a cutting pattern without a proof" in words
+
+
+def test_outlines_move_to_the_nearest_stress(tmp_path):
+    """Factors that do not fit the prestress are mended; files, proof and report tell so."""
+    pytest.importorskip("jinja2")
+    wrong = PATTERNS + "compensation = [0.99, 0.998]\nnearest_stress = true\n"
+    file = case(tmp_path, wrong)
+    assert said("run", file, "--quiet")[0] == 0
+    code, words = said("patterns", file)
+    assert code == 0
+    assert "Nearest stress: " in words
+    folder = tmp_path / "roof" / "patterns"
+    fit = json.loads((folder / "proof.json").read_text())["nearest stress"]
+    assert fit["converged"]
+    assert fit["before"]["rms"] > 0.5
+    assert fit["after"]["rms"] < 0.03
+    assert "Nearest stress: " in (folder / "proof.txt").read_text()
+    with (folder / "strips.csv").open(encoding="utf-8-sig", newline="") as stream:
+        area = float(next(csv.DictReader(stream))["sewn area [m2]"])
+    assert area == pytest.approx(12 / (1 + 2 * 0.7 / 500) ** 2, rel=1e-3)
+    assert said("report", tmp_path / "roof", tmp_path / "report.html")[0] == 0
+    assert "Its outlines were moved towards the stress of the design" in (tmp_path / "report.html").read_text()
+
+
+def test_run_anew_drops_the_proof_of_the_form_before(made):
+    folder, _ = made
+    said("patterns", folder / "roof.toml", "--overwrite", "--quiet")
+    said("run", folder / "roof.toml", "--overwrite", "--quiet")
+    for name in ("proof.json", "proof.txt", "pattern.fxm", "proof.fxm"):
+        assert not (folder / "roof" / "patterns" / name).exists()
+    assert (folder / "roof" / "patterns" / "patterns.dxf").exists()

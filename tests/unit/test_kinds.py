@@ -1,0 +1,69 @@
+"""Kinds of parts, laws and results of parts: asked for in one table of each, told by their attributes elsewhere."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.text
+ROOT = Path(__file__).parents[2] / "fx_membrane"
+KINDS = {
+    *("Part", "Membrane", "Bar", "Cable", "Mast", "Rope"),
+    *("Law", "Fabric", "OrthotropicFabric", "NeoHooke", "MooneyRivlin", "Axial", "SHIPPED"),
+    *("MembraneResult", "BarResult", "RopeResult"),
+}
+HOMES = {"bars", "laws", "materials", "part_results", "parts", "ropes"}
+TABLES = {"assembly/relaxation.py", "model/materials.py", "model/structure.py"}  # the last in `Structure.parts_of`
+
+
+def imported(tree, home):
+    """Names of kinds in a module: those that it defines or imports from their homes."""
+    defined = {node.name for node in tree.body if isinstance(node, ast.ClassDef)} if home else set()
+    taken = {
+        alias.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[-1] in HOMES
+        for alias in node.names
+    }
+    return KINDS & (defined | taken)
+
+
+def questions(tree, kinds):
+    """Lines that ask for a kind: by isinstance and issubclass, a comparison of types, or a pattern of a class."""
+
+    def names(node):
+        return {found.id for found in ast.walk(node) if isinstance(found, ast.Name)}
+
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and names(node.func) & {"isinstance", "issubclass"}:
+            asked = names(node.args[1])
+        elif isinstance(node, ast.Compare):
+            sides = [node.left, *node.comparators]
+            asked = {name for side in sides if not isinstance(side, ast.Call) for name in names(side)}
+        elif isinstance(node, ast.MatchClass):
+            asked = names(node.cls)
+        else:
+            continue
+        if asked & kinds:
+            yield node.lineno
+
+
+def test_kinds_are_asked_for_in_the_tables_only():
+    found = []
+    for path in sorted(ROOT.rglob("*.py")):
+        tree, place = ast.parse(path.read_text()), path.relative_to(ROOT).as_posix()
+        kinds = imported(tree, home=path.stem in HOMES)
+        found += [f"{place}:{line}" for line in questions(tree, kinds) if place not in TABLES]
+    assert not found
+
+
+def test_questions_are_seen():
+    text = """
+from ..model.parts import Cable
+isinstance(part, Cable | int)
+type(part) is Cable
+{type(part) for part in parts} == {Cable}
+part == Cable([[0, 1]], 1.0)
+"""
+    tree = ast.parse(text)
+    assert list(questions(tree, imported(tree, home=False))) == [3, 4, 5]
