@@ -79,9 +79,9 @@ def _followed(loaded: LoadedProblem, x: PETSc.Vec, K: PETSc.Mat, rows: Rows, cou
 def _largest_drop(loaded: LoadedProblem, x: PETSc.Vec, followers: int) -> float:
     """Largest distance of the spectrum with water that follows below that with kept volumes [N/m].
 
-    The tangents differ by v w^T for each outlet, v the border and w = v / C less the row over its own C. The symmetric part of -v w^T has the
-    lowest eigenvalue -(v . w + |v| |w|) / 2. No real part is below the lowest eigenvalue of the symmetric part
-    (Bendixson).
+    The tangents differ by v w^T for each follower, v the border and w = v / C less the row over its own C. The
+    symmetric part of -v w^T has the lowest eigenvalue -(v . w + |v| |w|) / 2. No real part is below the lowest
+    eigenvalue of the symmetric part (Bendixson).
     """
     kept, followed = loaded.borders(x), loaded.borders(x, one_sided=True)
     drop = 0.0

@@ -105,7 +105,7 @@ def _flows(found: Hollows, triangles: NDArray[np.int64], old: StandingWater, sol
     flows = []
     for basin, into, volume in zip(old.basins, old.ways, solved.spilt, strict=True):
         source = hollow_at(found, triangles, basin.node)
-        if volume > 0 and OUTSIDE != source:
+        if volume > 0 and source != OUTSIDE:
             behind = hollow_at(found, triangles, old.basins[into].node)
             flows.append(Flow(source, behind, int(basin.outlets[0]), volume))
     return flows

@@ -8,8 +8,8 @@ from scipy.sparse.csgraph import connected_components
 
 from ..assembly.acting_ponds import amount_of
 from ..assembly.actions import pond_of
-from ..assembly.problem_under_actions import LoadedProblem
 from ..assembly.pond_cells import Water
+from ..assembly.problem_under_actions import LoadedProblem
 from ..assembly.water import PondEnergy
 from ..model.basins import ROUNDING
 from ..model.ponds import triangles_of
