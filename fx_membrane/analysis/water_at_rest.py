@@ -1,14 +1,12 @@
 """Rain water at the end of a load increment: basins are found anew, and water runs until shape and water rest.
 
-Within an increment the solver keeps the volume of each basin, up to its outlet. Events are at the ends of increments.
-Where water has moved, the same load factor is solved again from the shape found, at most `ROUNDS` times.
+Within an increment the set of basins is given: cells, outlets, and the basin behind each outlet. Levels and volumes of
+that set follow from the shape within Newton's method: levels at outlets that move, and water of full basins that spills
+into others (`assembly.cascade`).
 
-A round is an event: basins merge, part, or spill, and the next solution has another set of basins. Levels and volumes
-of that set are unknowns of Newton's method. So is the level of a full basin that follows its outlet. Most increments
-take one to three rounds.
-
-One coupling is left to the rounds: a full basin that spills into another one, whose weight changes what the first one
-holds. The spilled volumes then fall by a constant ratio from round to round.
+At the end of an increment the set is found anew, as an active set: basins merge and part, and outlets change. Where
+that moves water, the same load factor is solved again from the shape found, at most `ROUNDS` times. Most increments
+take one solution, and one more for each merger after another.
 """
 
 from collections.abc import Callable, Sequence
