@@ -32,7 +32,8 @@ class AxialPart(ByValue):
         natural_stretch: Any
 
         @property
-        def cells(self) -> NDArray[np.int64]: ...
+        def cells(self) -> NDArray[np.int64]:
+            """Segments, shape (n, 2)."""
 
     def prestress_tensors(self) -> NDArray[np.float64]:
         """Prestress of every cell, shape (n, 1, 1) [N]."""

@@ -11,6 +11,7 @@ from petsc4py import PETSc
 
 from .. import _dolfinx
 from ..assembly.forms_of_parts import PartForms
+from ..assembly.kinds_of_forms import named
 from ..assembly.problem import Problem
 from ..assembly.problem_under_actions import LoadedProblem
 from ..assembly.ropes import RopeState, unstressed_length
@@ -131,7 +132,7 @@ def _expression(part: PartForms) -> Callable[[], NDArray[np.float64]]:
     fields = EXPRESSIONS[dimension](part)
     assert {name: value.ufl_shape for name, value in fields.items()} == FIELDS[dimension]
     entries = [value[i] for value in fields.values() for i in np.ndindex(value.ufl_shape)]
-    return _dolfinx.cell_expression(ufl.as_vector(entries), part.mesh.mesh)
+    return _dolfinx.cell_expression(ufl.as_vector(entries), part.mesh.mesh, named("results", part.kind))
 
 
 def _of_membrane(part: PartForms) -> dict[str, Any]:
