@@ -145,19 +145,17 @@ def part_forms(
     H = None if shape is None else _tensor(shape, d)
     E_e = E if H is None else ufl.variable(natural_shape.elastic_strain(E, H))
     prestress = mesh.cell_field(part.prestress_tensors())
-    sigma0 = _tensor(prestress, d)
+    sigma0, v = _tensor(prestress, d), ufl.TestFunction(u.function_space)
     w = _strain_energy(mesh, E_e, sigma0, prestress) if elastic else _prescribed_stress(E, sigma0)
     density = w.density if H is None else natural_shape.measure_ratio(H) * w.density
     state, tensions = w.state, mesh.zero_field(2) if given else None
     if tensions is not None:
         density, state, E_e = _with_given_force(part, tensions, density, state, E, E_e)
     q, p = mesh.zero_field(3), mesh.zero_field(1)
-    v = ufl.TestFunction(u.function_space)
     dx = ufl.Measure("dx", domain=mesh.mesh, metadata={"quadrature_degree": 1})  # exact: strains are constant per cell
     energy = density * dx
     residual = ufl.derivative(energy, u, v)
-    pressure = loads.follower_pressure(p[0], F, v) * dx if d == 2 else None
-    if pressure is not None:
+    if pressure := loads.follower_pressure(p[0], F, v) * dx if d == 2 else None:
         residual -= pressure
     tangent = ufl.derivative(residual, u, ufl.TrialFunction(u.function_space))
     kind = NO_KIND if given else kind_of(part, elastic, natural)  # forces are compared with a stiffness in numbers

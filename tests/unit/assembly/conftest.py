@@ -1,4 +1,4 @@
-"""What FFCx looks for on the disk."""
+"""Names of compiled code that FFCx looks for on the disk."""
 
 import ffcx.codegeneration.jit
 import pytest
