@@ -213,13 +213,13 @@ def _with_given_force(
 
 def _rope_forms(mesh: PartMesh) -> PartForms:
     """Forms of a rope, whose tension is a constant that its length decides."""
-    u, v = mesh.u, ufl.TestFunction(mesh.u.function_space)
+    u, V = mesh.u, mesh.u.function_space
+    v, kind = ufl.TestFunction(V), kind_of(mesh.part)
     T, F, E = _kinematics(mesh, None)
     tension, strain, state = (fem.Constant(mesh.mesh, np.float64(0.0)) for _ in range(3))
     dx = ufl.Measure("dx", domain=mesh.mesh, metadata={"quadrature_degree": 1})  # exact: strains are constant per cell
     length, q = rope.current_length(E), mesh.zero_field(3)
     residual = ufl.derivative(tension * length * dx, u, v)
-    kind = kind_of(mesh.part)
     return PartForms(
         mesh=mesh,
         T=T,
@@ -237,11 +237,12 @@ def _rope_forms(mesh: PartMesh) -> PartForms:
         elastic=True,
         moduli={},
         potential=tension * length * dx,
-        energy=_dolfinx.form(rope.elongation(E) * dx),
+        energy=_dolfinx.form(rope.elongation(E) * dx, named("energy", kind)),
         residual=_dolfinx.form(residual, named("residual", kind)),
-        tangent=_dolfinx.form(ufl.derivative(residual, u, ufl.TrialFunction(u.function_space))),
-        load=_dolfinx.form(loads.distributed_load(q, v) * dx),
+        tangent=_dolfinx.form(ufl.derivative(residual, u, ufl.TrialFunction(V)), named("tangent", kind)),
+        load=_dolfinx.form(loads.distributed_load(q, v) * dx, named("load", kind)),
         pressure=None,
+        kind=kind,
         rope=RopeConstants(tension, strain, state, ufl.derivative(length * dx, u, v)),
     )
 

@@ -5,6 +5,7 @@ from collections import OrderedDict
 import numpy as np
 import pytest
 
+from fx_membrane import Analysis, Cable, PointLoad, Rope, Stage, Structure, Support
 from fx_membrane.assembly.discretization import Discretization
 from fx_membrane.assembly.forms_of_parts import part_forms
 from fx_membrane.assembly.kinds_of_forms import NO_KIND
@@ -61,3 +62,17 @@ def test_own_laws_have_no_kind():
     kinds = {name: part.kind for name, part in Problem(structure(2, **KINDS["own law"])).parts.items()}
     assert kinds.pop("sheet") == NO_KIND
     assert len(set(kinds.values())) == 2  # a cable goes slack, and a mast does not
+
+
+def test_code_of_ropes_gives_the_results_of_code_that_was_read(nothing_kept):
+    def tension(weight):
+        points = [(0, 0, 0), (4, 0, -3), (10, 0, 2)]
+        parts = {"rope": Rope([0, 1, 2], 1e6, unstressed_length=12.0), "stay": Cable([[1, 3]], 1e3, 10.0)}
+        held = Structure([*points, (4, 1, -3)], parts, [Support([0, 2, 3])])
+        state = Analysis(held).run([Stage("weight", [PointLoad(1, (0, 0, -weight))])])["weight"]
+        return state.rope("rope").tension, *state.displacement.ravel()
+
+    tension(1e4)
+    kept = tension(2e4)
+    nothing_kept()
+    assert tension(2e4) == kept
