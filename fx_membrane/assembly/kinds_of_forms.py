@@ -6,7 +6,6 @@ law may depend on anything, and are read each time.
 """
 
 from collections.abc import Hashable
-from typing import Any
 
 from ..model import materials
 from ..model.parts import Part
@@ -30,6 +29,6 @@ def kind_of(part: Part, elastic: bool = True, natural: bool = False) -> Kind:
     return type(part.material), part.dimension, part.is_strut, part.shares_tension, elastic, natural
 
 
-def named(name: str, kind: Kind, *more: Any) -> Kind:
+def named(name: str, kind: Kind) -> Kind:
     """Name of a form of a part of a kind, and of that form alone; `NO_KIND` for parts without a kind."""
-    return (name, *more, *kind) if kind else NO_KIND
+    return (name, *kind) if kind else NO_KIND
