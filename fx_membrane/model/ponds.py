@@ -143,7 +143,7 @@ def check_pond(structure: Structure, stage: str, pond: Pond) -> None:
             f"{stage} has a Pond on part {pond.part!r}, which does not exist; the parts are {list(structure.parts)}."
         )
     part = structure.parts[pond.part]
-    if part.dimension != 2:
+    if pond.part not in structure.membranes:
         raise ValueError(f"{stage} has a Pond on {pond.part!r}, a {type(part).__name__}; water stands on membranes.")
     structure.check_sides(pond.part)
     if pond.cells is not None:
