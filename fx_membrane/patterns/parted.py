@@ -197,8 +197,7 @@ def _warn_of_narrow(points: Array, made: Mapping[str, Part], widths: Mapping[str
             where = validation.format_point(points[made[name].cells].mean(axis=(0, 1)))
             warnings.warn(
                 f"Strip {name!r} around {where} is {width:.3g} wide on average, and {widest!r} {widths[widest]:.3g}; "
-                "move the "
-                "seams beside it apart, or leave one out.",
+                "move the seams beside it apart, or leave one out.",
                 NarrowStripWarning,
                 stacklevel=4,
             )

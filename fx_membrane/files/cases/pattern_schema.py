@@ -37,7 +37,8 @@ class AllowancesModel(Model):
 class PatternsModel(Model):
     """Cutting pattern of the found form, with seams along geodesics, planes, families of geodesics, and cables.
 
-    Compensation is "prestress", factors or biaxial tests, `{ stress = [[1, 1], [3, 3]], elongation = [[0.002, 0.006],
+    The warp of strips is along their axes, or a direction by name of the strip, see `cut_strips`. Compensation is
+    "prestress", factors or biaxial tests, `{ stress = [[1, 1], [3, 3]], elongation = [[0.002, 0.006],
     [0.006, 0.010]] }`, for all strips or each by name, see `cutting_pattern`. Without it, in `decompensate`, are edges
     by name, cables for the edges along them, and corners by name or number. With `nearest_stress` outlines then move
     until the stress after assembly is nearest to the prestress, see `nearest_stress_pattern`. Loads and changes act in
@@ -51,6 +52,7 @@ class PatternsModel(Model):
     cables: list[str] = []
     size: Length | None = None
     names: list[str] | None = None
+    warp: dict[str, Direction] = {}
     copies: Truth = False
     nearest_stress: Truth = False
     compensation: Compensation = "prestress"

@@ -171,7 +171,7 @@ def plan_of(faults: Faults, choices: Choices, outline: Outline, table: Any) -> P
         allowances,
         table.copies,
         table.nearest_stress,
-        _given(table, "size", "names"),
+        _given(table, "size", "names", "warp"),
         _given(table, "transition") | kept | {"compensation": compensation_from(table.compensation)},
         _given(table, "roll_width", "mark_spacing", "material", "date", "paper", "scale"),
         _given(table, "stress_error"),
