@@ -148,14 +148,7 @@ def plan_of(faults: Faults, choices: Choices, outline: Outline, table: Any) -> P
     kept: dict[str, Any] = {}
     with faults.at(*TRAIL, "decompensate"):
         kept = decompensated_of(choices, outline, table)
-    loads = loads_of(faults, TRAIL, choices, outline, table.loads)
-    changes = changes_of(faults, TRAIL, choices, outline, table.changes)
-    for key, entries in (("loads", loads), ("changes", changes)):
-        with faults.at(*TRAIL, key):
-            _check_cells(outline.structure, table.part, entries)
-    if changes and table.nearest_stress is True:
-        with faults.at(*TRAIL, "changes"):
-            raise ValueError("nearest_stress takes loads only; give a pressure as one, or leave nearest_stress out")
+    loads, changes = _acting(faults, choices, outline, table)
     if len(faults) > count or not is_whole(table):
         raise Unknown
     if not (geodesics or table.planes or table.between or table.cables):
@@ -280,6 +273,19 @@ def _border(choices: Choices, outline: Outline, border: Any, key: str) -> Any:
         raise Unknown
     named = choices.named(border, choices.rows, None, key)
     return choices.numbers(named, len(outline.structure.points), key).tolist()
+
+
+def _acting(faults: Faults, choices: Choices, outline: Outline, table: Any) -> tuple[list[Any], list[Any]]:
+    """Make the loads and changes of the proof."""
+    loads = loads_of(faults, TRAIL, choices, outline, table.loads)
+    changes = changes_of(faults, TRAIL, choices, outline, table.changes)
+    for key, entries in (("loads", loads), ("changes", changes)):
+        with faults.at(*TRAIL, key):
+            _check_cells(outline.structure, table.part, entries)
+    if changes and table.nearest_stress is True:
+        with faults.at(*TRAIL, "changes"):
+            raise ValueError("nearest_stress takes loads only; give a pressure as one, or leave nearest_stress out")
+    return loads, changes
 
 
 def _check_cells(structure: Structure | None, part: str | None, entries: Sequence[Any]) -> None:

@@ -83,5 +83,5 @@ def test_films_of_a_cushion_are_drawn_apart():
 
 
 def test_pictures_of_what_is_no_proof_are_refused(tmp_path):
-    with pytest.raises(ValueError, match="pattern_proof proof .* PatternProof"):
+    with pytest.raises(ValueError, match=r"pattern_proof proof .* PatternProof"):
         plot.pattern_proof(cone_gores(4), tmp_path / "a")
