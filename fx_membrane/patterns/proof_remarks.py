@@ -46,10 +46,7 @@ def _of_design(proof: "PatternProof") -> list[str]:
     mean = float(np.average(error, weights=area))
     if own is None or own < NOTABLE * mean:
         return []
-    remedy = (
-        "find its form with this prestress, on cells as fine as those of the strips, or give the proof the loads and "
-        "changes that it balances."
-    )
+    remedy = "find its form with this prestress on finer cells, or give the proof the loads that it balances."
     if np.isinf(own):
         return [f"The design is not in balance, and finds no equilibrium before it is cut; {remedy}"]
     return [

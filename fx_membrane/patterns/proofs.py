@@ -129,8 +129,8 @@ def prove_pattern(
             acts on all its strips.
         changes: As of `Stage`, as the `GasPressure` of a cushion, on strips or membranes as loads are.
         solver: As of `Analysis`.
-        strength: Largest stress, strength over safety, of all strips, or of some by their names or those of the
-            membranes that they are cut from, for their utilisation [N/m].
+        strength: Largest stress, strength over safety, for utilisations: of all strips, or of some by name. A
+            membrane's name stands for all strips that are cut from it [N/m].
         roll_width: Width of the roll without allowances for welds; the table marks wider strips [m].
         stress_error: Wanted stress error, a share of the design stress: remarks tell where the stress of more than
             5 % of the area is further off, and why. The largest width of strips is told for it, too [-].

@@ -11,8 +11,8 @@ class StressErrors(NamedTuple):
     """Differences of the stress after assembly and that of the design, over the mean stress of the design [-].
 
     The difference of a cell is the Frobenius norm of tensors, shear included: Cauchy stress in axes that turn with the
-    cell. It is no less than the stress error of a proof, of warp and weft alone, and is called tensor error. Rms is the
-    root of the mean of its square over the area on the surface.
+    cell. It is called tensor error; the stress error of a proof, of warp and weft alone, is no larger. Rms is the root
+    of the mean of its square over the area on the surface.
 
     Attributes:
         rms: Of all cells.

@@ -38,7 +38,7 @@ class InView(NamedTuple):
 def in_view(strips: Strips, points: Array, seams: bool = False) -> InView:
     """Place strips with their nodes at some points; with lines along seams, as `line_along`, in place of other lines.
 
-    Films that share their whole rim, as those of a cushion, hide each other, and are drawn one below the other.
+    Films with one rim, as those of a cushion, hide each other: they are drawn one below the other.
     """
     film = _film_of_strip(strips)
     count = max(film.values()) + 1
