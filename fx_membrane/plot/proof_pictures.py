@@ -43,7 +43,7 @@ def pattern_proof(proof: PatternProof, folder: str | Path) -> None:
     """Plot a proof as pictures in a folder, which is made: strips.png, stress-error.png, utilisation.png, shift.png.
 
     Beside them distortion.png has the change of area by flattening. On seams.png is the difference of both sides of
-    each segment of seams, on widths.png the width of the cloth less that of the roll. Without strengths, seams or a
+    each segment of seams. On widths.png is the width of the cloth less that of the roll. Without strengths, seams or a
     roll the picture of it is left out. Films of a cushion are drawn one below the other. Colours of the stress error
     end at that of 95 % of the area. Without pyvista, or if VTK cannot draw on a screen or in memory, a warning replaces
     all.
