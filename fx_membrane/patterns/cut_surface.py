@@ -63,9 +63,9 @@ def split_along(structure: Structure, seams: Sequence[SurfaceLine | str], parts:
         try:
             mesh, edges = _laid(structure, lines, parts, snap, at_corners)
             break
-        except _SeamsMeetError:
+        except _SeamsMeetError as meeting:
             if at_corners == SNAPS[-1]:
-                raise
+                raise ValueError(str(meeting)) from None
     return Split(_rebuilt(structure, mesh), edges, mesh)
 
 
