@@ -25,7 +25,7 @@ TRIES = 40  # maximum number of evaluations in each; the same from 20 to 200, fe
 EPS = 1e-15  # tolerance of each: all digits
 FOLLOWED = 1e-6  # unbalanced force, above which a step has lost its way; the same from 1e-7 to 1e-5
 FALLEN = 45.0  # angle by which a free mast has turned, above which it is told [degrees]
-FLAT = 1e-9  # coordinate over the size, that is rounding
+FLAT = 1e-9  # coordinate over the size, that is rounding: of words
 TURNED = 0.5  # cosine of the angle by which a mast turns at most
 
 
