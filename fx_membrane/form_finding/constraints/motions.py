@@ -19,8 +19,8 @@ from .kinds import NodeConstraint, RigidBody, Ring, Slide
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-# Ranges: tests/benchmarks/form_finding_constants.py, on rings, rigid bodies and slides: with ROUND and FLAT from a tenth
-# to ten times, AXIS not tried, forms are the same.
+# Ranges: tests/benchmarks/form_finding_constants.py, on rings, rigid bodies, slides: with ROUND, FLAT and AXIS from a
+# tenth to ten times forms are the same.
 ROUND = 1e-6  # distance of a node from its circle, over the radius, that counts as none
 FLAT = 1e-9  # extent across a plane or a line, over the largest, that counts as none
 TURNED = 45.0  # angle by which a body has turned, above which it is told [degrees]; it changes words, no form
