@@ -16,7 +16,6 @@ from .reasons.unheld import lone_head
 
 # Fraction of its first length, or of the root of its first area, below which a cell counts as collapsed.
 GONE = 1e-3
-SOUND = 5e4  # aspect of cells with a rounding of 2e-6 of their forces: above, a shape moves by 1e-12 of its size
 GONE_MAST = 1e-2  # no sliding of nodes makes a mast short
 STOPPED = "Form finding stopped at step"
 HOLD = (
@@ -92,11 +91,6 @@ def check_collapse(structure: Structure, points: NDArray[np.float64], step: int,
         torn |= bool(gone.any()) or len(grown_slender(points, part.cells, structure.points)) > 0
     if torn:  # after the bars, a possible cause of it
         raise RuntimeError(collapse(structure, step, points, asked))
-
-
-def is_sound(structure: Structure, points: NDArray[np.float64]) -> bool:
-    """Return True if no cell of a shape has become so slender that its balance loses digits."""
-    return not any(len(grown_slender(points, part.cells, structure.points, SOUND)) for part in structure.parts.values())
 
 
 def collapse(

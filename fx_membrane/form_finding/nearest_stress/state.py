@@ -29,7 +29,8 @@ from .ratios import check_ratios, check_tension, power, relative
 
 Array = NDArray[np.float64]
 
-LEAST = 0.05  # share of the wish that a principal stress, or the force of a bar, keeps at least
+# Share of the wish that a principal stress, or the force of a bar, keeps at least; forms are the same with 0.005.
+LEAST = 0.05
 
 
 class NearestProblem:
