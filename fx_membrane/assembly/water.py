@@ -139,7 +139,7 @@ class PondEnergy:
         return self._moves_with(found) or (not found.is_capped and bool(self._sources(x)))
 
     def is_without_potential(self, x: PETSc.Vec) -> bool:
-        """Return True if the level is that of an outlet that moves, with water or without, or others spill into it."""
+        """Return True if the level is at an outlet that moves, with water or without, or others spill into it."""
         return self._moves_with(self.water(x)) or bool(self._sources(x))
 
     def one_sided_border(self, x: PETSc.Vec, b: PETSc.Vec, row: PETSc.Vec) -> float:
