@@ -1,5 +1,7 @@
 """Roofs on which rain stands in several basins."""
 
+from typing import Any
+
 import numpy as np
 
 from fx_membrane import (
@@ -38,7 +40,7 @@ def terraced_roof():
     low = np.array([0.09, 0.04, -0.11])[bay]
     points[:, 2] = base + (low - base) * 4 * share * (1 - share) * (1 - points[:, 1] ** 2)
     points[rim, 2] = 0.12
-    parts = {"roof": Membrane(triangles, Fabric(2e5, 0.3), 2e3)}
+    parts: dict[str, Any] = {"roof": Membrane(triangles, Fabric(2e5, 0.3), 2e3)}
     for place in (2, 4):
         line = np.flatnonzero(np.isclose(along, place))
         parts[f"ridge {place}"] = Cable(polyline(line[np.argsort(points[line, 1])]), 1e6, 4e3)

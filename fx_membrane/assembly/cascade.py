@@ -5,9 +5,8 @@ runs into the basin behind the outlet:
 
     s_k(u) = max(a_k(u) - V_k(u), 0),    a_k(u) = own rain + sum of s_j(u) of the basins j that spill into it.
 
-So the derivative of the amount of a basin is minus that of the volumes of all full basins on the ways to it. Two basins
-that spill into one another, over one node, give each other only what has come to them from elsewhere. If both are full,
-the rest waits until they merge.
+The derivative of an amount is minus that of the volumes of all full basins on the ways to it. Two basins that spill
+into one another give each other only water from elsewhere. If both are full, the rest waits until they merge.
 """
 
 from collections.abc import Sequence

@@ -78,7 +78,7 @@ class FollowingEnergy(IntegralEnergy, Protocol):
     """
 
     def follows(self, x: PETSc.Vec) -> bool:
-        """Return True if the forces depend on such components, equal on all processes."""
+        """Return True if the forces depend on those components, equal on all processes."""
 
     def is_without_potential(self, x: PETSc.Vec) -> bool:
         """Return True if they do, or would with some water: the energy is then no potential of the forces."""

@@ -1,4 +1,4 @@
-"""Cells on which the water of a pond or a basin stands, and the level of an amount of water on them.
+"""Cells under the water of a pond or a basin, and the level of an amount on them.
 
 Each process sums over cells of its own. The integrals are exact, see `geometry.water_on_triangles`.
 """

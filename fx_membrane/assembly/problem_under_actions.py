@@ -190,9 +190,8 @@ class LoadedProblem(LoadedStructure):
 
         Args:
             x: Displacement [m].
-            one_sided: True for the unsymmetric ones of water at the height of an outlet that moves, whose level
-                follows, and of water into which full basins spill. Otherwise it keeps its volume, as where that outlet
-                rises and no more water comes.
+            one_sided: True for the unsymmetric ones of water at an outlet that moves, or below full basins. Otherwise
+                it keeps its volume, as where that outlet rises and no more water comes.
         """
         self._update(x)
         return self.integrals.borders(x, self.constraints, self.discretization.create_vector, one_sided)

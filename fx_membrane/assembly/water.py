@@ -11,8 +11,8 @@ held, this is a given level. Where it moves, the forces have no potential: the t
 one and not symmetric. The integrals are exact, see `geometry.water_on_triangles`.
 
 Rain has a level in each of its basins (`model.basins`), which are energies of their own. Full basins spill into others
-(`cascade`): the amount a(u) of a receiver depends on the shape of those, and its tangent has g V_u (V_u - a_u)^T / V_h
-in the place of the last term, not symmetric either. The energy of spilt water is left out: where it falls, it is lost.
+(`cascade`), whose amount a(u) then depends on the shape of those. The last term becomes g V_u (V_u - a_u)^T / V_h, not
+symmetric either. The energy of spilt water is left out: where it falls, it is lost.
 """
 
 from collections.abc import Sequence
@@ -132,21 +132,21 @@ class PondEnergy:
         return found.area / self._weight
 
     def follows(self, x: PETSc.Vec) -> bool:
-        """Return True if the level of some water is that of an outlet that moves, or other basins spill into it."""
+        """Return True if some water is at an outlet that moves, or other basins spill into it."""
         found = self.water(x)
         if not found.area > 0:
             return False
         return self._moves_with(found) or (not found.is_capped and bool(self._sources(x)))
 
     def is_without_potential(self, x: PETSc.Vec) -> bool:
-        """Return True if the level is that of an outlet that moves, with water or without, or others spill into it."""
+        """Return True if the level is at an outlet that moves, with water or without, or others spill into it."""
         return self._moves_with(self.water(x)) or bool(self._sources(x))
 
     def one_sided_border(self, x: PETSc.Vec, b: PETSc.Vec, row: PETSc.Vec) -> float:
         """Set vectors to the derivative of the volume at a fixed level, and to the row; return the compliance.
 
-        The row is minus the derivative of the pressure, with the compliance 1, or the derivative of the volume here and
-        in the full basins that spill into this one.
+        At an outlet the row is minus the derivative of the pressure, with the compliance 1. Elsewhere it is that of the
+        volume here and in the full basins that spill into this one.
         """
         at, found = self._state(x)
         gradient = water.volume_gradients(at.corners, found.level)

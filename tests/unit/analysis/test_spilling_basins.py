@@ -1,6 +1,6 @@
 """Full basins that spill into others within Newton's loop: a roof of three terraces, the upper two of them full.
 
-Each ridge sinks with the water on both sides of it, so that spilt water changes how much the basin above holds.
+Each ridge sinks with the water on both sides, so that spilt water changes how much the basin above holds.
 References: the balance of the rain in each basin, with volumes from the shape; differences of residuals.
 """
 

@@ -1,6 +1,7 @@
 """Ropes: refused input, the unstressed length in a structure, and changes that do not fit."""
 
 from contextlib import nullcontext
+from typing import Any
 
 import numpy as np
 import pytest
@@ -128,7 +129,7 @@ def test_path_that_ends_where_it_begins_is_a_ring():
 )
 def test_rope_over_a_loose_node_is_refused(supports, stages, words):
     points = np.array([(0, 0, 0), (2, 0, -1), (4, 0, 0)], dtype=float)
-    parts = {"rope": Rope([0, 1, 2], 1e6, unstressed_length=4.4)}
+    parts: dict[str, Any] = {"rope": Rope([0, 1, 2], 1e6, unstressed_length=4.4)}
     if supports == [0]:
         parts["stay"] = Cable([[0, 1]], 1e6)
     made = Structure(points, parts, [Support(supports), *([] if 2 in supports else [Support(1)])])
