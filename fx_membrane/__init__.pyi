@@ -23,6 +23,7 @@ from .files.gmsh import structure_from_gmsh
 from .files.mesh_files import structure_from_file
 from .files.mesh_writer import write_mesh
 from .files.paraview import ParaViewSeries, SeriesWarning, write_paraview
+from .files.patterns.length_units import LengthUnitWarning
 from .files.patterns.write import write_patterns
 from .files.report.write import write_report
 from .files.scene.write import write_scene
@@ -75,12 +76,15 @@ from .patterns.cutting import cut_strips
 from .patterns.flat_shapes import flatten
 from .patterns.flat_strips import CuttingPattern, FlatStrip, Side
 from .patterns.outline_fitting import nearest_stress_pattern
-from .patterns.proofs import PatternProof, SeamLengths, StripProof, prove_pattern
+from .patterns.parted import NarrowStripWarning
+from .patterns.proofs import PatternProof, prove_pattern
 from .patterns.reassembly import reassembled
 from .patterns.roll_layout import RollLayout, laid_on_roll
 from .patterns.seam_families import seams_between
+from .patterns.seam_lengths import SeamLengths
 from .patterns.stress_fit import StressErrors, StressFit
 from .patterns.strip_copies import with_copies
+from .patterns.strip_proofs import StripProof
 from .patterns.strips import Edge, Strips
 from .results.balance import UnbalancedStateWarning
 from .results.forces_of_state import Equilibrium, PondResult, TermResult
@@ -152,6 +156,7 @@ __all__ = [
     "LargeStrainWarning",
     "Law",
     "LengthChange",
+    "LengthUnitWarning",
     "LoadedProblem",
     "LostPrestressWarning",
     "MassUnitWarning",
@@ -160,6 +165,7 @@ __all__ = [
     "MembraneResult",
     "Modes",
     "MooneyRivlin",
+    "NarrowStripWarning",
     "NaturalStretch",
     "NeoHooke",
     "Net",

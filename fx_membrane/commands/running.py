@@ -98,16 +98,20 @@ def patterns(case: Path, overwrite: bool, quiet: bool) -> None:
     for doubt in found.doubts:
         say(f"Warning: {doubt}.", err=True)
     proof = run_patterns(found, overwrite=overwrite, progress=not quiet)
-    if quiet:
-        return
 
     @by_the_first
     def tell() -> None:
+        if quiet:
+            for words in proof.remarks:
+                say(f"Warning: {words}", err=True)
+            return
         folder = folder_of(found) / FOLDER
         files = ", ".join(sorted(path.name for path in folder.iterdir()))
         say(f"{text(proof)}\nFiles in {folder}: {files}")
 
     tell()
+    if found.patterns and (missed := found.patterns.missed(proof)):
+        raise RuntimeError(f"Limits of the design are exceeded: {'; '.join(missed)}. All files are written.")
 
 
 def _after(folder: Path, names: Collection[str], stages: Collection[object]) -> str:

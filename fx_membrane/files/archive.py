@@ -34,8 +34,10 @@ from ..model.structure import Structure
 from ..model.supports import Support
 from ..model.water_events import BasinResult, WaterEvent
 from ..patterns.flat_strips import CuttingPattern, FlatStrip, Side
-from ..patterns.proofs import PatternProof, SeamLengths, StripProof
+from ..patterns.proofs import PatternProof
+from ..patterns.seam_lengths import SeamLengths
 from ..patterns.stress_fit import StressErrors, StressFit
+from ..patterns.strip_proofs import StripProof
 from ..patterns.strips import Edge, Strips
 from ..results.balance import UnbalancedStateWarning
 from ..results.forces_of_state import Equilibrium, PondResult, TermResult
@@ -52,8 +54,9 @@ from ..solvers.outcome import Outcome
 from .plain_data import Decoder, Encoder
 from .whole_file import writing
 
-FORMAT = 8  # counts up with fields; 1 had no title, units and limits, 2 no failure, 3 no units of forms, 4 no changes,
-# 5 no ropes, ponds and gas, 6 no basins of ponds, 7 no cutting patterns
+FORMAT = 9  # counts up with fields; 1 had no title, units and limits, 2 no failure, 3 no units of forms, 4 no changes,
+# 5 no ropes, ponds and gas, 6 no basins of ponds, 7 no cutting patterns, 8 no ways between basins, no utilisation of
+# cells of strips
 KIND = "results of fx_membrane"
 DOCUMENT = "document.json"
 MODEL = (Structure, Membrane, Cable, Mast, Rope, Support, Chamber, *materials.SHIPPED)

@@ -98,7 +98,7 @@ def natural_step(
         The form and its force densities, or the sentence.
     """
     structure = balance.structure
-    membranes = {name: part for name, part in structure.parts.items() if part.dimension == 2}
+    membranes = structure.membranes
     plans = {
         name: reference_of(part.cells, reference, warp_at(name, part, reference), part.prestress_tensors())
         for name, part in membranes.items()
@@ -134,10 +134,7 @@ def collapse_of_step(structure: Structure, points: Array, number: int, asked: As
 
 def wish_of(parts: Mapping[str, Part]) -> dict[str, Array]:
     """Prestress of parts as the wish of a form: tensors of membranes, shape (cells, 2, 2), and forces, (cells,)."""
-    return {
-        name: part.prestress_tensors() if part.dimension == 2 else part.prestress_tensors().ravel()
-        for name, part in parts.items()
-    }
+    return {name: part.prestress_values() for name, part in parts.items()}
 
 
 def stress_error(parts: Mapping[str, Part], forces: Mapping[str, Array]) -> float:

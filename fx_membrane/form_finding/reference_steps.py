@@ -249,11 +249,11 @@ def _stressed(
     points = before + state.displacement
     parts: dict[str, Part] = {}
     forces: dict[str, NDArray[np.float64]] = {}
-    area = error = 0.0
-    for name, part in structure.parts.items():
+    error = 0.0
+    for name in structure.parts:
         parts[name], forces[name], deviation = _stressed_part(structure, name, points, state)
         error = max(error, deviation)
-        area += float(measures(points, part.cells).sum()) if part.dimension == 2 else 0.0
+    area = sum(float(measures(points, part.cells).sum()) for part in structure.membranes.values())
     return parts, forces, FormStep(area, change_of_shape(structure, before, state.displacement), error)
 
 
@@ -261,18 +261,18 @@ def _stressed_part(
     structure: Structure, name: str, points: NDArray[np.float64], state: StageResult
 ) -> tuple[Part, NDArray[np.float64], float]:
     """Replace the prestress of a part by the stress of a state, in a new shape; return that, and its relative error."""
-    part, result = structure.parts[name], state.parts[name]
+    part = structure.parts[name]
     wanted = part.prestress_tensors()
-    if result.dimension == 2:
+    if name in state.membranes:
         warp = structure.warp(name)
         normal = normals(points, part.cells)
         first = projected(warp, normal)
         frame = np.stack([first, np.cross(normal, first)], axis=2)
-        found = np.einsum("nia,nij,njb->nab", frame, result.cauchy, frame)
+        found = np.einsum("nia,nij,njb->nab", frame, state.membranes[name].cauchy, frame)
         found = (found + found.swapaxes(1, 2)) / 2
         stressed: Part = replace(structure.part(name, Membrane), prestress=found, warp=warp)
     else:
-        found, wanted = result.force, wanted[:, 0, 0]
+        found, wanted = state.bars[name].force, wanted[:, 0, 0]
         if part.is_strut and state.structure.terms:  # thrusts, which the step keeps
             found = np.array(wanted)
         stressed = replace(part, prestress=found)

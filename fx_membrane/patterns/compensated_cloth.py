@@ -42,7 +42,8 @@ def cutting_pattern(
         strips: The strips.
         compensation: "prestress": by the law, so that each cell has its prestress as Cauchy stress on the surface. Or a
             ratio of cloth to flat lengths, or a (warp, weft) pair, as (0.992, 0.985). Or `BiaxialTests`, from which
-            each strip takes the elongations under its mean prestress. Or one of these for each strip, by name.
+            each strip takes the elongations under its mean prestress. Or one of these for each strip, by its name or
+            that of the membrane that it is cut from.
         decompensate: Names of edges that keep their length on the surface, as at rings and rails; or of cables and
             ropes along them. Or numbers of nodes, as corners, around which cloth is not compensated.
         transition: Width over which compensation begins beside them, smoothly [m].

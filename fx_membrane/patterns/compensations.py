@@ -11,6 +11,7 @@ from ..geometry.extremes import first_largest
 from .biaxial_tests import BiaxialTests
 from .cloth import Cloth
 from .flat_shapes import Flattened
+from .named_membranes import by_strip
 
 Array = NDArray[np.float64]
 Compensation = (
@@ -39,13 +40,13 @@ def compensation_of(flat: Flattened, given: Compensation) -> Array:
     if isinstance(given, str):
         validation.choice("compensation", given, ("prestress",), "'prestress', factors, or BiaxialTests")
         return _by_law(flat, pieces.names)
-    by_strip = dict(given) if isinstance(given, Mapping) else dict.fromkeys(pieces.names, given)
-    odd = sorted(set(by_strip) ^ set(pieces.names))
+    each = by_strip(flat.strips, given) if isinstance(given, Mapping) else dict.fromkeys(pieces.names, given)
+    odd = sorted(set(each) ^ set(pieces.names))
     if odd:
-        fault = "is no strip" if odd[0] in by_strip else "has no compensation"
+        fault = "is no strip" if odd[0] in each else "has no compensation"
         raise ValueError(f"compensation: {odd[0]!r} {fault}; the strips are {list(pieces.names)}.")
-    by_law = [name for name in pieces.names if _is_law(name, by_strip[name])]
-    pairs = np.array([np.ones(2) if name in by_law else _pair(flat, name, by_strip[name]) for name in pieces.names])
+    by_law = [name for name in pieces.names if _is_law(name, each[name])]
+    pairs = np.array([np.ones(2) if name in by_law else _pair(flat, name, each[name]) for name in pieces.names])
     found = np.asarray((pairs[:, :, None] * np.eye(2))[pieces.strip_of_cell])
     return found @ _by_law(flat, by_law) if by_law else found
 

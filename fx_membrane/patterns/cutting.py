@@ -1,10 +1,11 @@
 """Cutting of membranes along seams into strips."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from mpi4py import MPI
+from numpy.typing import ArrayLike
 
 from ..checks import validation
 from ..form_finding.form import Form
@@ -27,6 +28,7 @@ def cut_strips(
     size: Size | None = None,
     names: Sequence[str] | None = None,
     roll_width: float | None = None,
+    warp: Mapping[str, ArrayLike] | None = None,
     comm: MPI.Intracomm = MPI.COMM_WORLD,
 ) -> Strips:
     """Cut membranes along seams into strips, each of them a membrane of its own.
@@ -40,8 +42,10 @@ def cut_strips(
     lie on the curved surface and lines that the cells approximate. Seams then keep their lines to 0.0005 of the
     shortest edge, apart from those led through a corner of the rim. `Strips.nodes` has the new numbers of nodes.
 
-    The warp of each strip follows its axis: the principal axis of the strip laid out by a conformal map. The prestress
-    remains the same in space: where it has a direction, it is turned to the new warp, cell by cell.
+    The warp of each strip follows its axis: the principal axis of the strip laid out by a conformal map. A strip about
+    as wide as long, as a corner piece, takes the axis of its least width: of several as narrow that nearest to the
+    warp of the membrane. The prestress remains the same in space: where it has a direction, it is turned to the new
+    warp, cell by cell.
 
     Args:
         shape: The structure or form.
@@ -54,12 +58,17 @@ def cut_strips(
             "roof 1" and so on. The first strip is that beside the first seam; a neighbour follows each one.
         roll_width: Width of the roll without allowances for welds: the most that a strip may have, laid out flat,
             across its axis [m].
+        warp: Directions of the warp of some strips by name, in place of their axes; their means count, projected on
+            the cells, each shape (3,).
         comm: With a size, the processes that call: the first one meshes, all get the strips.
 
     Raises:
         ValueError: A seam is not on the surface, ends within it, crosses itself or coincides with another one; a strip
-            is no disc, folds when laid flat, or is wider than the roll; a name is missing, or taken.
-            With a size, as `remeshed`.
+            is no disc, folds when laid flat, or is wider than the roll; a name is missing, or taken; a warp is no
+            direction in a strip. With a size, as `remeshed`.
+
+    Warns:
+        NarrowStripWarning: The mean width of a strip is less than 2 % of the largest one.
 
     Example:
         >>> points, triangles = rectangle(4.0, 3.0, 8, 6)
@@ -77,8 +86,10 @@ def cut_strips(
         roll_width = validation.positive("cut_strips roll_width", roll_width)
     parts = _parts(structure, part)
     validation.listed("seams", seams, "lines", "", isinstance(seams, str | SurfaceLine))
+    validation.instance("cut_strips warp", warp, Mapping | None)
+    axes = {name: validation.direction(f"warp of strip {name!r}", axis) for name, axis in (warp or {}).items()}
     split = split_along(structure, list(seams), parts, finest=size is not None)
-    strips = in_strips(split, parts, names, roll_width)
+    strips = in_strips(split, parts, names, roll_width, axes)
     count = len(structure.points)
     if size is None:
         found = replace(strips, nodes=np.arange(count))

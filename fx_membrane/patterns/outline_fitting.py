@@ -30,6 +30,7 @@ from ..solvers.progress import Pulse
 from .compensated_cloth import map_stretch
 from .flat_shapes import refuse_folds
 from .flat_strips import CuttingPattern
+from .named_membranes import on_strips
 from .outline_motion import OutlineMotion
 from .pieces import Pieces, pieces_of
 from .plane_cells import sides
@@ -104,7 +105,8 @@ def nearest_stress_pattern(
         tolerance = validation.positive("nearest_stress_pattern tolerance", tolerance)
         max_iterations = validation.positive_integer("nearest_stress_pattern max_iterations", max_iterations)
         pieces = pieces_of(pattern.strips)
-    roof = SewnRoof(pattern, pieces, loads, solver, comm, progress)
+        given = on_strips("nearest_stress_pattern loads", pattern.strips, loads)
+    roof = SewnRoof(pattern, pieces, given, solver, comm, progress)
     kept = tuple(one for one in pattern.decompensated if isinstance(one, str))
     motion = OutlineMotion(pattern.strips, pieces, roof.start.places, kept)
     pulse = Pulse("nearest stress", comm.rank == 0 and progress)
@@ -242,7 +244,7 @@ class Search:
 
     def _words(self) -> str:
         rms = np.sqrt(2 * self._near.objective)
-        return f"pattern {self.tried}, rms error {100 * rms:.4g} % of {100 * self._first():.4g} %"
+        return f"pattern {self.tried}, rms tensor error {100 * rms:.4g} % of {100 * self._first():.4g} %"
 
     def _first(self) -> float:
         return float(np.sqrt(2 * self._roof.start.objective))

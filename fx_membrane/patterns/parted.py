@@ -1,5 +1,6 @@
 """Structure whose membranes are parted into strips, with their warp, prestress and edges."""
 
+import warnings
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -10,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..checks import validation
+from ..geometry.sizes import measures, projected
 from ..geometry.topology import boundary_edges
 from ..model.chambers import Chamber
 from ..model.parts import Membrane, Part
@@ -27,7 +29,20 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
-def in_strips(split: Split, parts: Sequence[str], names: Sequence[str] | None, roll_width: float | None) -> Strips:
+NARROW = 0.02  # mean width over the largest of all strips, below which a strip is hardly meant
+
+
+class NarrowStripWarning(UserWarning):
+    """Strip far narrower than the others, as between two seams that nearly coincide."""
+
+
+def in_strips(
+    split: Split,
+    parts: Sequence[str],
+    names: Sequence[str] | None,
+    roll_width: float | None,
+    warp: Mapping[str, Array],
+) -> Strips:
     """Part the membranes of a split structure into strips.
 
     Args:
@@ -35,15 +50,22 @@ def in_strips(split: Split, parts: Sequence[str], names: Sequence[str] | None, r
         parts: Names of the membranes that are parted.
         names: Names of the strips, or None.
         roll_width: Largest width of a strip, or None [m].
+        warp: Directions of the warp of some strips by name, each shape (3,).
 
     Raises:
-        ValueError: A seam ends within a strip; a strip is no disc, folds, or is too wide; names do not fit.
+        ValueError: A seam ends within a strip; a strip is no disc, folds, or is too wide; names do not fit; a strip
+            with a warp does not exist, or its cells are normal to it.
+
+    Warns:
+        NarrowStripWarning: The mean width of a strip is less than 2 % of the largest one.
     """
     structure = split.structure
     _check_ends(structure, split.seams, parts)
     of_part = {name: pieces(structure.parts[name].cells, split.seams) for name in parts}
     given = _names(structure, {name: int(strip.max()) + 1 for name, strip in of_part.items()}, names)
+    _check_warp(warp, [strip for strips in given.values() for strip in strips])
     made: dict[str, Part] = {}
+    widths: dict[str, float] = {}
     seams = set(split.seams)
     for name, part in structure.parts.items():
         if name not in of_part:
@@ -52,7 +74,10 @@ def in_strips(split: Split, parts: Sequence[str], names: Sequence[str] | None, r
         whole_part = _Sheet(structure.part(name, Membrane), structure.warp(name), structure.normals(name))
         for number, strip in enumerate(given[name]):
             rows = np.flatnonzero(of_part[name] == number)
-            made[strip] = _strip(structure.points, whole_part, rows, strip, seams, roll_width)
+            made[strip], widths[strip] = _strip(
+                structure.points, whole_part, rows, strip, seams, roll_width, warp.get(strip)
+            )
+    _warn_of_narrow(structure.points, made, widths)
     whole = replace(
         structure,
         parts=made,
@@ -63,7 +88,8 @@ def in_strips(split: Split, parts: Sequence[str], names: Sequence[str] | None, r
     order = [strip for strips in given.values() for strip in strips]
     numbers = np.repeat(np.arange(len(order)), [len(whole.parts[strip].cells) for strip in order])
     cells = np.concatenate([whole.parts[strip].cells for strip in order])
-    return Strips(whole, edges_of_strips(whole, order, numbers, cells, seams))
+    membranes = {strip: name for name, strips in given.items() for strip in strips}
+    return Strips(whole, edges_of_strips(whole, order, numbers, cells, seams), membranes=membranes)
 
 
 def _check_ends(structure: Structure, seams: Mapping[Pair, int], parts: Sequence[str]) -> None:
@@ -110,14 +136,20 @@ class _Sheet(NamedTuple):
 
 
 def _strip(
-    points: Array, sheet: _Sheet, rows: Integers, name: str, seams: set[Pair], roll_width: float | None
-) -> Membrane:
-    """Strip with its warp, and the stress of the membrane that it is cut from."""
+    points: Array,
+    sheet: _Sheet,
+    rows: Integers,
+    name: str,
+    seams: set[Pair],
+    roll_width: float | None,
+    wanted: Array | None,
+) -> tuple[Membrane, float]:
+    """Strip with its warp, and the stress of the membrane that it is cut from; and its mean width [m]."""
     membrane, before, normal = sheet.membrane, sheet.warp[rows], sheet.normals[rows]
     found = opened(membrane.cells[rows], seams)
     check_disc(name, points, found)
     refuse_folded(name, points[found.nodes], found.triangles)
-    layout = laid_out(name, points, found, before)
+    layout = laid_out(name, points, found, before, None if wanted is None else _on_cells(name, wanted, normal))
     if roll_width is not None and layout.width > roll_width:
         where = validation.format_point(points[found.nodes].mean(axis=0))
         raise ValueError(
@@ -133,7 +165,42 @@ def _strip(
         if not np.array_equal(tensors, tensors[:, :1, :1] * np.eye(2)):
             turned = turn @ tensors @ turn.transpose(0, 2, 1)
             changes[entry] = (turned + turned.transpose(0, 2, 1)) / 2 if entry == "prestress" else turned
-    return replace(cut, **changes)
+    return replace(cut, **changes), float(measures(points, cut.cells).sum()) / layout.length
+
+
+def _check_warp(warp: Mapping[str, Array], strips: Sequence[str]) -> None:
+    """Refuse directions for strips that do not exist."""
+    odd = [name for name in warp if name not in strips]
+    if odd:
+        raise ValueError(f"cut_strips warp: {odd[0]!r} is no strip; the strips are {list(strips)}.")
+
+
+def _on_cells(name: str, direction: Array, normal: Array) -> Array:
+    """Project the wanted warp of a strip on its cells, shape (k, 3) [-].
+
+    Raises:
+        ValueError: It is normal to one of them.
+    """
+    found = projected(np.broadcast_to(direction, normal.shape), normal)
+    if not found.any(axis=1).all():
+        raise ValueError(
+            f"cut_strips warp: {direction.tolist()} is normal to a cell of strip {name!r}; give a direction that lies "
+            "roughly in the strip."
+        )
+    return found
+
+
+def _warn_of_narrow(points: Array, made: Mapping[str, Part], widths: Mapping[str, float]) -> None:
+    widest = max(widths, key=lambda name: widths[name])
+    for name, width in widths.items():
+        if width < NARROW * widths[widest]:
+            where = validation.format_point(points[made[name].cells].mean(axis=(0, 1)))
+            warnings.warn(
+                f"Strip {name!r} around {where} is {width:.3g} wide on average, and {widest!r} {widths[widest]:.3g}; "
+                "move the seams beside it apart, or leave one out.",
+                NarrowStripWarning,
+                stacklevel=4,
+            )
 
 
 def _pairs(given: Mapping[str, list[str]], first: str, second: str) -> list[tuple[str, str]]:

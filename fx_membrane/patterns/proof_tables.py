@@ -7,12 +7,11 @@ import numpy as np
 
 from ..checks.validation import format_point
 from ..geometry.extremes import first_largest
+from .strip_proofs import MOST
 
 if TYPE_CHECKING:
     from .proofs import PatternProof
 
-ERROR = ("stress_error", "area")
-MOST = 0.95  # share of the area for which a stress error is told beside the largest one
 FOUND = ("wanted", "least", "mean", "largest")
 WIDE = 98  # columns of all lines, where names of strips have at most twelve letters
 
@@ -36,7 +35,7 @@ def data(proof: "PatternProof") -> dict[str, Any]:
         "strip of stress error": worst["strip"],
         "cell of stress error": worst["cell of stress error"],
         "place of stress error": worst["place of stress error"],
-        "stress error of most": _error_of_most(proof),
+        "stress error of most": proof.stress_error_of_most,
         "largest shift": float(shift[node]),
         "node of largest shift": int(node),
         "place of largest shift": proof.pattern.strips.structure.points[node].tolist(),
@@ -44,6 +43,9 @@ def data(proof: "PatternProof") -> dict[str, Any]:
         "seam difference": proof.seam_difference,
         "roll width": proof.roll_width,
         "wanted stress error": proof.wanted_error,
+        "stress error of the design": proof.design_error if np.isfinite(proof.design_error or 0.0) else None,
+        "utilisation": proof.utilisation,
+        "remarks": list(proof.remarks),
         "strips": strips,
         "edges": [_edge(proof, name) for name in proof.edges],
     }
@@ -73,9 +75,11 @@ def text(proof: "PatternProof", force: str | None = None, length: str | None = N
             f"{shift}",
             f"  flattening energy        {told['flattening energy']:.6g} {energy}",
             f"  largest seam difference  {told['seam difference']:.2g} of the length, cloth on both sides",
+            *(line for words in told["remarks"] for line in _wrapped(words)),
             "",
             f"Cloth [{length}], change of area by flattening and stress error [%], and the place of the largest",
-            f"widest: for a stress error of {100 * proof.wanted_error:g} % at the edges, by the largest curvature",
+            f"widest: for a stress error of {100 * proof.wanted_error:g} % at the edges, by the curvature of "
+            f"{100 * MOST:g} % of the area",
             f"{'strip':<{wide}}{'length':>8}{'width':>8}{'widest':>8}{'change':>8}{'mean':>8}{'rms':>8}{'largest':>8}"
             "  place",
             *(_fit(row, wide) for row in rows),
@@ -88,14 +92,6 @@ def text(proof: "PatternProof", force: str | None = None, length: str | None = N
             *fit,
         ]
     )
-
-
-def _error_of_most(proof: "PatternProof") -> float:
-    """Stress error that is exceeded on a small share of the area only."""
-    error, area = (np.concatenate([getattr(strip, key) for strip in proof.strips.values()]) for key in ERROR)
-    order = np.argsort(error)
-    covered = np.cumsum(area[order])
-    return float(error[order][np.searchsorted(covered, MOST * covered[-1])])
 
 
 def _fit(row: dict[str, Any], wide: int) -> str:
@@ -116,7 +112,11 @@ def _too_wide(rows: list[dict[str, Any]], roll: float | None, length: str) -> li
     if not wide:
         return []
     names = ", ".join(name.replace(" ", "\0") for name in wide)  # a name stays in one line
-    words = f"Wider than the roll without allowances, {roll:.4g} {length}: {names}"
+    return _wrapped(f"Wider than the roll without allowances, {roll:.4g} {length}: {names}")
+
+
+def _wrapped(words: str) -> list[str]:
+    """Lines of a sentence, with names whose spaces are null characters in one line."""
     return [line.replace("\0", " ") for line in textwrap.wrap(words, WIDE, subsequent_indent="  ")]
 
 
@@ -154,7 +154,7 @@ def _strip(proof: "PatternProof", name: str) -> dict[str, Any]:
         "rms stress error": float(np.sqrt(strip.mean(error**2))),
         "cell of stress error": int(cell),
         "place of stress error": structure.points[structure.parts[name].cells[cell]].mean(axis=0).tolist(),
-        "utilisation": strip.utilisation,
+        "utilisation": strip.largest_utilisation,
         "fits roll": None if proof.roll_width is None else bool(strip.width <= proof.roll_width),
     }
     for column, way in enumerate(("warp", "weft")):

@@ -1,8 +1,8 @@
 """Proof of a cutting pattern: equilibrium of the strips sewn together again, compared with the design."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, NamedTuple
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -11,78 +11,23 @@ from numpy.typing import NDArray
 from ..analysis.stages import Analysis
 from ..checks import validation
 from ..checks.values import counted
-from ..geometry.sizes import measures
+from ..model.changes import Change
+from ..model.gas import GasChange
 from ..model.loads import Load
-from ..model.parts import Membrane
 from ..model.stages import Stage
-from ..model.structure import Structure
 from ..results.states import StageResult
 from ..solvers.base import Solver
 from ..solvers.newton import Newton
-from . import proof_tables
-from .curvature import gauss_curvature
-from .flat_strips import CuttingPattern, FlatStrip, check_pattern
-from .reassembly import reassembled, threads
+from . import proof_remarks, proof_tables
+from .design_balance import design_error
+from .flat_strips import CuttingPattern, check_pattern
+from .named_membranes import by_strip, on_strips
+from .reassembly import reassembled
+from .seam_lengths import SeamLengths, edge_lengths
+from .strip_proofs import StripProof, curvature_of_strips, most, strip_proof
+from .strips import Strips
 
 Array = NDArray[np.float64]
-
-FLAT = 1e-9  # curvature times length squared that counts as none
-
-
-class SeamLengths(NamedTuple):
-    """Lengths of an edge [m].
-
-    Attributes:
-        surface: On the surface.
-        flat: In the flat shapes, on each of its sides, shape (sides,).
-        cloth: In the cloth, on each of its sides, shape (sides,).
-    """
-
-    surface: float
-    flat: Array
-    cloth: Array
-
-    @property
-    def difference(self) -> float:
-        """Difference of both sides in the cloth, zero for a border [m]."""
-        return float(np.ptp(self.cloth))
-
-
-@dataclass(frozen=True, eq=False)
-class StripProof:
-    """Strip as sewn, beside its design.
-
-    Attributes:
-        wanted: Stress of the design along warp and weft of the cloth, shape (cells, 2) [N/m].
-        found: Stress found there, shape (cells, 2) [N/m].
-        area: Areas of the cells on the surface, shape (cells,) [m2].
-        distortion: Flat area over the area on the surface, shape (cells,) [-].
-        length: Length of the cloth along the warp [m].
-        width: Width of the cloth along the weft [m].
-        curvature: Gauss curvature of the surface, shape (cells,) [1/m2].
-        widest: Width at which stress along its edges is off by the wanted share, by the largest curvature:
-            `2 sqrt(3 e / |K|)`, e the strain that belongs to the share; infinite for a developable strip [m].
-        utilisation: Largest principal stress over the strength; None without one [-].
-    """
-
-    wanted: Array
-    found: Array
-    area: Array
-    distortion: Array
-    length: float
-    width: float
-    curvature: Array
-    widest: float
-    utilisation: float | None
-
-    @property
-    def stress_error(self) -> Array:
-        """Larger of the differences of warp and weft stress, over the mean stress of the design, shape (cells,) [-]."""
-        return np.asarray(np.abs(self.found - self.wanted).max(axis=1) / np.abs(self.mean(self.wanted)).mean())
-
-    def mean(self, values: Array) -> Array:
-        """Mean of values of the cells over the area on the surface, shape (...)."""
-        return np.asarray(np.average(values, axis=0, weights=self.area))
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,8 +40,11 @@ class PatternProof:
         strips: Strips by name.
         edges: Lengths of edges by name.
         roll_width: Width of the roll without allowances, or None [m].
-        wanted_error: Share of the design stress that `StripProof.widest` belongs to [-].
+        wanted_error: Stress error that remarks and `StripProof.widest` belong to [-].
         loads: Loads in the designed shape.
+        changes: Changes of the stage beside these loads.
+        design_error: Mean stress error of the design before it is cut, in its own equilibrium, infinite if it finds
+            none; None where the stress error of most of the area is no larger than the wanted one [-].
     """
 
     pattern: CuttingPattern
@@ -106,6 +54,8 @@ class PatternProof:
     roll_width: float | None
     wanted_error: float
     loads: tuple[Load, ...] = ()
+    changes: tuple[Change | GasChange, ...] = ()
+    design_error: float | None = None
 
     def __repr__(self) -> str:
         return (
@@ -121,7 +71,29 @@ class PatternProof:
     @property
     def stress_error(self) -> float:
         """Largest stress error of all cells [-]."""
-        return max(float(strip.stress_error.max()) for strip in self.strips.values())
+        return float(self.stress_errors[0].max())
+
+    @property
+    def stress_errors(self) -> tuple[Array, Array]:
+        """Stress errors of all cells, strip by strip [-], and their areas on the surface [m2], both shape (cells,)."""
+        strips = self.strips.values()
+        return np.concatenate([one.stress_error for one in strips]), np.concatenate([one.area for one in strips])
+
+    @property
+    def stress_error_of_most(self) -> float:
+        """Stress error that 95 % of the area keep to [-]."""
+        return most(*self.stress_errors)
+
+    @property
+    def utilisation(self) -> float | None:
+        """Largest utilisation of all strips with a strength; None without any [-]."""
+        used = [strip.largest_utilisation for strip in self.strips.values()]
+        return max((one for one in used if one is not None), default=None)
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Sentences on stress beyond the wanted error, with its causes, and on strips beyond their strength."""
+        return proof_remarks.remarks(self)
 
     @property
     def seam_difference(self) -> float:
@@ -140,6 +112,7 @@ def prove_pattern(
     pattern: CuttingPattern,
     loads: Sequence[Load] = (),
     *,
+    changes: Sequence[Change | GasChange] = (),
     solver: Solver = Newton(),
     strength: float | Mapping[str, float] | None = None,
     roll_width: float | None = None,
@@ -152,11 +125,15 @@ def prove_pattern(
     Args:
         pattern: The pattern.
         loads: Loads in the designed shape beside prestress, as the inner pressure of an air hall. The stress error
-            includes that of a design which is not at rest under them.
+            includes that of a design which is not at rest under them. One on a membrane that is cut, by its name,
+            acts on all its strips.
+        changes: As of `Stage`, as the `GasPressure` of a cushion, on strips or membranes as loads are.
         solver: As of `Analysis`.
-        strength: Largest stress, strength over safety, of all strips or of some by name, for their utilisation [N/m].
+        strength: Largest stress, strength over safety, for utilisations: of all strips, or of some by name. A
+            membrane's name stands for all strips that are cut from it [N/m].
         roll_width: Width of the roll without allowances for welds; the table marks wider strips [m].
-        stress_error: Share of the design stress for which the largest width of strips is told [-].
+        stress_error: Wanted stress error, a share of the design stress: remarks tell where the stress of more than
+            5 % of the area is further off, and why. The largest width of strips is told for it, too [-].
         comm: The processes that share the work.
         progress: As of `Analysis`.
 
@@ -182,26 +159,33 @@ def prove_pattern(
     check_pattern("prove_pattern", pattern)
     structure = reassembled(pattern)
     strips = pattern.strips
-    limits = _strengths(strength, strips.names)
+    limits = _strengths(strength, strips)
     if roll_width is not None:
         roll_width = validation.positive("prove_pattern roll_width", roll_width)
     share = validation.positive("prove_pattern stress_error", stress_error)
-    stage = Stage("assembly", loads)
+    stage = Stage(
+        "assembly",
+        on_strips("prove_pattern loads", strips, loads),
+        changes=on_strips("prove_pattern changes", strips, changes),
+    )
     _refuse_no_design(pattern)
     state = Analysis(structure, solver, comm, progress=progress).run([stage])["assembly"]
-    whole = np.concatenate([strips.membrane(name).cells for name in strips.names])
-    curvature = gauss_curvature(structure.points, whole)
-    ends = np.cumsum([len(strips.membrane(name).cells) for name in strips.names])[:-1]
-    by_strip = dict(zip(strips.names, np.split(curvature, ends), strict=True))
-    return PatternProof(
+    curvatures = curvature_of_strips(strips)
+    proof = PatternProof(
         pattern=pattern,
         state=state,
-        strips={name: _strip(pattern, state, name, by_strip[name], share, limits.get(name)) for name in strips.names},
-        edges=_edges(pattern),
+        strips={
+            name: strip_proof(pattern, state, name, curvatures[name], share, limits.get(name)) for name in strips.names
+        },
+        edges=edge_lengths(pattern),
         roll_width=roll_width,
         wanted_error=share,
         loads=tuple(stage.loads),
+        changes=tuple(stage.changes),
     )
+    if proof.stress_error_of_most <= share:
+        return proof
+    return replace(proof, design_error=design_error(strips, stage, solver, comm, progress))
 
 
 def _refuse_no_design(pattern: CuttingPattern) -> None:
@@ -213,61 +197,13 @@ def _refuse_no_design(pattern: CuttingPattern) -> None:
             )
 
 
-def _strengths(strength: float | Mapping[str, float] | None, names: Sequence[str]) -> dict[str, float]:
+def _strengths(strength: float | Mapping[str, float] | None, strips: Strips) -> dict[str, float]:
     """Strengths of strips by name [N/m]."""
     if strength is None:
         return {}
-    given = dict(strength) if isinstance(strength, Mapping) else dict.fromkeys(names, strength)
+    names = strips.names
+    given = by_strip(strips, strength) if isinstance(strength, Mapping) else dict.fromkeys(names, strength)
     unknown = [name for name in given if name not in names]
     if unknown:
         raise ValueError(f"prove_pattern strength: {unknown[0]!r} is no strip; the strips are {list(names)}.")
     return {name: validation.positive(f"strength of strip {name!r}", value) for name, value in given.items()}
-
-
-def _strip(
-    pattern: CuttingPattern, state: StageResult, name: str, curvature: Array, share: float, limit: float | None
-) -> StripProof:
-    structure, part = pattern.strips.structure, pattern.strips.membrane(name)
-    flat, cloth, found = pattern.flat[name], pattern.cloth[name], state.membrane(name)
-    area = measures(structure.points, part.cells)
-    wanted = _along(structure, name, threads(structure, part.cells, cloth))
-    stress = float(np.abs(np.average(wanted, axis=0, weights=area)).mean())
-    strain, steepest = share * stress / part.material.stiffness, float(np.abs(curvature).max())
-    return StripProof(
-        wanted=wanted,
-        found=found.warp_weft_stress,
-        area=area,
-        distortion=flat.areas / area,
-        length=cloth.length,
-        width=cloth.width,
-        curvature=curvature,
-        widest=2 * float(np.sqrt(3 * strain / steepest)) if steepest * cloth.length**2 > FLAT else np.inf,
-        utilisation=None if limit is None else float(found.principal.max() / limit),
-    )
-
-
-def _along(structure: Structure, name: str, thread: Array) -> Array:
-    """Take normal stresses of the design along and across threads, shape (k, 2) [N/m]."""
-    stress, warp = structure.part(name, Membrane).prestress_tensors(), structure.warp(name)
-    c = (warp * thread).sum(axis=1)
-    s = (np.cross(structure.normals(name), warp) * thread).sum(axis=1)
-    along = np.stack([c, s], axis=1)
-    across = np.stack([-s, c], axis=1)
-    return np.stack([np.einsum("ki,kij,kj->k", t, stress, t) for t in (along, across)], axis=1)
-
-
-def _edges(pattern: CuttingPattern) -> dict[str, SeamLengths]:
-    points = pattern.strips.structure.points
-    return {
-        edge.name: SeamLengths(
-            surface=float(np.linalg.norm(np.diff(points[edge.nodes], axis=0), axis=1).sum()),
-            flat=_sides(pattern.flat, edge.name),
-            cloth=_sides(pattern.cloth, edge.name),
-        )
-        for edge in pattern.strips.edges
-    }
-
-
-def _sides(flat: Mapping[str, FlatStrip], edge: str) -> Array:
-    """Lengths of an edge on all its sides, shape (sides,) [m]."""
-    return np.array([one.side_lengths(side).sum() for one in flat.values() for side in one.sides if side.edge == edge])

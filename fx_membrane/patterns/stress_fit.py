@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 class StressErrors(NamedTuple):
     """Differences of the stress after assembly and that of the design, over the mean stress of the design [-].
 
-    The difference of a cell is the Frobenius norm of tensors: Cauchy stress in axes that turn with the cell. Rms is the
-    root of the mean of its square over the area on the surface.
+    The difference of a cell is the Frobenius norm of tensors, shear included: Cauchy stress in axes that turn with the
+    cell. It is called tensor error; the stress error of a proof, of warp and weft alone, is no larger. Rms is the root
+    of the mean of its square over the area on the surface.
 
     Attributes:
         rms: Of all cells.
@@ -67,12 +68,14 @@ class StressFit:
         end = "settled" if self.converged else f"not settled: {self.remark}"
         rows = [("all cells", "", self.gain), ("at borders", "border_", self.border_gain)]
         rows.append(("within", "inside_", self.inside_gain))
-        lines = [f"Nearest stress: {self.iterations} patterns tried, {end}"]
-        lines.append(f"  {'error [%]':<12}{'rms before':>12}{'after':>9}{'gain':>9}{'largest before':>16}{'after':>9}")
+        lines = [f"Nearest stress: {self.iterations} patterns tried, {end}; error of the tensor, with shear [%]"]
+        lines.append(
+            f"  {'tensor error':<14}{'rms before':>12}{'after':>9}{'gain':>9}{'largest before':>16}{'after':>9}"
+        )
         for words, key, gain in rows:
             rms, most = ([getattr(one, key + of) for one in (self.before, self.after)] for of in ("rms", "largest"))
             lines.append(
-                f"  {words:<12}{100 * rms[0]:>12.4g}{100 * rms[1]:>9.4g}{100 * gain:>9.3g}"
+                f"  {words:<14}{100 * rms[0]:>12.4g}{100 * rms[1]:>9.4g}{100 * gain:>9.3g}"
                 f"{100 * most[0]:>16.4g}{100 * most[1]:>9.4g}"
             )
         return "\n".join(lines)
@@ -113,4 +116,4 @@ def _gain(before: float, after: float) -> float:
 
 
 def _plain(errors: StressErrors) -> dict[str, float]:
-    return {key.replace("_", " "): value for key, value in errors._asdict().items()}
+    return {f"{key.replace('_', ' ')} tensor error": value for key, value in errors._asdict().items()}

@@ -63,27 +63,19 @@ def _kinds(
     owner = np.tile(strip, 3)
     low, high = ends.min(axis=1), ends.max(axis=1)
     code = low * len(structure.points) + high
-    order = np.argsort(code, kind="stable")
+    order = np.lexsort((owner, code))
     new = np.append(True, np.diff(code[order]) != 0)
-    number = np.cumsum(new) - 1
-    count = np.bincount(number)
-    least, most = np.full(len(count), len(strip)), np.full(len(count), -1)
-    np.minimum.at(least, number, owner[order])
-    np.maximum.at(most, number, owner[order])
+    of_strip = np.cumsum(new | np.append(True, np.diff(owner[order]) != 0)) - 1
+    inner = np.bincount(of_strip)[of_strip] == 2  # in a cushion, edges between nodes of its rim are so in both films
     pairs = np.column_stack([low, high])[order[new]].tolist()
-    chosen = np.array([(a, b) in seams for a, b in pairs])
-    chosen |= (count != 2) | (least != most)
+    on_seam = np.array([(a, b) in seams for a, b in pairs])
+    chosen = order[~inner | on_seam[np.cumsum(new) - 1]]
     held = structure.supported.all(axis=1)
-    lines = {
-        pair(a, b): name
-        for name, part in reversed(list(structure.parts.items()))
-        if part.dimension == 1
-        for a, b in part.cells.tolist()
-    }
+    lines = {pair(a, b): name for name, part in reversed(structure.bars.items()) for a, b in part.cells.tolist()}
     kinds: dict[Pair, _Kind] = {}
     left: dict[Pair, int] = {}
     sides: dict[Pair, list[int]] = defaultdict(list)
-    for row in order[chosen[number]].tolist():
+    for row in chosen.tolist():
         a, b = ends[row].tolist()
         sides[pair(a, b)].append(int(owner[row]))
         left.setdefault((a, b), int(owner[row]))

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
+from scipy.spatial import ConvexHull
 
 from ..checks import validation
 from ..geometry.sizes import normals, projected
@@ -16,7 +17,7 @@ from .split_mesh import Pair
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-ROUND = 0.05  # difference of the principal extents of a strip over the larger, below which neither is the axis
+ROUND = 0.05  # difference of two extents of a strip over the larger, below which neither is the axis
 
 
 class Opened(NamedTuple):
@@ -102,17 +103,18 @@ def _loops(rim: Integers) -> list[Integers]:
     return [nodes[label == loop] for loop in range(label.max() + 1)]
 
 
-def laid_out(name: str, points: Array, strip: Opened, warp: Array) -> Layout:
+def laid_out(name: str, points: Array, strip: Opened, warp: Array, wanted: Array | None = None) -> Layout:
     """Lay a strip out in a plane; find its axis, width and length.
 
-    The axis is the principal one of the area. A strip about as wide as long takes the principal axis that is nearer to
-    its present warp.
+    The axis is the principal one of the area. A strip about as wide as long takes the axis of its least width; of
+    several that are as narrow to 5 %, that nearest to its present warp.
 
     Args:
         name: Name of the strip, for messages.
         points: Positions of the nodes, shape (n, 3) [m].
         strip: The strip, a disc.
         warp: Present warp of its cells, shape (k, 3) [-].
+        wanted: Direction of the axis in the cells in place of that, shape (k, 3), or None.
 
     Raises:
         ValueError: It folds over itself in the plane.
@@ -125,21 +127,43 @@ def laid_out(name: str, points: Array, strip: Opened, warp: Array) -> Layout:
     places = flat.points[triangles]
     sides = places[:, 1:] - places[:, :1]
     area = np.abs(np.linalg.det(sides)) / 2
-    around = places - np.average(places.mean(axis=1), axis=0, weights=area)
-    total = around.sum(axis=1)
-    moments = np.einsum("c,cki,ckj->ij", area, around, around) + np.einsum("c,ci,cj->ij", area, total, total)
-    values, axes = np.linalg.eigh(moments)
-    across, along = axes.T
     gradients = np.linalg.inv(sides) @ (corners[triangles[:, 1:]] - corners[triangles[:, :1]])
-    if np.sqrt(values[0]) > (1 - ROUND) * np.sqrt(values[1]):
-        mean = [np.abs(np.sum(_unit(axis @ gradients) * warp, axis=1)) @ area for axis in (across, along)]
-        if mean[0] > mean[1]:
-            across, along = along, across
+    if wanted is None:
+        values, axes = _moments(places, area)
+        along = axes[:, 1]
+        if np.sqrt(values[0]) > (1 - ROUND) * np.sqrt(values[1]):
+            along = _narrowest(flat.points, _mean_axis(warp, gradients, area))
+    else:
+        along = _mean_axis(wanted, gradients, area)
+    across = np.array([-along[1], along[0]])
     thread = along @ gradients
-    thread *= 1.0 if np.sum(thread * warp, axis=1) @ area >= 0 else -1.0
+    thread *= 1.0 if np.sum(thread * (warp if wanted is None else wanted), axis=1) @ area >= 0 else -1.0
     width, length = (float(np.ptp(flat.points @ axis)) for axis in (across, along))
     return Layout(projected(thread, normals(corners, triangles)), width, length)
 
 
-def _unit(vectors: Array) -> Array:
-    return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
+def _moments(places: Array, area: Array) -> tuple[Array, Array]:
+    """Principal moments of an area, the smaller first, and their axes as columns."""
+    around = places - np.average(places.mean(axis=1), axis=0, weights=area)
+    total = around.sum(axis=1)
+    moments = np.einsum("c,cki,ckj->ij", area, around, around) + np.einsum("c,ci,cj->ij", area, total, total)
+    values, axes = np.linalg.eigh(moments)
+    return values, axes
+
+
+def _mean_axis(directions: Array, gradients: Array, area: Array) -> Array:
+    """Mean in the plane of directions in the cells, whatever their senses, shape (2,) [-]."""
+    x, y = np.einsum("ki,kji->jk", directions, gradients)
+    angle = 2 * np.arctan2(y, x)
+    mean = np.arctan2(area @ np.sin(angle), area @ np.cos(angle)) / 2
+    return np.array([np.cos(mean), np.sin(mean)])
+
+
+def _narrowest(points: Array, present: Array) -> Array:
+    """Axis of least width, which is along an edge of the convex hull; of several that nearest to a present one."""
+    hull = points[ConvexHull(points).vertices]
+    edges = np.roll(hull, -1, axis=0) - hull
+    axes = np.vstack([present, edges / np.linalg.norm(edges, axis=1, keepdims=True)])
+    width = np.ptp(hull @ np.stack([-axes[:, 1], axes[:, 0]]), axis=0)
+    near = np.where(width <= (1 + ROUND) * width.min(), np.abs(axes @ present), -1.0)
+    return np.asarray(axes[near.argmax()])

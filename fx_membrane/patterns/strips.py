@@ -51,6 +51,7 @@ class Strips:
         nodes: Number here of each node of the structure before the cut, -1 if it is gone, shape (old nodes,).
         force_unit: Name of the unit of force, that of the form, for tables and files; nothing is converted.
         length_unit: Name of the unit of length.
+        membranes: Name of the membrane that each strip is cut from, by the name of the strip.
     """
 
     structure: Structure
@@ -60,6 +61,7 @@ class Strips:
     nodes: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
     force_unit: str = "N"
     length_unit: str = "m"
+    membranes: Mapping[str, str] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         seams = sum(edge.is_seam for edge in self.edges)
@@ -77,6 +79,10 @@ class Strips:
     def membrane(self, name: str) -> Membrane:
         """Strip as a part of the structure."""
         return self.structure.part(name, Membrane)
+
+    def cut_from(self, name: str) -> tuple[str, ...]:
+        """Find the strips that are cut from a membrane; none if there is no membrane of that name."""
+        return tuple(strip for strip in self.names if (self.membranes or {}).get(strip) == name)
 
     def edges_of(self, name: str) -> tuple[Edge, ...]:
         """Edges of a strip."""

@@ -40,4 +40,4 @@ def of_size(strips: Strips, points: Array, count: int, size: Size, comm: MPI.Int
     cells = [structure.parts[name].cells for name in strips.names]
     numbers = np.repeat(np.arange(len(cells)), [len(entry) for entry in cells])
     edges = edges_of_strips(structure, list(strips.names), numbers, np.concatenate(cells), seams)
-    return Strips(structure, edges, nodes=made.nodes[:count])
+    return replace(strips, structure=structure, edges=edges, nodes=made.nodes[:count])

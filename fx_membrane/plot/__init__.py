@@ -5,6 +5,7 @@ from .colour_scale import STATES
 from .contour_maps import contours, trajectories
 from .curves import compare_convergence, convergence
 from .cutting_patterns import cutting_pattern
+from .proof_pictures import pattern_proof
 from .wireframes import wireframe
 
 __all__ = [
@@ -14,6 +15,7 @@ __all__ = [
     "contours",
     "convergence",
     "cutting_pattern",
+    "pattern_proof",
     "trajectories",
     "wireframe",
 ]

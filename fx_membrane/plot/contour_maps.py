@@ -90,11 +90,21 @@ def contours(
     _draw(subject, without_unseen(subject, panels, look, told=True), look, path)
 
 
-def small_picture(result: Shape, fields: Mapping[str, Field], path: Path) -> None:
-    """Plot as `contours`, on one process and in two thirds of its time, for pages that show half its size."""
+def small_picture(
+    result: Shape,
+    fields: Mapping[str, Field],
+    path: Path,
+    ends: tuple[float, float] | None = None,
+    symmetric: bool = False,
+) -> None:
+    """Plot as `contours`, on one process and in two thirds of its time, for pages that show half its size.
+
+    All fields have colours between the same ends, or between their own; symmetric about zero, or not.
+    """
     subject = shown("contours", result)
     look = checked_look(subject, Look(1.0, VIEW))
-    _draw(subject, _panels(subject, fields, (), None, ()), look, path, SMALL)
+    panels = _panels(subject, fields, tuple(fields) * symmetric, ends and dict.fromkeys(fields, ends), ())
+    _draw(subject, panels, look, path, SMALL)
 
 
 @by_the_first

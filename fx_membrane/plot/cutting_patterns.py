@@ -16,6 +16,7 @@ from .contour_maps import VIEW
 from .figures import checked_path, empty, plain, save
 from .scene import INK, Colours, picture
 from .screen import obstacle
+from .strips_in_view import in_view
 from .subjects import shown
 from .windows import window_of
 
@@ -74,11 +75,11 @@ def strip_colours(strips: Strips) -> dict[str, int]:
 
 
 def _draw_roof(axes: Any, strips: Strips, colour_of: dict[str, int], eye: Array) -> None:
-    subject = shown("cutting_pattern", strips.structure)
+    seen = in_view(strips, strips.structure.points).structure
     numbers = {name: np.full(len(strips.membrane(name).cells), float(colour_of[name])) for name in strips.names}
-    window = window_of([strips.structure.points[strips.structure.used]], eye)
+    window = window_of([seen.points[seen.used]], eye)
     colours = Colours(list(PALETTE), -0.5, len(PALETTE) - 0.5, len(PALETTE))
-    image = picture(subject, numbers, colours, view=eye, window=window, **LOOK)
+    image = picture(shown("cutting_pattern", seen), numbers, colours, view=eye, window=window, **LOOK)
     axes.imshow(image, extent=window.extent, interpolation="antialiased")
     axes.axis("off")
     axes.set_title("Strips on the roof", color=INK, fontsize=15)

@@ -46,6 +46,7 @@ ELSEWHERE = {
     "flatten",
     "geodesic",
     "nearest_stress_pattern",
+    "pattern_proof",
     "prove_pattern",
     "reassembled",
     "remeshed",

@@ -1,6 +1,5 @@
 """Run of the cutting pattern of a case: form, strips, cloth, files and proof."""
 
-import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -18,11 +17,11 @@ from ...patterns.cut_lines import load_shapely
 from ...patterns.flat_strips import CuttingPattern
 from ...patterns.outline_fitting import nearest_stress_pattern
 from ...patterns.proofs import PatternProof, prove_pattern
+from ...plot.proof_pictures import draw_proof
 from ...runtime.messages import say, silence
 from ...runtime.processes import by_the_first, together
 from ..archive import load_results, save_results
-from ..patterns.proof_files import FOLDER, PROOF, drop_proof, write_proof
-from ..patterns.proof_pictures import draw_proof
+from ..patterns.proof_files import FOLDER, PROOF, drop_pattern, write_proof
 from ..patterns.saved_patterns import PATTERN_FILE, PROOF_FILE
 from ..patterns.write import write_patterns
 from ..run_results import FORM
@@ -35,8 +34,8 @@ def run_patterns(case: Case, *, overwrite: bool = False, progress: bool = True) 
     """Make the cutting pattern of a case, write its files, and prove it.
 
     The form is that of an earlier run, if it is the same, or found. The files go to `patterns` in the folder of the
-    case: those of `write_patterns`; pattern.fxm and proof.fxm, archives to go on from; proof.txt, proof.json; and
-    pictures of the strips, stress error and shift.
+    case: those of `write_patterns`; pattern.fxm and proof.fxm, archives to go on from; proof.txt, proof.json; and the
+    pictures of `plot.pattern_proof`. A pattern that is refused leaves none.
 
     Args:
         case: The case.
@@ -57,32 +56,41 @@ def run_patterns(case: Case, *, overwrite: bool = False, progress: bool = True) 
         _check_packages()
         if MPI.COMM_WORLD.rank == 0:
             _prepare(folder, overwrite)
-    plan = case.patterns
     with silence(not progress):
         say(f"Cutting pattern goes to {folder}")
         shape = _form(case)
-        with _named(case):
-            pattern = _with_units(case, plan.pattern(shape))
-            save_results(pattern, folder / PATTERN_FILE)
-            say(f"{counted(len(pattern.cloth), 'strip')} flattened")
-            if plan.nearest_stress:
-                pattern = _nearest(pattern, plan, progress)
-                save_results(pattern, folder / PATTERN_FILE)
-            settings = {"project": case.title} | plan.files
-            write_patterns(pattern, folder, plan.allowances, **settings)
-        proof = prove_pattern(
-            pattern,
-            plan.loads_on(pattern),
-            strength=plan.strength_of(pattern, case.limits),
-            roll_width=plan.sewn_width,
-            progress=progress,
-            **plan.proof,
-        )
+        try:
+            proof = _proved(case, case.patterns, shape, folder, progress)
+        except ValueError:  # a refused pattern leaves nothing that the next run would ask to overwrite
+            by_the_first(drop_pattern)(folder)
+            raise
         save_results(proof, folder / PROOF_FILE)
         write_proof(proof, folder)
         if find_spec("pyvista"):
             by_the_first(draw_proof)(proof, folder)
     return proof
+
+
+def _proved(case: Case, plan: PatternPlan, shape: Structure | Form, folder: Path, progress: bool) -> PatternProof:
+    """Make the pattern of a shape and its files, and prove it."""
+    with _named(case):
+        pattern = _with_units(case, plan.pattern(shape))
+        save_results(pattern, folder / PATTERN_FILE)
+        say(f"{counted(len(pattern.cloth), 'strip')} flattened")
+        if plan.nearest_stress:
+            pattern = _nearest(pattern, plan, progress)
+            save_results(pattern, folder / PATTERN_FILE)
+        settings = {"project": case.title} | plan.files
+        write_patterns(pattern, folder, plan.allowances, **settings)
+    return prove_pattern(
+        pattern,
+        plan.loads,
+        changes=plan.changes,
+        strength=plan.strength_of(pattern, case.limits),
+        roll_width=plan.sewn_width,
+        progress=progress,
+        **plan.proof,
+    )
 
 
 def _with_units(case: Case, pattern: CuttingPattern) -> CuttingPattern:
@@ -94,7 +102,7 @@ def _with_units(case: Case, pattern: CuttingPattern) -> CuttingPattern:
 def _nearest(pattern: CuttingPattern, plan: PatternPlan, progress: bool) -> CuttingPattern:
     """Pattern whose stress is nearest to the design; the given one, whose proof will fail, without equilibrium."""
     try:
-        return nearest_stress_pattern(pattern, plan.loads_on(pattern), progress=progress)
+        return nearest_stress_pattern(pattern, plan.loads, progress=progress)
     except ConvergenceError:
         return pattern
 
@@ -139,5 +147,4 @@ def _prepare(folder: Path, overwrite: bool) -> None:
     if folder.exists() and any(folder.iterdir()):
         if not overwrite:
             raise ValueError(f"{folder} has an earlier cutting pattern; give --overwrite to replace it.")
-        shutil.rmtree(folder / "sheets", ignore_errors=True)
-        drop_proof(folder)
+        drop_pattern(folder)

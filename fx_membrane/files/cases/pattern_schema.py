@@ -2,6 +2,7 @@
 
 from typing import Annotated, Literal
 
+from .change_schema import Change
 from .fields import Compensation, Direction, Length, Node, Number, Point, SurfacePoint, Truth
 from .load_schema import Load
 from .table import Kept, Model
@@ -36,10 +37,12 @@ class AllowancesModel(Model):
 class PatternsModel(Model):
     """Cutting pattern of the found form, with seams along geodesics, planes, families of geodesics, and cables.
 
-    Compensation is "prestress", factors or biaxial tests, `{ stress = [[1, 1], [3, 3]], elongation = [[0.002, 0.006],
+    The warp of strips is along their axes, or a direction by name of the strip, see `cut_strips`. Compensation is
+    "prestress", factors or biaxial tests, `{ stress = [[1, 1], [3, 3]], elongation = [[0.002, 0.006],
     [0.006, 0.010]] }`, for all strips or each by name, see `cutting_pattern`. Without it, in `decompensate`, are edges
     by name, cables for the edges along them, and corners by name or number. With `nearest_stress` outlines then move
-    until the stress after assembly is nearest to the prestress, see `nearest_stress_pattern`.
+    until the stress after assembly is nearest to the prestress, see `nearest_stress_pattern`. Loads and changes act in
+    the proof, see `prove_pattern`; a `stress_error` that more than 5 % of the area exceed is a limit exceeded.
     """
 
     part: str | None = None
@@ -49,6 +52,7 @@ class PatternsModel(Model):
     cables: list[str] = []
     size: Length | None = None
     names: list[str] | None = None
+    warp: dict[str, Direction] = {}
     copies: Truth = False
     nearest_stress: Truth = False
     compensation: Compensation = "prestress"
@@ -56,6 +60,7 @@ class PatternsModel(Model):
     transition: Length | None = None
     allowances: Annotated[AllowancesModel, Kept] | None = None
     loads: list[Load] = []
+    changes: list[Change] = []
     stress_error: Number | None = None
     roll_width: Length | None = None
     mark_spacing: Length | None = None

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -15,12 +15,15 @@ from ...patterns.allowances import Allowances
 from ...patterns.compensated_cloth import cutting_pattern
 from ...patterns.cutting import cut_strips
 from ...patterns.flat_strips import CuttingPattern
+from ...patterns.proof_remarks import strength_missed, stress_missed
+from ...patterns.proofs import PatternProof
 from ...patterns.seam_families import seams_between
 from ...patterns.strip_copies import with_copies
 from ...results.limits import Limits
 from ...surfaces.planar_cuts import planar_cut
 from ...surfaces.surface_lines import geodesic
 from ..patterns.paper import paper_of
+from .changes import changes_of
 from .choices import NUMBERED, Choices, Outline, sound
 from .compensation_tables import check_compensation, compensation_from
 from .decompensated import decompensated_of, on_strips
@@ -45,6 +48,7 @@ class PatternPlan:
         families: Borders between which there are seams, and the number of strips; None for as many as the roll needs.
         cables: Names of cables along which the membrane is cut.
         loads: Loads that act in the designed shape.
+        changes: Changes that act with them, as of gas.
         allowances: Widths beyond the sewing lines.
         copies: Cut strips of equal shape once.
         nearest_stress: Move outlines until the stress after assembly is nearest to that of the design.
@@ -60,6 +64,7 @@ class PatternPlan:
     families: Sequence[tuple[Any, Any, int | None]]
     cables: Sequence[str]
     loads: Sequence[Any]
+    changes: Sequence[Any]
     allowances: Allowances
     copies: bool = False
     nearest_stress: bool = False
@@ -94,23 +99,14 @@ class PatternPlan:
         strips = cut_strips(shape, seams, self.part, **self.strips)
         return cutting_pattern(with_copies(strips) if self.copies else strips, **on_strips(strips, self.cloth))
 
-    def loads_on(self, pattern: CuttingPattern) -> list[Any]:
-        """Put the loads of the proof on the strips in the place of the membrane that they are cut from."""
-        found = []
-        for load in self.loads:
-            part = getattr(load, "part", None)
-            if part is None or part in pattern.strips.structure.parts:
-                found.append(load)
-            else:
-                found += [replace(load, part=name) for name in pattern.strips.names]
-        return found
-
     def strength_of(self, pattern: CuttingPattern, limits: Limits) -> dict[str, float]:
-        """Find the strength of strips: that of the membrane that they are cut from, if there is one."""
-        names = pattern.strips.names
-        whole = [value for name, value in limits.stress.items() if name not in pattern.strips.structure.parts]
-        found = dict.fromkeys(names, min(whole)) if whole else {}
-        return found | {name: value for name, value in limits.stress.items() if name in names}
+        """Find the strengths of strips among the limits, by their names or those of the membranes they are cut from."""
+        strips = pattern.strips
+        return {name: most for name, most in limits.stress.items() if name in strips.names or strips.cut_from(name)}
+
+    def missed(self, proof: PatternProof) -> tuple[str, ...]:
+        """Clauses on what a proof has beyond limits of the case: strengths, and a stress error if it asks for one."""
+        return (*(stress_missed(proof) if "stress_error" in self.proof else ()), *strength_missed(proof))
 
 
 @contextmanager
@@ -152,9 +148,7 @@ def plan_of(faults: Faults, choices: Choices, outline: Outline, table: Any) -> P
     kept: dict[str, Any] = {}
     with faults.at(*TRAIL, "decompensate"):
         kept = decompensated_of(choices, outline, table)
-    loads = loads_of(faults, TRAIL, choices, outline, table.loads)
-    with faults.at(*TRAIL, "loads"):
-        _check_loads(outline.structure, table.part, loads)
+    loads, changes = _acting(faults, choices, outline, table)
     if len(faults) > count or not is_whole(table):
         raise Unknown
     if not (geodesics or table.planes or table.between or table.cables):
@@ -166,10 +160,11 @@ def plan_of(faults: Faults, choices: Choices, outline: Outline, table: Any) -> P
         families,
         table.cables,
         loads,
+        changes,
         allowances,
         table.copies,
         table.nearest_stress,
-        _given(table, "size", "names"),
+        _given(table, "size", "names", "warp"),
         _given(table, "transition") | kept | {"compensation": compensation_from(table.compensation)},
         _given(table, "roll_width", "mark_spacing", "material", "date", "paper", "scale"),
         _given(table, "stress_error"),
@@ -280,15 +275,24 @@ def _border(choices: Choices, outline: Outline, border: Any, key: str) -> Any:
     return choices.numbers(named, len(outline.structure.points), key).tolist()
 
 
-def _check_loads(structure: Structure | None, part: str | None, loads: Sequence[Any]) -> None:
-    """Refuse loads on some cells of a membrane that is cut, and on one of several."""
+def _acting(faults: Faults, choices: Choices, outline: Outline, table: Any) -> tuple[list[Any], list[Any]]:
+    """Make the loads and changes of the proof."""
+    loads = loads_of(faults, TRAIL, choices, outline, table.loads)
+    changes = changes_of(faults, TRAIL, choices, outline, table.changes)
+    for key, entries in (("loads", loads), ("changes", changes)):
+        with faults.at(*TRAIL, key):
+            _check_cells(outline.structure, table.part, entries)
+    if changes and table.nearest_stress is True:
+        with faults.at(*TRAIL, "changes"):
+            raise ValueError("nearest_stress takes loads only; give a pressure as one, or leave nearest_stress out")
+    return loads, changes
+
+
+def _check_cells(structure: Structure | None, part: str | None, entries: Sequence[Any]) -> None:
+    """Refuse loads and changes on some cells of a membrane that is cut."""
     if structure is None:
         return
     cut = [part] if part else list(structure.parts_of(Membrane))
-    for number, load in enumerate(loads):
-        if getattr(load, "part", None) not in cut:
-            continue
-        if getattr(load, "cells", None) is not None:
+    for number, entry in enumerate(entries):
+        if getattr(entry, "part", None) in cut and getattr(entry, "cells", None) is not None:
             raise Wrong("the membrane is cut, and its cells get other numbers; leave cells and where out", number)
-        if len(cut) > 1:
-            raise Wrong("several membranes are cut; name the one as part of the patterns", number)

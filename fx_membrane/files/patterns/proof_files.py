@@ -1,18 +1,23 @@
-"""Proof of a cutting pattern as files: text, and JSON that reports read."""
+"""Files of a cutting pattern in its folder, and its proof among them: text, and JSON that reports read."""
 
 import json
+import shutil
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from ...patterns.proof_tables import text
 from ...patterns.proofs import PatternProof
+from ...plot.proof_pictures import PICTURES
 from ...runtime.processes import by_the_first
 from ..tables import LONE
 from ..whole_file import writing
+from .tables_of_strips import sides_file
 
 FOLDER, PROOF, TEXT = "patterns", "proof.json", "proof.txt"
 ARCHIVES: tuple[str, str] = ("pattern.fxm", "proof.fxm")
-FORMAT = 2  # 1 had neither mean and rms of the stress error nor its place
+FORMAT = 3  # 1 had neither mean and rms of the stress error nor its place, 2 no remarks
+DRAWING, BOOK, TABLE, SHEETS = "patterns.dxf", "patterns.pdf", "strips.csv", "sheets"
 
 
 @by_the_first
@@ -32,9 +37,19 @@ def write_proof(proof: PatternProof, folder: Path) -> None:
 
 
 def drop_proof(folder: Path) -> None:
-    """Delete a proof, and the archives, of an earlier form."""
-    for name in (PROOF, TEXT, *ARCHIVES):
+    """Delete a proof with its pictures, and the archives, of an earlier form."""
+    for name in (PROOF, TEXT, *ARCHIVES, *PICTURES):
         (folder / name).unlink(missing_ok=True)
+
+
+def drop_pattern(folder: Path) -> None:
+    """Delete all files of a pattern, and its folder if no others are in it."""
+    drop_proof(folder)
+    shutil.rmtree(folder / SHEETS, ignore_errors=True)
+    for file in (folder / DRAWING, folder / BOOK, folder / TABLE, sides_file(folder / TABLE)):
+        file.unlink(missing_ok=True)
+    with suppress(OSError):
+        folder.rmdir()
 
 
 def pattern_folder(results: Path) -> Path | None:

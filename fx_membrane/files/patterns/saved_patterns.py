@@ -71,7 +71,8 @@ def _likeness(strips: Strips, name: str) -> str:
 
 def assembly(proof: PatternProof) -> StageResults:
     """Equilibrium of a proof as the results of its one stage, for reports and scenes."""
-    found = StageResults({proof.state.name: proof.state}, [Stage(proof.state.name, proof.loads)])
+    stage = Stage(proof.state.name, proof.loads, changes=proof.changes or ())
+    found = StageResults({proof.state.name: proof.state}, [stage])
     strips = proof.pattern.strips
     found.title, found.force_unit, found.length_unit = "Assembly of strips", strips.force_unit, strips.length_unit
     return found

@@ -15,7 +15,9 @@ from ...solvers.progress import Pulse
 from ..file_names import safe_name
 from ..mesh_files import METRES
 from .drawing_of_pieces import write_drawing
+from .length_units import warn_of_length_unit
 from .paper import Paper, paper_of
+from .proof_files import BOOK, DRAWING, SHEETS, TABLE
 from .sheet_plans import APART, Head, all_sheets, piece_sheet
 from .sheets import write_pdf, write_svg
 from .tables_of_strips import write_strip_tables
@@ -91,6 +93,9 @@ def write_patterns(
         ValueError: A strip is wider than the roll, or lies on itself; a sheet does not fit on the paper; the path has
             another ending, or cannot be written.
         ImportError: shapely or ezdxf is not installed.
+
+    Warns:
+        LengthUnitWarning: The longest piece is longer than 300 m, or shorter than 50 mm.
     """
     check_pattern("write_patterns", pattern)
     closed = isinstance(path, str) and path != path.rstrip("/")
@@ -106,6 +111,7 @@ def write_patterns(
     sheet = paper_of(paper)
     wide = None if roll_width is None else validation.positive("roll_width", roll_width)
     pieces = cut_pieces(pattern, allowances, mark_spacing=mark_spacing)
+    warn_of_length_unit(pieces, unit, stacklevel=3)
     roll = None if wide is None else laid_on_roll(pieces, wide)
     job = Job(pieces, roll, head, sheet, chosen)
     writers = [(file, WRITERS[ending])] if ending in WRITERS else _in_folder(file, job)
@@ -158,10 +164,10 @@ OTHERS = (  # of files that no writer makes: a folder of this name would surpris
 def _in_folder(folder: Path, job: Job) -> list[tuple[Path, Writer]]:
     """Files of a folder, with their writers."""
     files: list[tuple[Path, Writer]] = [
-        (folder / "patterns.dxf", _dxf),
-        (folder / "patterns.pdf", _pdf),
-        (folder / "strips.csv", _csv),
+        (folder / DRAWING, _dxf),
+        (folder / BOOK, _pdf),
+        (folder / TABLE, _csv),
     ]
     for number, name in enumerate(job.pieces, 1):
-        files.append((folder / "sheets" / f"{safe_name(number, name)}.svg", partial(_svg_of_piece, name)))
+        files.append((folder / SHEETS / f"{safe_name(number, name)}.svg", partial(_svg_of_piece, name)))
     return files

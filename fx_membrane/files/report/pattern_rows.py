@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from ...patterns.proofs import PatternProof
+from ...plot.proof_pictures import PICTURES, draw_proof, left_out
 from ..patterns.proof_files import read_proof
-from ..patterns.proof_pictures import ERROR, SHIFT, STRIPS, draw_proof
 
-PICTURES = {STRIPS: "Strips on the roof and flat", ERROR: "Stress error after assembly", SHIFT: "Shift from the design"}
+RMS = "rms tensor error"
 
 
 def pattern_chapter(source: PatternProof | Path | None, length: str, pictures: bool = True) -> dict[str, Any] | None:
@@ -31,6 +31,8 @@ def pattern_chapter(source: PatternProof | Path | None, length: str, pictures: b
         return None
     return {
         "sentence": " ".join(filter(None, (_sentence(proof, length), _fit(proof.get("nearest stress"))))),
+        "remarks": proof["remarks"],
+        "left_out": " ".join(left_out(proof)),
         "strips": [_strip(row) for row in proof["strips"]],
         "proof": [_proof(row) for row in proof["strips"]],
         "pictures": list(_drawn(source) if isinstance(source, PatternProof) else _pictures(source)) if pictures else [],
@@ -60,8 +62,9 @@ def _fit(fit: Mapping[str, Any] | None) -> str:
         return ""
     end = "" if fit["converged"] else f" The search ended early: {fit['remark'].rstrip('.')}."
     return (
-        f"Its outlines were moved towards the stress of the design. The root mean square error fell from "
-        f"{100 * fit['before']['rms']:.3g} % to {100 * fit['after']['rms']:.3g} % of the mean stress: by "
+        f"Its outlines were moved towards the stress of the design. The root mean square error of the stress tensor, "
+        f"with shear, fell from {100 * fit['before'][RMS]:.3g} % to {100 * fit['after'][RMS]:.3g} % of the mean "
+        "stress: by "
         f"{100 * fit['gain at borders']:.3g} % at borders, by {100 * fit['gain within']:.3g} % within.{end}"
     )
 

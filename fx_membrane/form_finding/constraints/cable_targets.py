@@ -54,7 +54,7 @@ class CableTargets:
         measure: str,
         guided: NDArray[np.bool_],
     ) -> None:
-        bars = {name: part for name, part in structure.parts.items() if part.dimension == 1}
+        bars = structure.bars
         forces = {name: part.prestress_tensors().ravel().copy() for name, part in bars.items()}
         self.kinds = {name: np.full(len(part.cells), measure, dtype=object) for name, part in bars.items()}
         self.axes, self.targets = axes, list[Target]()

@@ -32,10 +32,8 @@ TURNED = 0.5  # cosine of the angle by which a mast turns at most
 def has_free_masts(structure: Structure) -> bool:
     """Return True if the structure has bars only, with a free mast among them."""
     free = ~structure.supported.all(axis=1)
-    parts = structure.parts.values()
-    return all(part.dimension == 1 for part in parts) and any(
-        part.is_strut and bool(free[part.cells].any()) for part in parts
-    )
+    bars = structure.bars.values()
+    return not structure.membranes and any(part.is_strut and bool(free[part.cells].any()) for part in bars)
 
 
 def balanced_points(structure: Structure, loads: Array, pulse: Callable[[str], None]) -> Array | None:

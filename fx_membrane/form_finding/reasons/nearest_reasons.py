@@ -211,7 +211,7 @@ def _with_stronger_edges(problem: NearestProblem, weak: WeakEdges, is_found: Tri
 
 def _with_forces(structure: Structure, forces: dict[str, Array]) -> Structure:
     parts = {
-        name: replace(part, prestress=forces[name]) if part.dimension == 1 and name in forces else part
+        name: replace(part, prestress=forces[name]) if name in structure.bars and name in forces else part
         for name, part in structure.parts.items()
     }
     return replace(structure, parts=parts)

@@ -220,9 +220,9 @@ def test_few_iterations_tell_so(pattern):
 def test_text_and_data(fitted):
     told = fitted.fit.to_dict()
     assert json.loads(json.dumps(told)) == told
-    assert told["before"]["inside rms"] == fitted.fit.before.inside_rms
+    assert told["before"]["inside rms tensor error"] == fitted.fit.before.inside_rms
     lines = str(fitted.fit).splitlines()
-    assert lines[0].endswith("patterns tried, settled")
+    assert lines[0].endswith("patterns tried, settled; error of the tensor, with shear [%]")
     assert f"{100 * fitted.fit.after.rms:.4g}" in lines[2]
     proof = prove_pattern(fitted, progress=False)
     assert proof.to_dict()["nearest stress"] == told
@@ -232,7 +232,7 @@ def test_text_and_data(fitted):
 def test_progress_is_told(pattern, capfd, monkeypatch):
     monkeypatch.setattr("fx_membrane.solvers.progress.SILENCE", 0.0)
     nearest_stress_pattern(pattern)
-    assert "nearest stress: pattern 1, rms error" in capfd.readouterr().err
+    assert "nearest stress: pattern 1, rms tensor error" in capfd.readouterr().err
 
 
 def test_refusals(strips, pattern):

@@ -7,6 +7,7 @@ pytest.importorskip("pint")
 pytest.importorskip("shapely", "2")
 pytest.importorskip("ezdxf")
 
+from fx_membrane import prove_pattern
 from fx_membrane.files.cases.case import read_case
 from pattern_case import PATTERNS, case, said
 
@@ -95,7 +96,8 @@ def test_loads_of_the_proof_act_on_the_strips(tmp_path):
     extra = 'loads = [{ kind = "plan", part = "roof", load = [0, 0, -0.1] }]\ncompensation = [0.99, 0.995]\n'
     found = read_case(case(tmp_path, PATTERNS + extra))
     pattern = found.patterns.pattern(found.structure)
-    assert [load.part for load in found.patterns.loads_on(pattern)] == ["strip 1", "strip 2"]
+    proof = prove_pattern(pattern, found.patterns.loads, progress=False)
+    assert [load.part for load in proof.loads] == ["strip 1", "strip 2"]
     assert pattern.compensation["strip 1"] == pytest.approx([0.99, 0.995], rel=1e-6)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from cone_gores import cone_gores
-from fx_membrane import Allowances, cut_pieces, laid_on_roll, write_patterns
+from fx_membrane import Allowances, LengthUnitWarning, cut_pieces, laid_on_roll, write_patterns
 
 pytest.importorskip("shapely", "2")
 ALLOWANCES = Allowances(seam=0.03, border=0.08)
@@ -215,3 +215,12 @@ def test_wrong_input_is_refused(pattern, tmp_path, path, given, words):
     with pytest.raises(ValueError, match=words):
         write_patterns(pattern, tmp_path / path, **given)
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("unit", ["km", "mm"])
+def test_unit_that_no_roof_has_is_doubted(pattern, tmp_path, unit):
+    """A form in millimetres whose unit was not named had a drawing 8 km wide."""
+    length = cut_pieces(pattern)["gore 1"].length
+    with pytest.warns(LengthUnitWarning, match=rf"'gore 1' is {length:.4g} {unit} long.*length_unit") as told:
+        write_patterns(pattern, tmp_path / "cone.csv", length_unit=unit)
+    assert told[0].filename == __file__
