@@ -49,7 +49,7 @@ def test_wrong_input_is_refused(tmp_path, path, view, words):
 def test_pictures_of_a_proof(tmp_path):
     """All that a proof has is drawn; what it has not is told in words."""
     pytest.importorskip("pyvista")
-    strips = catenoid(6, 2, 4, quarter=True)
+    strips = catenoid(6, 2, 4)
     proof = prove_pattern(cutting_pattern(strips), strength=8e3, roll_width=20.0, progress=False)
     plot.pattern_proof(proof, tmp_path / "all")
     assert {file.name for file in (tmp_path / "all").iterdir()} == set(PICTURES)
