@@ -11,12 +11,12 @@ from ..geometry.sizes import measures
 from ..model.parts import Part
 from ..model.structure import Structure
 from ..solvers.progress import Pulse
+from .after_collapse import KEPT, last_good
 from .balance.constrained_balance import ConstrainedBalance, continued
 from .balance.membrane_balance import collapse_of, stressed
 from .cell_reference import reference_of, warp_at
 from .constraints.hand_over import failed_mast, handed_over
 from .form import Form, FormStep
-from .last_good import KEPT, last_good
 from .reasons.asked_structure import Asked, as_asked
 from .reasons.no_form import established
 from .shape_change import STOPPED, change_of_shape, check_collapse

@@ -24,12 +24,12 @@ from ..results.states import StageResult
 from ..solvers.base import Iteration, Solution
 from ..solvers.newton import Newton
 from ..solvers.progress import Pulse
+from .after_collapse import KEPT, last_good
 from .balance.load_settling import LoadSettling
 from .balance.membrane_balance import nodal_loads
 from .density_steps import abandoned, wish_of
 from .form import Form, FormStep
 from .form_loads import words_of_loads
-from .last_good import KEPT, last_good
 from .masts.bar_balance import fallen_mast
 from .masts.mast_balance import Balance, Step, balance_masts
 from .reasons.few_supports import all_held

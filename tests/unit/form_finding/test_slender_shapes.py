@@ -15,8 +15,8 @@ from fx_membrane import (
     natural_force_density,
     rectangle,
 )
+from fx_membrane.form_finding.after_collapse import last_good
 from fx_membrane.form_finding.balance.membrane_balance import collapse_of
-from fx_membrane.form_finding.last_good import last_good
 from fx_membrane.form_finding.shape_change import check_collapse
 
 pytestmark = pytest.mark.filterwarnings("ignore::fx_membrane.UnsettledFormWarning")

@@ -1,8 +1,8 @@
 """Form after a collapse: of the shapes on the way, the nearest one that is at rest.
 
-Cells that collapse become slender, and their stress loses digits as the square of their aspect. How far a shape moves
-by that is not told by the aspect: over 40 plans of tents and films between rings too far apart, shapes with cells of an
-aspect of 4e3 move by 1e-12 of their size, others of 2e5 by 1e-14. So the shape is analysed.
+Cells that collapse become slender, and their stress loses digits as the square of their aspect. The aspect does not
+tell how far a shape moves by that. Over plans of tents and films between far rings, shapes of an aspect of 4e3 move by
+1e-12. Others of 2e5 move by 1e-14 of their size. So the shape is analysed.
 """
 
 from collections.abc import Sequence
