@@ -8,7 +8,7 @@ import logging
 import os
 import sys
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Hashable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from functools import cache
 from typing import Any
@@ -18,7 +18,7 @@ from .runtime import petsc as _petsc  # noqa: F401  (before dolfinx is imported)
 with warnings.catch_warnings():
     warnings.simplefilter("ignore", ImportWarning)  # 0.9 has one where numba is missing
     _shown = warnings.showwarning
-    import dolfinx  # noqa: F401
+    import dolfinx
     import ffcx
 
     if warnings.showwarning is not _shown:  # ffcx 0.5 sends the warnings of all modules to the log
@@ -79,7 +79,9 @@ def _undivided(comm: Any, parts: int, dimension: int, cells: Any, ghost_mode: An
 def functionspace(msh: Any, family: str, degree: int, size: int | tuple[int, ...]) -> Any:
     """Make a space of vectors with `size` components, tensors of a shape, () for a scalar. Degree one: Gil (45)."""
     create = getattr(fem, "functionspace", None) or fem.FunctionSpace  # 0.9, 0.11: function; 0.5: class
-    return _compile(create, msh, _element(family, CELL[msh.topology.dim], degree, size))
+    alone = msh.comm.size == 1  # or else a process that finds the code would not wait for one that compiles
+    kind = ("space", family, msh.topology.dim, degree, size) if alone else ()
+    return _compile(create, msh, _element(family, CELL[msh.topology.dim], degree, size), kind=kind)
 
 
 @cache
@@ -175,8 +177,13 @@ def _quiet_compiler() -> Iterator[None]:
         yield
 
 
-def _compile(function: Any, *args: Any) -> Any:
-    with jit_cache.guard(ffcx.codegeneration.jit), _quiet_compiler():  # the guard lets threads in one by one
+def _compile(function: Any, *args: Any, kind: tuple[Hashable, ...] = ()) -> Any:
+    with ExitStack() as held:
+        held.enter_context(jit_cache.guard(ffcx.codegeneration.jit))  # it lets threads in one by one
+        if kind:
+            held.enter_context(jit_cache.by_kind(dolfinx.jit, kind))
+        if not jit_cache.is_kept(kind):
+            held.enter_context(_quiet_compiler())
         return function(*args, **{keyword: dict(JIT) for keyword in _keywords(function)})  # fresh: dolfinx writes there
 
 
@@ -186,9 +193,9 @@ def _keywords(function: Any) -> frozenset[str]:
     return frozenset(inspect.signature(function).parameters.keys() & {"jit_options", "jit_params"})
 
 
-def form(a: Any) -> Any:
-    """Compile a form, or load it from the cache on disk."""
-    return _compile(fem.form, a)
+def form(a: Any, kind: tuple[Hashable, ...] = ()) -> Any:
+    """Compile a form, or load it from the cache on disk; forms of a kind share their code, see `jit_cache.by_kind`."""
+    return _compile(fem.form, a, kind=kind)
 
 
 def coefficients(compiled: Any) -> list[Any]:
@@ -204,14 +211,15 @@ def packed(compiled: Any) -> Any:
     return cpp.fem.pack_coefficients(getattr(compiled, "_cpp_object", compiled))  # as in `coefficients`
 
 
-def cell_expression(expression: Any, msh: Any) -> Callable[..., NDArray[np.float64]]:
+def cell_expression(expression: Any, msh: Any, kind: tuple[Hashable, ...] = ()) -> Callable[..., NDArray[np.float64]]:
     """Compile a vector-valued UFL expression; a call gives its values at the midpoints of all or given cells.
 
-    They have the shape (cells, size).
+    They have the shape (cells, size). Expressions of a kind share their code.
     """
     dimension = msh.topology.dim
     midpoint = np.full((1, dimension), 1 / (dimension + 1))
-    compiled = _compile(fem.Expression, _numbered_variables(expression), midpoint)
+    numbered = expression if jit_cache.is_kept(kind) else _numbered_variables(expression)
+    compiled = _compile(fem.Expression, numbered, midpoint, kind=kind)
     every = np.arange(msh.topology.index_map(dimension).size_local, dtype=np.int32)
     meshes = (msh,) if "mesh" in inspect.signature(compiled.eval).parameters else ()  # 0.9, 0.11; not 0.5
 

@@ -1,8 +1,21 @@
 """Roofs on which rain stands in several basins."""
 
+from typing import Any
+
 import numpy as np
 
-from fx_membrane import DistributedLoad, Fabric, Membrane, Stage, Structure, Support, boundary_edges, rectangle
+from fx_membrane import (
+    Cable,
+    DistributedLoad,
+    Fabric,
+    Membrane,
+    Stage,
+    Structure,
+    Support,
+    boundary_edges,
+    polyline,
+    rectangle,
+)
 
 OWN_WEIGHT = Stage("own weight", [DistributedLoad((0, 0, -400.0), "roof")])
 
@@ -14,3 +27,21 @@ def ridged_roof():
     points[:, 2] = -0.005 * (1 - np.abs(points[:, 1])) * (1 - np.abs(points[:, 0] + 0.5) / 2.5)
     points[rim, 2] = 0.0
     return Structure(points, {"roof": Membrane(triangles, Fabric(2e5, 0.3), 2e3)}, [Support(np.union1d(rim, ridge))])
+
+
+def terraced_roof():
+    """Soft roof of three bays, one lower than the other, within a higher rim, with cables between them that sag."""
+    points, triangles = rectangle(6.0, 2.0, 24, 6)
+    rim = np.unique(boundary_edges(triangles))
+    along = points[:, 0] + 3
+    bay = np.minimum(along // 2, 2).astype(int)
+    share = along / 2 - bay
+    base = np.interp(along, [0, 2, 4, 6], [0.12, 0.13, 0.08, 0.12])
+    low = np.array([0.09, 0.04, -0.11])[bay]
+    points[:, 2] = base + (low - base) * 4 * share * (1 - share) * (1 - points[:, 1] ** 2)
+    points[rim, 2] = 0.12
+    parts: dict[str, Any] = {"roof": Membrane(triangles, Fabric(2e5, 0.3), 2e3)}
+    for place in (2, 4):
+        line = np.flatnonzero(np.isclose(along, place))
+        parts[f"ridge {place}"] = Cable(polyline(line[np.argsort(points[line, 1])]), 1e6, 4e3)
+    return Structure(points, parts, [Support(rim)])

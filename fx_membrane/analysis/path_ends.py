@@ -1,5 +1,7 @@
 """Ends of an equilibrium path: a load factor, or a displacement of one component of a node."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -8,8 +10,21 @@ from ..checks import validation
 from ..solvers.base import LIMITS
 from ..solvers.bordered_newton import Plane, Point
 
-NEAR = 1e-9  # of the distance from the last point: a point this close before an end is the end
-LARGEST = 1e9  # load factor, or its reciprocal
+
+@dataclass(frozen=True)
+class EndLimits:
+    """Limits of the ends of a path.
+
+    Attributes:
+        near: Fraction of the distance from the last point: a point this close before an end is the end.
+        largest: Largest load factor, or its reciprocal.
+    """
+
+    near: float = 1e-9
+    largest: float = 1e9
+
+
+ENDS = EndLimits()
 
 
 def ends(
@@ -34,10 +49,10 @@ def ends(
     found = []
     if load_factor is not None:
         value = validation.positive("equilibrium_path load_factor", load_factor)
-        if not 1 / LARGEST <= value <= LARGEST:
+        if not 1 / ENDS.largest <= value <= ENDS.largest:
             raise ValueError(
-                f"equilibrium_path load_factor is {value:g}; it must be between {1 / LARGEST:g} and {LARGEST:g}: "
-                "change the loads of the stage, or give None for a path without that end."
+                f"equilibrium_path load_factor is {value:g}; it must be between {1 / ENDS.largest:g} and "
+                f"{ENDS.largest:g}: change the loads of the stage, or give None for a path without that end."
             )
         found.append(Plane(problem.discretization.create_vector(), 1.0, value))
     if displacement is not None:
@@ -79,7 +94,7 @@ def passed(last: Point, point: Point, ends: list[Plane]) -> tuple[Point, Plane] 
     found = []
     for end in ends:
         before, after = end.signed_distance(last), end.signed_distance(point)
-        if before and after * np.sign(before) <= NEAR * abs(before):
+        if before and after * np.sign(before) <= ENDS.near * abs(before):
             found.append((before / (before - after), end))
     if not found:
         return None

@@ -11,6 +11,7 @@ from ..model.cable_changes import FixedLength
 from ..model.energy_terms import is_term
 from ..model.gas import GasVolume
 from ..model.restraint import check_supports
+from ..model.rope_nodes import refuse_loose_nodes
 from ..model.stages import Stage, check_stages
 from ..model.structure import Structure
 
@@ -33,7 +34,8 @@ def check_run(structure: Structure, stages: Sequence[Stage]) -> None:
     """Refuse stages that do not fit together, or leave the structure free to move as a rigid body.
 
     Raises:
-        ValueError: As of `check_stages` and `check_supports`; a `FixedLength` is in a stage that follows none.
+        ValueError: As of `check_stages`, `check_supports` and `refuse_loose_nodes`; a `FixedLength` is in a stage that
+            follows none.
     """
     check_stages(structure, stages)
     held: dict[str | None, NDArray[np.bool_]] = {None: structure.supported}
@@ -48,3 +50,4 @@ def check_run(structure: Structure, stages: Sequence[Stage]) -> None:
         held[stage.name] = held[stage.after] | prescribed(stage, structure)[0]
         terms[stage.name] = [*terms[stage.after], *filter(is_term, stage.loads)]
         check_supports(structure, held[stage.name], terms[stage.name])
+    refuse_loose_nodes(structure, np.any([*held.values()], axis=0), stages)

@@ -79,15 +79,15 @@ def _followed(loaded: LoadedProblem, x: PETSc.Vec, K: PETSc.Mat, rows: Rows, cou
 def _largest_drop(loaded: LoadedProblem, x: PETSc.Vec, followers: int) -> float:
     """Largest distance of the spectrum with water that follows below that with kept volumes [N/m].
 
-    The tangents differ by v w^T for each outlet, v the border and w = v / C - row. The symmetric part of -v w^T has the
-    lowest eigenvalue -(v . w + |v| |w|) / 2. No real part is below the lowest eigenvalue of the symmetric part
-    (Bendixson).
+    The tangents differ by v w^T for each follower, v the border and w = v / C less the row over its own C. The
+    symmetric part of -v w^T has the lowest eigenvalue -(v . w + |v| |w|) / 2. No real part is below the lowest
+    eigenvalue of the symmetric part (Bendixson).
     """
     kept, followed = loaded.borders(x), loaded.borders(x, one_sided=True)
     drop = 0.0
     for place in range(-followers, 0):
         border, row = kept.vectors[place], followed.rows[place]
-        row.axpby(1 / kept.compliances[place], -1.0, border)
+        row.axpby(1 / kept.compliances[place], -1 / followed.compliances[place], border)
         drop += (float(border.dot(row)) + float(border.norm() * row.norm())) / 2
     for borders in (kept, followed):
         borders.free()

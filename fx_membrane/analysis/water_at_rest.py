@@ -1,14 +1,12 @@
 """Rain water at the end of a load increment: basins are found anew, and water runs until shape and water rest.
 
-Within an increment the solver keeps the volume of each basin, up to its outlet. Events are at the ends of increments.
-Where water has moved, the same load factor is solved again from the shape found, at most `ROUNDS` times.
+Within an increment the set of basins is given: cells, outlets, and the basin behind each outlet. Levels and volumes of
+that set follow from the shape within Newton's method: levels at outlets that move, and water of full basins that spills
+into others (`assembly.cascade`).
 
-A round is an event: basins merge, part, or spill, and the next solution has another set of basins. Levels and volumes
-of that set are unknowns of Newton's method. So is the level of a full basin that follows its outlet. Most increments
-take one to three rounds.
-
-One coupling is left to the rounds: a full basin that spills into another one, whose weight changes what the first one
-holds. The spilled volumes then fall by a constant ratio from round to round.
+At the end of an increment the set is found anew, as an active set: basins merge and part, and outlets change. Where
+that moves water, the same load factor is solved again from the shape found, at most `ROUNDS` times. Most increments
+take one solution, and one more for each merger after another.
 """
 
 from collections.abc import Callable, Sequence
@@ -26,7 +24,7 @@ from ..assembly.problem import Problem
 from ..assembly.problem_under_actions import LoadedProblem
 from ..assembly.water import PondEnergy
 from ..model.basins import StandingWater, restored
-from ..model.standing_water import renewed
+from ..model.standing_water import Solved, renewed
 from ..model.water_events import BasinResult, WaterEvent
 from ..results.water_of_state import basins_of_state
 from ..solvers.base import Solution
@@ -102,15 +100,24 @@ def _renewed(
             waters.append(None)
             continue
         mine = [one for one in loaded.integrals.all if isinstance(one, PondEnergy) and one.waters == group]
-        levels = [one.water(x).level for one in mine] or [-np.inf] * len(old.basins)
-        pond = pond_of(group)
-        new = renewed(structure, pond, old, position, levels, amount_of(structure, group))
+        pond, total = pond_of(group), amount_of(structure, group)
+        new = renewed(structure, pond, old, position, _solved(mine, x, old, total), total)
         waters.append(new.water)
         moved |= new.moved
         for kind, basin, other, node, volume in new.events:
             place = tuple(position[node].tolist())
             events.append(WaterEvent(pond.part, kind, factor, basin, other, node, place, volume))
     return (waters if any(waters) else []), events, moved
+
+
+def _solved(energies: Sequence[PondEnergy], x: PETSc.Vec, old: StandingWater, total: float) -> Solved:
+    """Water that the solver has found in the basins of a group of ponds."""
+    if not energies:  # before the first water
+        return Solved([-np.inf] * len(old.basins), old.volumes(total).tolist(), [0.0] * len(old.basins))
+    assert energies[0].basin
+    cascade = energies[0].basin.cascade
+    spilt = [cascade.spilt(number, x).volume for number in range(len(energies))]
+    return Solved([one.water(x).level for one in energies], cascade.amounts(x), spilt)
 
 
 def _joined(before: Solution, after: Solution) -> Solution:

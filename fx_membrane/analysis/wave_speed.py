@@ -31,7 +31,7 @@ def warn_of_mass_units(structure: Structure, stacklevel: int) -> None:
         if not part.mass:
             continue
         speed = float(np.sqrt(stiffness(part) / part.mass))
-        slowest, fastest = FABRIC if part.dimension == 2 else BAR
+        slowest, fastest = FABRIC if name in structure.membranes else BAR
         if part.is_strut:
             fastest = np.inf  # it may stand for a rigid body
         if any(slowest <= metres * speed <= fastest for metres in units):

@@ -43,34 +43,26 @@ def by_modulus(part: PartForms, name: str) -> DirectedForm:
 
 def by_prestress(part: PartForms) -> DirectedForm:
     """Differentiate the residual by the prestress."""
-
-    def make(part: PartForms) -> DirectedForm:
-        direction = fem.Function(part.prestress.function_space)
-        residual = ufl.derivative(part.potential, part.mesh.u, ufl.TestFunction(part.mesh.u.function_space))
-        return DirectedForm(_dolfinx.form(ufl.derivative(residual, part.prestress, direction)), direction)
-
-    return part.compiled("by prestress", make)
+    return _by_field(part, "prestress")
 
 
 def by_natural_shape(part: PartForms) -> DirectedForm:
     """Differentiate the residual by H of the natural shape."""
-
-    def make(part: PartForms) -> DirectedForm:
-        assert part.natural is not None
-        direction = fem.Function(part.natural.function_space)
-        residual = ufl.derivative(part.potential, part.mesh.u, ufl.TestFunction(part.mesh.u.function_space))
-        return DirectedForm(_dolfinx.form(ufl.derivative(residual, part.natural, direction)), direction)
-
-    return part.compiled("by natural shape", make)
+    return _by_field(part, "natural")
 
 
 def by_tensions(part: PartForms) -> DirectedForm:
     """Differentiate the residual by the share of the law and the force beside it."""
+    return _by_field(part, "tensions")
+
+
+def _by_field(part: PartForms, name: str) -> DirectedForm:
+    """Differentiate the residual by a field of the forms, that of the attribute of this name."""
 
     def make(part: PartForms) -> DirectedForm:
-        assert part.tensions is not None
-        direction = fem.Function(part.tensions.function_space)
+        field = getattr(part, name)
+        direction = fem.Function(field.function_space)
         residual = ufl.derivative(part.potential, part.mesh.u, ufl.TestFunction(part.mesh.u.function_space))
-        return DirectedForm(_dolfinx.form(ufl.derivative(residual, part.tensions, direction)), direction)
+        return DirectedForm(_dolfinx.form(ufl.derivative(residual, field, direction)), direction)
 
-    return part.compiled("by tensions", make)
+    return part.compiled(f"by the field {name}", make)

@@ -10,12 +10,13 @@ from dolfinx import fem
 from numpy.typing import NDArray
 
 from .. import _dolfinx
-from ..forms import elasticity, kinematics, loads, mass, natural_shape, rope, stress, wrinkling
+from ..forms import elasticity, kinematics, loads, natural_shape, rope, stress, wrinkling
 from ..model import laws
 from ..model.parts import Part
 from ..model.structure import Structure
 from . import relaxation
 from .discretization import PartMesh
+from .kinds_of_forms import NO_KIND, Kind, kind_of, named
 from .ropes import RopeState
 
 
@@ -46,6 +47,7 @@ class PartForms:
         tangent: Compiled derivative of the residual.
         load: Compiled virtual work of q.
         pressure: Compiled virtual work of p; None for cables and masts.
+        kind: All that the formulas depend on, numbers aside; see `kind_of`.
         rope: State of a rope, in the forms; None for other parts. The energy of a rope is that of its length, which the
             forms have not: its `energy` is the elongation.
     """
@@ -71,6 +73,7 @@ class PartForms:
     tangent: Any
     load: Any
     pressure: Any
+    kind: Kind
     rope: "RopeConstants | None" = None
     _compiled: dict[str, Any] = field(default_factory=dict, repr=False)
     _altered: list[str] = field(default_factory=list, repr=False)  # data that differ from those of the part
@@ -142,21 +145,20 @@ def part_forms(
     H = None if shape is None else _tensor(shape, d)
     E_e = E if H is None else ufl.variable(natural_shape.elastic_strain(E, H))
     prestress = mesh.cell_field(part.prestress_tensors())
-    sigma0 = _tensor(prestress, d)
+    sigma0, v = _tensor(prestress, d), ufl.TestFunction(u.function_space)
     w = _strain_energy(mesh, E_e, sigma0, prestress) if elastic else _prescribed_stress(E, sigma0)
     density = w.density if H is None else natural_shape.measure_ratio(H) * w.density
     state, tensions = w.state, mesh.zero_field(2) if given else None
     if tensions is not None:
         density, state, E_e = _with_given_force(part, tensions, density, state, E, E_e)
     q, p = mesh.zero_field(3), mesh.zero_field(1)
-    v = ufl.TestFunction(u.function_space)
     dx = ufl.Measure("dx", domain=mesh.mesh, metadata={"quadrature_degree": 1})  # exact: strains are constant per cell
     energy = density * dx
     residual = ufl.derivative(energy, u, v)
-    pressure = loads.follower_pressure(p[0], F, v) * dx if d == 2 else None
-    if pressure is not None:
+    if pressure := loads.follower_pressure(p[0], F, v) * dx if d == 2 else None:
         residual -= pressure
     tangent = ufl.derivative(residual, u, ufl.TrialFunction(u.function_space))
+    kind = NO_KIND if given else kind_of(part, elastic, natural)  # forces are compared with a stiffness in numbers
     return PartForms(
         mesh=mesh,
         T=T,
@@ -174,11 +176,12 @@ def part_forms(
         elastic=elastic,
         moduli=w.moduli,
         potential=energy,
-        energy=_dolfinx.form(energy),
-        residual=_dolfinx.form(residual),
-        tangent=_dolfinx.form(tangent),
-        load=_dolfinx.form(loads.distributed_load(q, v) * dx),
-        pressure=pressure and _dolfinx.form(pressure),
+        energy=_dolfinx.form(energy, named("energy", kind)),
+        residual=_dolfinx.form(residual, named("residual", kind)),
+        tangent=_dolfinx.form(tangent, named("tangent", kind)),
+        load=_dolfinx.form(loads.distributed_load(q, v) * dx, named("load", kind)),
+        pressure=pressure and _dolfinx.form(pressure, named("pressure", kind)),
+        kind=kind,
     )
 
 
@@ -210,7 +213,8 @@ def _with_given_force(
 
 def _rope_forms(mesh: PartMesh) -> PartForms:
     """Forms of a rope, whose tension is a constant that its length decides."""
-    u, v = mesh.u, ufl.TestFunction(mesh.u.function_space)
+    u, V = mesh.u, mesh.u.function_space
+    v, kind = ufl.TestFunction(V), kind_of(mesh.part)
     T, F, E = _kinematics(mesh, None)
     tension, strain, state = (fem.Constant(mesh.mesh, np.float64(0.0)) for _ in range(3))
     dx = ufl.Measure("dx", domain=mesh.mesh, metadata={"quadrature_degree": 1})  # exact: strains are constant per cell
@@ -233,11 +237,12 @@ def _rope_forms(mesh: PartMesh) -> PartForms:
         elastic=True,
         moduli={},
         potential=tension * length * dx,
-        energy=_dolfinx.form(rope.elongation(E) * dx),
-        residual=_dolfinx.form(residual),
-        tangent=_dolfinx.form(ufl.derivative(residual, u, ufl.TrialFunction(u.function_space))),
-        load=_dolfinx.form(loads.distributed_load(q, v) * dx),
+        energy=_dolfinx.form(rope.elongation(E) * dx, named("energy", kind)),
+        residual=_dolfinx.form(residual, named("residual", kind)),
+        tangent=_dolfinx.form(ufl.derivative(residual, u, ufl.TrialFunction(V)), named("tangent", kind)),
+        load=_dolfinx.form(loads.distributed_load(q, v) * dx, named("load", kind)),
         pressure=None,
+        kind=kind,
         rope=RopeConstants(tension, strain, state, ufl.derivative(length * dx, u, v)),
     )
 
@@ -249,27 +254,6 @@ def set_rope(part: PartForms, state: RopeState) -> None:
     part.rope.tension.value = state.tension
     part.rope.strain.value = share * state.strain + force / stiffness(part.mesh.part)
     part.rope.state.value = wrinkling.SLACK if state.slack else wrinkling.TAUT
-
-
-def mass_form(part: PartForms) -> Any:
-    """Compiled work of the inertia forces of a part, its consistent mass matrix; the same in every state."""
-    return part.compiled("mass", _mass_form)
-
-
-def _mass_form(part: PartForms) -> Any:
-    V = part.mesh.u.function_space
-    m = fem.Constant(part.mesh.mesh, np.float64(part.mesh.part.mass))
-    dx = ufl.Measure("dx", domain=part.mesh.mesh, metadata={"quadrature_degree": 2})  # exact: a product of linear ones
-    return _dolfinx.form(mass.inertia(m, ufl.TrialFunction(V), ufl.TestFunction(V)) * dx)
-
-
-def tension_form(part: PartForms) -> Any:
-    """Compiled stiffness against displacement gradients of a tension that equals the part's own stiffness."""
-    V = part.mesh.u.function_space
-    k = fem.Constant(part.mesh.mesh, np.float64(stiffness(part.mesh.part)))
-    dx = ufl.Measure("dx", domain=part.mesh.mesh, metadata={"quadrature_degree": 1})  # exact: constant per cell
-    gradients = [kinematics.displacement_gradient(v, part.T) for v in (ufl.TrialFunction(V), ufl.TestFunction(V))]
-    return _dolfinx.form(k * ufl.inner(*gradients) * dx)
 
 
 def stiffness(part: Part) -> float:

@@ -100,9 +100,10 @@ class IntegralEnergies:
         """Energies whose forces have no potential in a state."""
         return [energy for energy in self.acting if isinstance(energy, FollowingEnergy) and energy.follows(x)]
 
-    def at_outlets(self, x: PETSc.Vec) -> list[FollowingEnergy]:
+    def without_potential(self, x: PETSc.Vec) -> list[FollowingEnergy]:
         """Energies that are no potential of their forces around a state, even of water that only begins to stand."""
-        return [energy for energy in self.acting if isinstance(energy, FollowingEnergy) and energy.is_at_outlet(x)]
+        following = [energy for energy in self.acting if isinstance(energy, FollowingEnergy)]
+        return [energy for energy in following if energy.is_without_potential(x)]
 
     def size(self, x: PETSc.Vec) -> float:
         """Size of the terms that the energies are sums of: their differences are known to its rounding [J]."""
@@ -204,11 +205,10 @@ class IntegralEnergies:
         for energy in following if one_sided else ():
             vectors.append(create())
             across.append(create())
-            energy.one_sided_border(x, vectors[-1], across[-1])
+            compliances.append(energy.one_sided_border(x, vectors[-1], across[-1]))
             held.append(across[-1].array_r[rows])
             for vector in (vectors[-1], across[-1]):
                 constraints.zero_constrained(vector)
-            compliances.append(1.0)
             gaps.append(0.0)
             given.append(False)
         found = Borders(

@@ -71,20 +71,20 @@ class IntegralEnergy(Protocol):
 
 @runtime_checkable
 class FollowingEnergy(IntegralEnergy, Protocol):
-    """Energy whose forces depend on a component that it does not load, as water on the height of a drain.
+    """Energy whose forces depend on components that it does not load, as water on the height of a drain.
 
-    Where it follows that component, the forces have no potential, and the tangent has a part B row^T. Motions that it
-    does not follow have the symmetric part B B^T / C instead, as where a drain rises without more water.
+    Where it follows those components, the forces have no potential, and the tangent has a part B row^T / C. Motions
+    that it does not follow have a symmetric part B B^T / C instead, as where a drain rises without more water.
     """
 
     def follows(self, x: PETSc.Vec) -> bool:
-        """Return True if the forces depend on a component, equal on all processes."""
+        """Return True if the forces depend on those components, equal on all processes."""
 
-    def is_at_outlet(self, x: PETSc.Vec) -> bool:
-        """Return True if they do, or would with some water: the energy then depends on that component."""
+    def is_without_potential(self, x: PETSc.Vec) -> bool:
+        """Return True if they do, or would with some water: the energy is then no potential of the forces."""
 
-    def one_sided_border(self, x: PETSc.Vec, b: PETSc.Vec, row: PETSc.Vec) -> None:
-        """Set vectors to B and the row."""
+    def one_sided_border(self, x: PETSc.Vec, b: PETSc.Vec, row: PETSc.Vec) -> float:
+        """Set vectors to B and the row; return C."""
 
     def border(self, x: PETSc.Vec, b: PETSc.Vec, kept: bool = False) -> float | None:
         """Border as of an `IntegralEnergy`; kept: that of motions that it does not follow."""

@@ -1,7 +1,7 @@
 """Changes of a parameter of a part or of an energy term, along which the residual is differentiated."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 from mpi4py import MPI
@@ -44,7 +44,7 @@ class Change:
                 f"No part is named {validation.short_repr(part)}; those of the structure are {list(structure.parts)}."
             )
         owner = structure.parts[part]
-        names = ("prestress", "natural_stretch", *moduli(owner), *["pressure"] * (owner.dimension == 2))
+        names = ("prestress", "natural_stretch", *moduli(owner), *["pressure"] * (part in structure.membranes))
         if not isinstance(parameter, str) or parameter not in names:
             given = validation.short_repr(parameter)
             raise ValueError(f"Part {part!r} has no parameter {given}; those with a derivative are {list(names)}.")
@@ -59,8 +59,7 @@ class Change:
                 if parameter == "natural_stretch":
                     self.number *= float(measures(structure.points, owner.cells).sum())
             if parameter == "prestress":
-                if owner.dimension == 2:
-                    cell_tensors.check_symmetry(what, self.values)
+                cell_tensors.check_symmetry(what, self.values)
                 self.values = actions.prestress.get(part, np.ones(len(owner.cells)))[:, None, None] * self.values
             else:
                 self.values = inverse_rate(actions.natural.get(part, 0.0 * self.values), self.values)
@@ -102,24 +101,27 @@ class Change:
         return found.form
 
 
+Made = TypeVar("Made", Change, TermChange)
+
+
 def agreed_change(
     comm: MPI.Intracomm, structure: Structure, actions: Actions, part: str, parameter: str, direction: ArrayLike
 ) -> Change:
     """Change of a parameter of a part, refused unless it is the same on all processes; see `Change`."""
-    with together(comm):
-        change = Change(structure, actions, part, parameter, direction)
-    settings = {"part": part, "parameter": parameter, "direction": change.values}
-    refuse_differences(comm, lambda: of_settings(settings))
-    return change
+    return _agreed(comm, part, parameter, lambda: Change(structure, actions, part, parameter, direction))
 
 
 def agreed_term_change(
     comm: MPI.Intracomm, structure: Structure, acting: Sequence[Acting], term: Any, parameter: str, direction: ArrayLike
 ) -> TermChange:
     """Change of a parameter of an energy term, refused unless it is the same on all processes; see `change_of_term`."""
+    return _agreed(comm, term, parameter, lambda: change_of_term(structure, acting, term, parameter, direction))
+
+
+def _agreed(comm: MPI.Intracomm, owner: Any, parameter: str, make: Callable[[], Made]) -> Made:
     with together(comm):
-        change = change_of_term(structure, acting, term, parameter, direction)
-    settings = {"part": term, "parameter": parameter, "direction": change.values}
+        change = make()
+    settings = {"part": owner, "parameter": parameter, "direction": change.values}
     refuse_differences(comm, lambda: of_settings(settings))
     return change
 
@@ -158,8 +160,7 @@ def inverse_rate(less: Array, rate: Array) -> Array:
 
 def _tensors(what: str, part: Part, given: ArrayLike) -> Array:
     """Tensors of all cells from a notation that the part takes, shape (cells, d, d)."""
-    of_part = cell_tensors.of_membrane if part.dimension == 2 else cell_tensors.of_bar
-    return of_part(what, validation.finite(what, given), len(part.cells))
+    return part.tensors(what, validation.finite(what, given))
 
 
 def asked(part: Any, parameter: str, direction: Any) -> dict[str, Any]:

@@ -29,7 +29,8 @@ from .actions import Actions, unloaded
 from .assembler import Assembler
 from .discretization import Discretization
 from .fitting import check_actions, check_matrix, check_vector, nodal_values
-from .forms_of_parts import PartForms, mass_form, part_forms
+from .forms_of_parts import PartForms, part_forms
+from .matrix_forms import mass_form
 from .problem_under_actions import LoadedProblem, loaded_problem
 from .rounding import magnitudes
 from .stabilization import Stabilization

@@ -116,15 +116,14 @@ class LoadedProblem(LoadedStructure):
     def work_along(self, x: PETSc.Vec, step: PETSc.Vec) -> Callable[[float], float]:
         """Work of pressures, and of terms without a potential, from x to x + length step by the length [J].
 
-        Water at the height of an outlet that moves has no potential. The change of its term in `energy` is added to
-        its work, so that a line search counts the work alone.
+        Water at the height of an outlet that moves, or into which full basins spill, has no potential. The change of
+        its term in `energy` is added to its work, so that a line search counts the work alone.
 
         The force of a pressure is quadratic in the displacement. Three points give its power along a straight line, so
         that its work is exact with or without a potential. For terms without a potential, five points give the work of
-        forces up to the fourth power of the displacement. Of others they give a good estimate, as of water at the
-        height of an outlet that moves.
+        forces up to the fourth power of the displacement. Of others they give a good estimate, as of water.
         """
-        following = self.integrals.at_outlets(x)
+        following = self.integrals.without_potential(x)
         here = [one.energy(x) for one in following]
         if self.symmetric and not following:
             return lambda length: 0.0
@@ -191,8 +190,8 @@ class LoadedProblem(LoadedStructure):
 
         Args:
             x: Displacement [m].
-            one_sided: True for the unsymmetric ones of water at the height of an outlet that moves: its level follows.
-                Otherwise it keeps its volume, as where that outlet rises and no more water comes.
+            one_sided: True for the unsymmetric ones of water at an outlet that moves, or below full basins. Otherwise
+                it keeps its volume, as where that outlet rises and no more water comes.
         """
         self._update(x)
         return self.integrals.borders(x, self.constraints, self.discretization.create_vector, one_sided)

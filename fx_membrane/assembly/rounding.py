@@ -157,4 +157,4 @@ def _width(part: Part, size: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _length(part: Part, size: NDArray[np.float64]) -> NDArray[np.float64]:
     """Length over which a displacement strains a cell, by its width."""
-    return size if part.dimension == 1 else np.ones_like(size)
+    return size ** (2 / part.dimension - 1)

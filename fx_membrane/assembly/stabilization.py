@@ -9,7 +9,7 @@ from petsc4py import PETSc
 
 from .assembler import Assembler
 from .discretization import MatrixKind, matrix_kind
-from .forms_of_parts import tension_form
+from .matrix_forms import tension_form
 
 
 class Stabilization:

@@ -5,6 +5,7 @@ of the energy by them. `forms.tension_field` has the energy that b belongs to.
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -17,13 +18,31 @@ Array = NDArray[np.float64]
 # Gradient and Hessian of the energy of given cells at given strains, (n,), (n, c) -> (n, c), (n, c, c).
 Derivatives = Callable[[NDArray[np.int64], Array], tuple[Array, Array]]
 
-STEPS = 60  # maximum number of Newton steps
-HALVINGS = 30
-ROUNDING = 1e-13  # stress across a wrinkle, relative to the tension, that is rounding
-UNIT = 1e-16  # and relative to the stiffness
-REST = 1e-15  # distance from the strain without stress that is rounding [-]
-ACCEPTED = 1e5  # times that, where no step brings it down
-TURN = 0.3  # largest turn of the tension in a step [rad]
+
+@dataclass(frozen=True)
+class WrinkleSearch:
+    """Constants of Newton's method for wrinkle strains; those of rounding follow from 2.2e-16, the rounding of numbers.
+
+    Attributes:
+        steps: Maximum number of Newton steps.
+        halvings: Maximum number of halvings of a step.
+        rounding: Stress across a wrinkle that is rounding, relative to the tension.
+        unit: The same, relative to the stiffness.
+        rest: Distance from the strain without stress that is rounding [-].
+        accepted: Multiple of that rounding that is accepted where no step brings it down.
+        turn: Largest turn of the tension in a step [rad].
+    """
+
+    steps: int = 60
+    halvings: int = 30
+    rounding: float = 1e-13
+    unit: float = 1e-16
+    rest: float = 1e-15
+    accepted: float = 1e5
+    turn: float = 0.3
+
+
+SEARCH = WrinkleSearch()
 
 
 class Wrinkles(NamedTuple):
@@ -45,8 +64,8 @@ def natural_strains(derivatives: Derivatives, count: int, size: int) -> Array:
     cells, e = np.arange(count), np.zeros((count, size))
     g, D = derivatives(cells, e)
     first = _norm(g)
-    for _ in range(STEPS):
-        left = np.flatnonzero(_norm(g) > ROUNDING * first)
+    for _ in range(SEARCH.steps):
+        left = np.flatnonzero(_norm(g) > SEARCH.rounding * first)
         if not len(left):
             return e
         step = -_solved(D[left], g[left])
@@ -64,7 +83,7 @@ def wrinkles(derivatives: Derivatives, E: Array, natural: Array) -> Wrinkles:
     every = np.arange(count)
     g, _ = derivatives(every, E)
     found = Wrinkles(np.zeros((count, size)), np.zeros((count, size, size)), np.full(count, float(TAUT)))
-    at_rest = _norm(E - natural) <= REST + ROUNDING * _norm(natural)
+    at_rest = _norm(E - natural) <= SEARCH.rest + SEARCH.rounding * _norm(natural)
     slack = np.flatnonzero((_largest(E - natural) <= 0) & ~at_rest)
     pressed = g[:, 0] < 0 if size == 1 else (g[:, 0] + g[:, 1] < 0) | (4 * g[:, 0] * g[:, 1] < g[:, 2] ** 2)
     pressed[at_rest] = pressed[slack] = False
@@ -88,16 +107,16 @@ def _across_tension(
     angle, beta = _direction(E - np.nan_to_num(natural)), np.zeros(len(E))
     g, D = derivatives(cells, E)
     left = np.arange(len(E))
-    for _ in range(STEPS):
+    for _ in range(SEARCH.steps):
         r, J = _residual(g[left], D[left], angle[left], beta[left])
         more = _norm(r) > _rounding(g[left], D[left])
         left, r, J = left[more], r[more], J[more]
         if not len(left):
             break
         step = -_solved(J, r)
-        step *= np.minimum(1.0, TURN / np.maximum(np.abs(step[:, 1]), TURN))[:, None]
+        step *= np.minimum(1.0, SEARCH.turn / np.maximum(np.abs(step[:, 1]), SEARCH.turn))[:, None]
         before, length, todo = _norm(r), np.ones(len(left)), np.arange(len(left))
-        for _ in range(HALVINGS):
+        for _ in range(SEARCH.halvings):
             some, tried = left[todo], length[todo, None] * step[todo]
             tried_beta, tried_angle = np.maximum(beta[some] + tried[:, 0], 0.0), angle[some] + tried[:, 1]
             found = derivatives(cells[some], E[some] + tried_beta[:, None] * _dyads(tried_angle)[0])
@@ -112,7 +131,7 @@ def _across_tension(
         left = np.delete(left, todo)  # where no step is better
     r, J = _residual(g, D, angle, beta)
     b = beta[:, None] * _dyads(angle)[0]
-    b[~(_norm(r) <= ACCEPTED * _rounding(g, D))] = np.nan
+    b[~(_norm(r) <= SEARCH.accepted * _rounding(g, D))] = np.nan
     a, a1, _ = _dyads(angle)
     B, R = np.stack([a, beta[:, None] * a1], axis=2), np.stack([a, a1], axis=1)
     J[~np.isfinite(b).all(axis=1)] = 0.0  # none found: the energy is no number, and the step is refused
@@ -131,7 +150,7 @@ def _residual(g: Array, D: Array, angle: Array, beta: Array) -> tuple[Array, Arr
 
 
 def _rounding(g: Array, D: Array) -> Array:
-    return np.asarray(ROUNDING * _norm(g) + UNIT * np.abs(D).max(axis=(1, 2)))
+    return np.asarray(SEARCH.rounding * _norm(g) + SEARCH.unit * np.abs(D).max(axis=(1, 2)))
 
 
 def _dyads(angle: Array) -> tuple[Array, Array, Array]:
@@ -158,7 +177,7 @@ def _shortened(
 ) -> tuple[Array, Array, Array]:
     """Shorten steps until the shape is possible and the stress falls; return strains and derivatives there."""
     length, before = np.ones(len(e)), _norm(g)
-    for _ in range(HALVINGS):
+    for _ in range(SEARCH.halvings):
         trial = e + length[:, None] * step
         found = derivatives(cells, trial)
         worse = ~((_norm(found[0]) < before) & (_largest(-trial) < 0.5))

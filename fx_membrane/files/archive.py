@@ -55,7 +55,8 @@ from .plain_data import Decoder, Encoder
 from .whole_file import writing
 
 FORMAT = 9  # counts up with fields; 1 had no title, units and limits, 2 no failure, 3 no units of forms, 4 no changes,
-# 5 no ropes, ponds and gas, 6 no basins of ponds, 7 no cutting patterns, 8 no utilisation of cells of strips
+# 5 no ropes, ponds and gas, 6 no basins of ponds, 7 no cutting patterns, 8 no ways between basins, no utilisation of
+# cells of strips
 KIND = "results of fx_membrane"
 DOCUMENT = "document.json"
 MODEL = (Structure, Membrane, Cable, Mast, Rope, Support, Chamber, *materials.SHIPPED)

@@ -80,7 +80,7 @@ def _cell_values(state: StageResult, name: str) -> dict[str, NDArray[np.float64]
     """Results in the cells as numbers, by name."""
     result = state.parts[name]
     found: dict[str, Any] = {field.name: getattr(result, field.name) for field in dataclasses.fields(result)}
-    if state.structure.parts[name].dimension == 2:
+    if name in state.membranes:
         found["warp"] = state.structure.warp(name)
     if "state" in found:
         found["state"] = (found["state"][:, None] == STATES).argmax(axis=1)

@@ -184,17 +184,17 @@ def _block(state: StageResult, name: str, units: tuple[str, str]) -> Any:
     import pyvista  # noqa: PLC0415
 
     force, length = units
-    part, found = state.structure.parts[name], state.parts[name]
+    part = state.structure.parts[name]
     nodes = np.unique(part.cells)
     cells = np.searchsorted(nodes, part.cells)
-    kind = np.full(len(cells), TRIANGLE if part.dimension == 2 else LINE, dtype=np.uint8)
+    kind = np.full(len(cells), TRIANGLE if name in state.membranes else LINE, dtype=np.uint8)
     rows = np.column_stack([np.full(len(cells), cells.shape[1]), cells]).ravel()
     grid = pyvista.UnstructuredGrid(rows, kind, state.structure.points[nodes])
     grid.point_data["node"] = nodes
     grid.point_data["displacement"] = state.displacement[nodes]
     grid.point_data[f"load [{force}]"] = state.loads[nodes]
     grid.point_data[f"reaction [{force}]"] = state.reactions[nodes]
-    if part.dimension == 2 and state.ponds:
+    if name in state.membranes and state.ponds:
         grid.point_data[f"{DEPTH} [{length}]"] = state.water_depth[nodes]
     columns = cell_columns(state, name, force, length)
     word = columns.pop("state")
@@ -202,8 +202,9 @@ def _block(state: StageResult, name: str, units: tuple[str, str]) -> Any:
     for head in columns:
         if head not in {f"{axis} [{length}]" for axis in "xyz"}:
             grid.cell_data[head] = columns[head]
-    if found.dimension == 2:
-        grid.cell_data[f"Cauchy stress [{force}/{length}]"] = found.cauchy.reshape(-1, 9)
+    if name in state.membranes:
+        cauchy = state.membranes[name].cauchy
+        grid.cell_data[f"Cauchy stress [{force}/{length}]"] = cauchy.reshape(-1, 9)
     grid.field_data["stage"] = [state.name]
     return grid
 

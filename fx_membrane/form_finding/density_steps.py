@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
+from mpi4py import MPI
 from numpy.typing import NDArray
 
 from ..geometry.sizes import measures
@@ -15,9 +16,10 @@ from .balance.membrane_balance import collapse_of, stressed
 from .cell_reference import reference_of, warp_at
 from .constraints.hand_over import failed_mast, handed_over
 from .form import Form, FormStep
+from .last_good import KEPT, last_good
 from .reasons.asked_structure import Asked, as_asked
 from .reasons.no_form import established
-from .shape_change import STOPPED, change_of_shape, check_collapse, is_sound
+from .shape_change import STOPPED, change_of_shape, check_collapse
 
 Array = NDArray[np.float64]
 
@@ -29,7 +31,7 @@ def natural_steps(
 ) -> tuple[Form, str]:
     """Form after steps from shape to shape, and what ended or spoilt them, in words; empty without fault.
 
-    After a collapse the form is that of the step whose stress is nearest to the prestress, among sound shapes.
+    After a collapse the form is that of the step whose stress is nearest to the prestress, see `last_good`.
 
     Args:
         balance: The balance of the structure.
@@ -41,7 +43,7 @@ def natural_steps(
         ValueError, RuntimeError: The first step has no form.
     """
     form: Form | None = None
-    nearest: Form | None = None
+    nearest = list[Form]()
     densities, steps = dict[str, Array](), tuple[FormStep, ...]()
     while len(steps) < most and not (steps and is_met(steps[-1])):
         number = len(steps) + 1
@@ -51,17 +53,17 @@ def natural_steps(
         except RuntimeError as grown:
             raise RuntimeError(f"{grown} {_reason(balance)}".strip()) from grown
         if isinstance(found, str):
-            if nearest is None or form is None:
+            if form is None:
                 raise RuntimeError(f"Form finding has no form after its first step: {found}")
             told = (
                 found if found.startswith(STOPPED) else f"Step {number} found none: {found} {_reason(balance)}".strip()
             )
-            return nearest, " ".join([abandoned(len(nearest.steps), told), *form.remarks])
+            made = [each.structure for each in nearest]
+            good = nearest[last_good(made, balance.loads, MPI.COMM_SELF)]
+            return good, " ".join([abandoned(len(good.steps), told), *form.remarks])
         (form, densities), steps = found, (*steps, *found[0].steps)
         form = replace(form, steps=steps)
-        is_nearer = nearest is None or steps[-1].stress_error < nearest.steps[-1].stress_error
-        if is_nearer and (nearest is None or is_sound(balance.structure, form.points)):
-            nearest = form
+        nearest = sorted([*nearest, form], key=lambda each: each.steps[-1].stress_error)[:KEPT]
     assert form is not None
     trouble = balance.motions.turned(form.points) or failed_mast(balance.structure, balance.motions, form)
     return form, f"The form is in equilibrium, but {continued(trouble)}" if trouble else ""
@@ -76,8 +78,8 @@ def _reason(balance: ConstrainedBalance) -> str:
 def abandoned(kept: int, collapse: str) -> str:
     """Tell which step the form is of, after the collapse of a later one."""
     return (
-        f"{ABANDONED} {kept}, whose stress is nearest to the prestress, in equilibrium with the stress "
-        f"that it carries; the steps after it lead to none. {collapse}"
+        f"{ABANDONED} {kept}, whose stress is nearest to the prestress among the last at rest, in equilibrium with "
+        f"the stress that it carries; the steps after it lead to none. {collapse}"
     )
 
 
@@ -96,7 +98,7 @@ def natural_step(
         The form and its force densities, or the sentence.
     """
     structure = balance.structure
-    membranes = {name: part for name, part in structure.parts.items() if part.dimension == 2}
+    membranes = structure.membranes
     plans = {
         name: reference_of(part.cells, reference, warp_at(name, part, reference), part.prestress_tensors())
         for name, part in membranes.items()
@@ -132,10 +134,7 @@ def collapse_of_step(structure: Structure, points: Array, number: int, asked: As
 
 def wish_of(parts: Mapping[str, Part]) -> dict[str, Array]:
     """Prestress of parts as the wish of a form: tensors of membranes, shape (cells, 2, 2), and forces, (cells,)."""
-    return {
-        name: part.prestress_tensors() if part.dimension == 2 else part.prestress_tensors().ravel()
-        for name, part in parts.items()
-    }
+    return {name: part.prestress_values() for name, part in parts.items()}
 
 
 def stress_error(parts: Mapping[str, Part], forces: Mapping[str, Array]) -> float:

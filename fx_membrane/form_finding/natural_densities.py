@@ -104,7 +104,7 @@ def natural_force_density(
         iterations = validation.positive_integer("iterations", iterations)
         tolerance = validation.positive("tolerance", tolerance)
         check_bars(structure)
-        membranes = {name: part for name, part in structure.parts.items() if part.dimension == 2}
+        membranes = structure.membranes
         for name, part in membranes.items():
             check_tension(name, part, structure.points, part.prestress_tensors())
     settings = {"loads": loads, "iterations": iterations, "tolerance": tolerance, "constraints": constraints}

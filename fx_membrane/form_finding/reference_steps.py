@@ -29,11 +29,12 @@ from .balance.membrane_balance import nodal_loads
 from .density_steps import abandoned, wish_of
 from .form import Form, FormStep
 from .form_loads import words_of_loads
+from .last_good import KEPT, last_good
 from .masts.bar_balance import fallen_mast
 from .masts.mast_balance import Balance, Step, balance_masts
 from .reasons.few_supports import all_held
 from .reasons.no_form import established
-from .shape_change import change_of_shape, check_collapse, collapse, is_sound
+from .shape_change import change_of_shape, check_collapse, collapse
 
 REPEATS = 200  # maximum number of solves of a step: enough where each leaves 84 % of the change of the loads
 
@@ -56,7 +57,7 @@ class Course:
         steps: Steps from the present start on.
         limit: Maximum number of steps from there.
         searched: True once places of mast heads were searched for.
-        nearest: The sound shape of least error of the stress; None before the first step.
+        nearest: Shapes of least error of the stress so far, the nearest first.
     """
 
     def __init__(
@@ -72,7 +73,7 @@ class Course:
         self.pulse, self.comm, self.limit = pulse, comm, most
         self.points, self.searched = structure.points, False
         self.steps: tuple[FormStep, ...] = ()
-        self.nearest: _Shape | None = None
+        self.nearest: list[_Shape] = []
         self._step = self.stepper(structure)
 
     def form(self) -> tuple[Form, str]:
@@ -82,9 +83,8 @@ class Course:
             RuntimeError: There is no form after the first step.
         """
         shape, told, converged = self._run()
-        made = replace(self.structure, points=shape.points, parts=shape.parts)
         wish = wish_of(self.structure.parts)
-        form = Form(shape.points, shape.forces, shape.reactions, shape.steps, converged, made, wish)
+        form = Form(shape.points, shape.forces, shape.reactions, shape.steps, converged, self._made(shape), wish)
         return replace(form, remarks=all_held(self.structure)), told
 
     def _run(self) -> tuple[_Shape, str, bool]:
@@ -98,9 +98,10 @@ class Course:
                 words = self.begin_anew_after(failure)
                 if not words:
                     continue
-                if self.nearest is None:
+                if not self.nearest:
                     raise RuntimeError(words) from failure
-                shape, told = self.nearest, abandoned(len(self.nearest.steps), words)
+                good = last_good([self._made(each) for each in self.nearest], self.stage.loads, self.comm)
+                shape, told = self.nearest[good], abandoned(len(self.nearest[good].steps), words)
                 break
             converged = self.is_settled(shape.steps[-1])
             if converged and (words := fallen_mast(self.structure, self.points)):
@@ -123,10 +124,12 @@ class Course:
         parts, forces, entry = _stressed(self.structure, self.points, state)
         self.points, self.steps = self.points + state.displacement, (*self.steps, entry)
         shape = _Shape(self.points, parts, forces, state.reactions, self.steps)
-        is_nearer = self.nearest is None or entry.stress_error < self.nearest.steps[-1].stress_error
-        if is_nearer and (self.nearest is None or is_sound(self.structure, self.points)):
-            self.nearest = shape
+        self.nearest = sorted([*self.nearest, shape], key=lambda each: each.steps[-1].stress_error)[:KEPT]
         return shape
+
+    def _made(self, shape: _Shape) -> Structure:
+        """Structure of a shape, with the stress found as prestress."""
+        return replace(self.structure, points=shape.points, parts=shape.parts)
 
     def begin_anew_after(self, failure: RuntimeError) -> str:
         """Begin anew where free masts balance, after a step that failed; else return the reason in words."""
@@ -246,11 +249,11 @@ def _stressed(
     points = before + state.displacement
     parts: dict[str, Part] = {}
     forces: dict[str, NDArray[np.float64]] = {}
-    area = error = 0.0
-    for name, part in structure.parts.items():
+    error = 0.0
+    for name in structure.parts:
         parts[name], forces[name], deviation = _stressed_part(structure, name, points, state)
         error = max(error, deviation)
-        area += float(measures(points, part.cells).sum()) if part.dimension == 2 else 0.0
+    area = sum(float(measures(points, part.cells).sum()) for part in structure.membranes.values())
     return parts, forces, FormStep(area, change_of_shape(structure, before, state.displacement), error)
 
 
@@ -258,18 +261,18 @@ def _stressed_part(
     structure: Structure, name: str, points: NDArray[np.float64], state: StageResult
 ) -> tuple[Part, NDArray[np.float64], float]:
     """Replace the prestress of a part by the stress of a state, in a new shape; return that, and its relative error."""
-    part, result = structure.parts[name], state.parts[name]
+    part = structure.parts[name]
     wanted = part.prestress_tensors()
-    if result.dimension == 2:
+    if name in state.membranes:
         warp = structure.warp(name)
         normal = normals(points, part.cells)
         first = projected(warp, normal)
         frame = np.stack([first, np.cross(normal, first)], axis=2)
-        found = np.einsum("nia,nij,njb->nab", frame, result.cauchy, frame)
+        found = np.einsum("nia,nij,njb->nab", frame, state.membranes[name].cauchy, frame)
         found = (found + found.swapaxes(1, 2)) / 2
         stressed: Part = replace(structure.part(name, Membrane), prestress=found, warp=warp)
     else:
-        found, wanted = result.force, wanted[:, 0, 0]
+        found, wanted = state.bars[name].force, wanted[:, 0, 0]
         if part.is_strut and state.structure.terms:  # thrusts, which the step keeps
             found = np.array(wanted)
         stressed = replace(part, prestress=found)

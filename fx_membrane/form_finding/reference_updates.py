@@ -162,9 +162,8 @@ def _constrained(
     pulse: Pulse,
 ) -> tuple[Form, str, Asked]:
     """Form under constraints, the collapse in words that ended its steps, and what is asked for."""
-    for name, part in structure.parts.items():
-        if part.dimension == 2:
-            check_tension(name, part, structure.points, part.prestress_tensors())
+    for name, part in structure.membranes.items():
+        check_tension(name, part, structure.points, part.prestress_tensors())
     balance = ConstrainedBalance(
         structure,
         stage.loads,
@@ -209,7 +208,7 @@ def _check_prestress(structure: Structure, given: bool) -> None:
                 "fabric or cables holds that, give a tension."
             )
         bare = np.flatnonzero(~stresses[name].any(axis=(1, 2)))
-        if part.dimension == 2 and len(bare):
+        if name in structure.membranes and len(bare):
             where = place(structure.points, part.cells, bare[0])
             raise ValueError(
                 f"Part {name!r}, cell {bare[0]} at {where}: it has no prestress, and its nodes no place without one; "

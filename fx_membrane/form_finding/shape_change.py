@@ -16,7 +16,6 @@ from .reasons.unheld import lone_head
 
 # Fraction of its first length, or of the root of its first area, below which a cell counts as collapsed.
 GONE = 1e-3
-SOUND = 5e4  # aspect of cells with a rounding of 2e-6 of their forces: above, a shape moves by 1e-12 of its size
 GONE_MAST = 1e-2  # no sliding of nodes makes a mast short
 STOPPED = "Form finding stopped at step"
 HOLD = (
@@ -32,12 +31,10 @@ def change_of_shape(structure: Structure, points: NDArray[np.float64], displacem
     may lie anywhere in the surface. No node slides where lines end, meet, or turn. Between these nodes the relative
     change of length of a cable or a mast counts too: it shows a short one that shrinks.
     """
-    lines, edges = _rims(structure), []
-    for part in structure.parts.values():
-        if part.dimension == 1:
-            lines.append(part.cells)
-        size = measures(points, part.cells)
-        edges.append(np.sqrt(2 * size) if part.dimension == 2 else size)
+    membranes, bars = structure.membranes.values(), structure.bars.values()
+    lines = [*_rims(structure), *(bar.cells for bar in bars)]
+    edges = [np.sqrt(2 * measures(points, part.cells)) for part in membranes]
+    edges += [measures(points, bar.cells) for bar in bars]
     segments = np.unique(np.sort(np.concatenate(lines)), axis=0)  # a cable on the edge of a membrane is one line
     on_line = np.zeros(len(points), dtype=bool)
     on_line[segments] = True
@@ -50,22 +47,20 @@ def change_of_shape(structure: Structure, points: NDArray[np.float64], displacem
     across = np.where(on_line[:, None], displacement - along(tangent), along(normal))
     largest = float(np.linalg.norm(across, axis=1).max() / np.concatenate(edges).mean())
     slides = np.any(tangent, axis=1)
-    for part in structure.parts.values():
-        if part.dimension == 1:
-            bars = part.cells[~slides[part.cells].any(axis=1)]
-            ratio = measures(points + displacement, bars) / measures(points, bars)
-            largest = max(largest, float(np.abs(ratio - 1).max(initial=0.0)))
+    for part in structure.bars.values():
+        bars = part.cells[~slides[part.cells].any(axis=1)]
+        ratio = measures(points + displacement, bars) / measures(points, bars)
+        largest = max(largest, float(np.abs(ratio - 1).max(initial=0.0)))
     return largest
 
 
 def _rims(structure: Structure) -> list[NDArray[np.int64]]:
     """Edges of membranes, without seams between those of one stress, each of shape (k, 2)."""
     alike: dict[bytes, list[str]] = {}
-    for name, part in structure.parts.items():
-        if part.dimension == 2:
-            stress = part.prestress_tensors()
-            key = stress[0].tobytes() if (stress == stress[0]).all() else name.encode()
-            alike.setdefault(key, []).append(name)
+    for name, part in structure.membranes.items():
+        stress = part.prestress_tensors()
+        key = stress[0].tobytes() if (stress == stress[0]).all() else name.encode()
+        alike.setdefault(key, []).append(name)
     return [boundary_edges(cells_of(structure, names)) for names in alike.values()]
 
 
@@ -87,7 +82,7 @@ def check_collapse(structure: Structure, points: NDArray[np.float64], step: int,
     for name, part in structure.parts.items():
         first, now = measures(structure.points, part.cells), measures(points, part.cells)
         gone = now < (GONE_MAST if part.is_strut else GONE) ** part.dimension * first
-        if part.dimension == 1:
+        if name in structure.bars:
             for cell in np.flatnonzero(gone | (now * GONE > first))[:1]:
                 force = part.prestress_tensors()[cell, 0, 0]
                 words = _unbalanced(structure, step, name, part, int(cell), force, first[cell], now[cell])
@@ -96,11 +91,6 @@ def check_collapse(structure: Structure, points: NDArray[np.float64], step: int,
         torn |= bool(gone.any()) or len(grown_slender(points, part.cells, structure.points)) > 0
     if torn:  # after the bars, a possible cause of it
         raise RuntimeError(collapse(structure, step, points, asked))
-
-
-def is_sound(structure: Structure, points: NDArray[np.float64]) -> bool:
-    """Return True if no cell of a shape has become so slender that its balance loses digits."""
-    return not any(len(grown_slender(points, part.cells, structure.points, SOUND)) for part in structure.parts.values())
 
 
 def collapse(
@@ -130,13 +120,14 @@ def collapse(
 def _where(structure: Structure, points: NDArray[np.float64]) -> str:
     """Tell of the cell of a membrane that has shrunk most."""
     least, words = np.inf, ""
-    for name, part in structure.parts.items():
-        if part.dimension == 2 and np.isfinite(points).all():
-            share = measures(points, part.cells) / measures(structure.points, part.cells)
-            cell = int(share.argmin())
-            if share[cell] < least:
-                where = validation.format_point(points[part.cells[cell]].mean(axis=0))
-                least, words = share[cell], f" around cell {cell} of part {name!r}, {where}"
+    if not np.isfinite(points).all():
+        return words
+    for name, part in structure.membranes.items():
+        share = measures(points, part.cells) / measures(structure.points, part.cells)
+        cell = int(share.argmin())
+        if share[cell] < least:
+            where = validation.format_point(points[part.cells[cell]].mean(axis=0))
+            least, words = share[cell], f" around cell {cell} of part {name!r}, {where}"
     return words
 
 
@@ -164,7 +155,7 @@ def nodal_normals(structure: Structure, points: NDArray[np.float64]) -> NDArray[
     Adjoining membranes may have different senses, and a Moebius strip has none.
     """
     total, side = np.zeros_like(points), np.zeros_like(points)
-    surfaces = [part.cells for part in structure.parts.values() if part.dimension == 2]
+    surfaces = [part.cells for part in structure.membranes.values()]
     for triangles in surfaces:
         side[triangles] = normals(points, triangles)[:, None]
     for triangles in surfaces:

@@ -167,14 +167,13 @@ def wishes_of(structure: Structure, stress: Any, warp: Any) -> dict[str, Wish]:
     """
     sizes, directions = _functions(structure, "stress", stress), _functions(structure, "warp", warp)
     found = {}
-    for name, part in structure.parts.items():
-        if part.dimension == 2:
-            direction, tensors = _direction(name, part, directions.get(name)), part.prestress_tensors()
-            size = _size(name, part, direction is not None, sizes[name]) if name in sizes else lambda x, t=tensors: t
-            along = directions.get(name)
-            wish = Wish(name, part, direction, size, along if isinstance(along, SurfaceDirection) else None)
-            found[name] = wish.on(structure.points)
-            found[name].check(structure.points)
+    for name, part in structure.membranes.items():
+        direction, tensors = _direction(name, part, directions.get(name)), part.prestress_tensors()
+        size = _size(name, part, direction is not None, sizes[name]) if name in sizes else lambda x, t=tensors: t
+        along = directions.get(name)
+        wish = Wish(name, part, direction, size, along if isinstance(along, SurfaceDirection) else None)
+        found[name] = wish.on(structure.points)
+        found[name].check(structure.points)
     return found
 
 

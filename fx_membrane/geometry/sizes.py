@@ -59,13 +59,13 @@ def degenerate(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray
 
 
 def grown_slender(
-    points: NDArray[np.float64], cells: NDArray[np.int64], first: NDArray[np.float64], limit: float = SLENDER
+    points: NDArray[np.float64], cells: NDArray[np.int64], first: NDArray[np.float64]
 ) -> NDArray[np.intp]:
-    """Triangles more slender than a limit, and than ten times those of a first shape, shape (k,).
+    """Triangles more slender than `SLENDER`, and than ten times those of a first shape, shape (k,).
 
     A stress there has no digits for a balance; its area need not be small beside the first one.
     """
-    return np.flatnonzero(aspects(points, cells) > np.clip(10 * aspects(first, cells), limit, SLIVER))
+    return np.flatnonzero(aspects(points, cells) > np.clip(10 * aspects(first, cells), SLENDER, SLIVER))
 
 
 def aspects(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,16 +16,58 @@ from .laws import Law
 from .materials import Axial
 
 
-@dataclass(frozen=True, eq=False)
-class Bar(ByValue):
-    """Common fields of cables and masts: straight elements with axial force only.
+class AxialPart(ByValue):
+    """Lines with an axial force: bars and ropes.
 
     `is_strut` tells those that stand by compression, and fall where nothing holds them. `shares_tension` tells those
     that slide over their nodes, with one tension in all cells.
     """
 
     dimension: ClassVar[Literal[1]] = 1
+    measure: ClassVar[str] = "length"
     is_strut: ClassVar[bool] = False
+    has_warp: ClassVar[bool] = False
+    if TYPE_CHECKING:  # of the parts themselves
+        prestress: Any
+        natural_stretch: Any
+
+        @property
+        def cells(self) -> NDArray[np.int64]:
+            """Segments, shape (n, 2)."""
+
+    def prestress_tensors(self) -> NDArray[np.float64]:
+        """Prestress of every cell, shape (n, 1, 1) [N]."""
+        return self.tensors(f"{type(self).__name__} prestress", self.prestress)
+
+    def natural_tensors(self) -> NDArray[np.float64]:
+        """Natural per reference length of every cell, shape (n, 1, 1) [-]."""
+        return self.tensors(f"{type(self).__name__} natural_stretch", self.natural_stretch)
+
+    def tensors(self, what: str, given: ArrayLike) -> NDArray[np.float64]:
+        """Numbers of every cell from one, or one per cell, shape (n, 1, 1)."""
+        return cell_tensors.of_bar(what, given, len(self.cells))
+
+    def prestress_values(self) -> NDArray[np.float64]:
+        """Prestress as results have it: axial forces, shape (n,) [N]."""
+        return self.prestress_tensors().ravel()
+
+    def stress_unit(self, force: str, length: str) -> str:
+        """Name of the unit of its force."""
+        return force
+
+    def size_unit(self, length: str) -> str:
+        """Name of the unit of the size of its cells."""
+        return length
+
+    def fitted(self, name: str, points: NDArray[np.float64]) -> tuple[Self, str]:
+        """Part in a structure with these points; the reason is that of `Membrane.fitted`."""
+        return self, ""
+
+
+@dataclass(frozen=True, eq=False)
+class Bar(AxialPart):
+    """Common fields of cables and masts: straight elements with axial force only."""
+
     shares_tension: ClassVar[Literal[False]] = False
     cells: NDArray[np.int64]
     axial_stiffness: float = None  # type: ignore[assignment]  # that of the material, if not given
@@ -88,14 +130,6 @@ class Bar(ByValue):
         """Make bars from Young's modulus E [Pa], a cross-section [m2] and a density [kg/m3], t/m3 with kN and m."""
         E, area = validation.positive(f"{cls.__name__} E", E), validation.positive(f"{cls.__name__} area", area)
         return cls(cells, E * area, prestress, mass=validation.not_negative(f"{cls.__name__} density", density) * area)
-
-    def prestress_tensors(self) -> NDArray[np.float64]:
-        """Prestress of every cell, shape (n, 1, 1) [N]."""
-        return cell_tensors.of_bar(f"{type(self).__name__} prestress", self.prestress, len(self.cells))
-
-    def natural_tensors(self) -> NDArray[np.float64]:
-        """Natural per reference length of every cell, shape (n, 1, 1) [-]."""
-        return cell_tensors.of_bar(f"{type(self).__name__} natural_stretch", self.natural_stretch, len(self.cells))
 
 
 @dataclass(frozen=True, eq=False)

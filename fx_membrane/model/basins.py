@@ -31,6 +31,7 @@ class Basin(NamedTuple):
         volume: Volume of its water when the basins were found [m3].
         share: Share of further rain that it receives [-].
         outlets: Nodes over which it spills, shape (k,).
+        into: Number of the basin into which it spills; -1 for the outside, None where an earlier version saved it.
     """
 
     node: int
@@ -38,6 +39,7 @@ class Basin(NamedTuple):
     volume: float
     share: float
     outlets: Integers
+    into: int | None
 
 
 class StandingWater(NamedTuple):
@@ -59,6 +61,11 @@ class StandingWater(NamedTuple):
         """
         more = fallen - self.fallen
         return np.array([max(basin.volume + basin.share * more, 0.0) for basin in self.basins])
+
+    @property
+    def ways(self) -> list[int]:
+        """Number of the basin into which each spills; -1 for the outside."""
+        return [OUTSIDE if basin.into is None else basin.into for basin in self.basins]
 
 
 def has_basins(ponds: Sequence[Pond]) -> bool:
@@ -139,13 +146,16 @@ def basins_of(
 ) -> tuple[Basin, ...]:
     """Basins of pools, by their lowest nodes."""
     areas = water_on_triangles.plan_areas(structure.points[triangles_of(structure, pond)])
+    lowest = {_lowest(found, pool.hollows, position): pool for pool in pools}
+    ordered = dict(sorted(lowest.items()))
+    number = {hollow: place for place, pool in enumerate(ordered.values()) for hollow in pool.hollows}
     basins = []
-    for pool in pools:
+    for node, pool in ordered.items():
         cells = np.flatnonzero(np.isin(found.of_cell, pool.hollows))
         share = float(areas[cells].sum() / areas.sum())
         spill = np.array([pool.spill] if pool.spill != OUTSIDE else [], dtype=np.int64)
-        basins.append(Basin(_lowest(found, pool.hollows, position), cells, pool.volume, share, spill))
-    return tuple(sorted(basins, key=lambda basin: basin.node))
+        basins.append(Basin(node, cells, pool.volume, share, spill, number.get(pool.into, OUTSIDE)))
+    return tuple(basins)
 
 
 def _lowest(found: Hollows, hollows: Sequence[int], position: Array) -> int:

@@ -108,7 +108,7 @@ class FixedLength(ByValue):
 def check_cable_change(structure: Structure, stage: str, change: Any) -> None:
     """Refuse a change of a membrane, a given force of masts, or one of some cells of a rope."""
     part, kind = structure.parts[change.part], type(change).__name__
-    if part.dimension == 2 or (part.is_strut and not isinstance(change, UnstressedLength)):
+    if change.part not in structure.bars or (part.is_strut and not isinstance(change, UnstressedLength)):
         found = type(part).__name__
         raise ValueError(f"{stage} has a {kind} of {change.part!r}, a {found}; it acts on cables and ropes.")
     if part.shares_tension and change.cells is not None and len(np.asarray(change.cells)) < len(part.cells):

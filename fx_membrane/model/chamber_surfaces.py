@@ -43,8 +43,8 @@ def surface(structure: Any, name: str) -> Surface:
     chamber, what = structure.chambers[name], f"Chamber {name!r}"
     cells = {}
     for part in chamber.parts:
-        if part not in structure.parts or structure.parts[part].dimension != 2:
-            membranes = [other for other, found in structure.parts.items() if found.dimension == 2]
+        if part not in structure.membranes:
+            membranes = list(structure.membranes)
             raise ValueError(f"{what} has the part {part!r}, which is no membrane; those are {membranes}.")
         structure.check_sides(part)
         cells[part] = structure.parts[part].cells

@@ -166,7 +166,7 @@ def check_change(structure: Structure, stage: str, change: Change) -> None:
     if change.cells is not None:
         what = f"{stage}: a {kind} of part {change.part!r}"
         validation.in_range(what, np.asarray(change.cells), len(part.cells), "cell")
-    if isinstance(change, LengthChange) and part.dimension == 2:
+    if isinstance(change, LengthChange) and change.part in structure.membranes:
         raise ValueError(
             f"{stage} has a LengthChange of {change.part!r}, a Membrane; it acts on cables and masts, of a membrane "
             "give a NaturalStretch."
@@ -176,7 +176,7 @@ def check_change(structure: Structure, stage: str, change: Change) -> None:
     if isinstance(change, NaturalStretch):
         structure.check_shear(change.part, change.stretch, "NaturalStretch")
     directed = np.ndim(getattr(change, "stretch", getattr(change, "expansion", 0.0))) > 0
-    if directed and (part.dimension == 1 or part.warp is None):
+    if directed and not part.has_warp:
         raise ValueError(
             f"{stage} has a {kind} of {change.part!r} along warp and weft, which it does not have; give one number, or "
             "the membrane a warp."

@@ -157,7 +157,7 @@ def check_load(structure: Structure, stage: str, load: Load) -> None:
             f"{stage} has a load on part {load.part!r}, which does not exist; the parts are {list(structure.parts)}."
         )
     part = structure.parts[load.part]
-    if isinstance(load, PlanLoad | Pressure) and part.dimension != 2:
+    if isinstance(load, PlanLoad | Pressure) and load.part not in structure.membranes:
         raise ValueError(
             f"{stage} has a {type(load).__name__} on {load.part!r}, a {type(part).__name__}; it acts on membranes, on "
             "cables and masts give a DistributedLoad."

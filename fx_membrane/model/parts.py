@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar, Literal, TypeVar
 
@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
+from ..geometry.one_side import with_one_side
 from . import cell_tensors, laws, materials, natural_shape
 from .bars import Bar, Cable, Mast
 from .by_value import ByValue
 from .laws import Law
 from .ropes import Rope
 
-__all__ = ["Bar", "Cable", "Kind", "Mast", "Membrane", "Part", "Rope"]
+__all__ = ["Bar", "Cable", "Kind", "Line", "Mast", "Membrane", "Part", "Rope"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +59,7 @@ class Membrane(ByValue):
     """
 
     dimension: ClassVar[Literal[2]] = 2
+    measure: ClassVar[str] = "area"
     is_strut: ClassVar[bool] = False
     shares_tension: ClassVar[Literal[False]] = False
     cells: NDArray[np.int64]
@@ -114,14 +116,41 @@ class Membrane(ByValue):
 
     def prestress_tensors(self) -> NDArray[np.float64]:
         """Prestress of every cell in the warp/weft frame, shape (n, 2, 2) [N/m]."""
-        tensors = cell_tensors.of_membrane("Membrane prestress", self.prestress, len(self.cells))
+        tensors = self.tensors("Membrane prestress", self.prestress)
         cell_tensors.check_symmetry("Membrane prestress", tensors)
         return tensors
 
     def natural_tensors(self) -> NDArray[np.float64]:
         """Natural shape of every cell: A of `forms.natural_shape` in the warp/weft frame, shape (n, 2, 2) [-]."""
-        return cell_tensors.of_membrane("Membrane natural_stretch", self.natural_stretch, len(self.cells))
+        return self.tensors("Membrane natural_stretch", self.natural_stretch)
+
+    def tensors(self, what: str, given: ArrayLike) -> NDArray[np.float64]:
+        """Tensors of every cell from numbers, (warp, weft) pairs or tensors, shape (n, 2, 2)."""
+        return cell_tensors.of_membrane(what, given, len(self.cells))
+
+    def prestress_values(self) -> NDArray[np.float64]:
+        """Prestress as results have it: `prestress_tensors`."""
+        return self.prestress_tensors()
+
+    @property
+    def has_warp(self) -> bool:
+        """True if a warp is given."""
+        return self.warp is not None
+
+    def stress_unit(self, force: str, length: str) -> str:
+        """Name of the unit of its stresses."""
+        return f"{force}/{length}"
+
+    def size_unit(self, length: str) -> str:
+        """Name of the unit of the size of its cells."""
+        return f"{length}2"
+
+    def fitted(self, name: str, points: NDArray[np.float64]) -> tuple[Membrane, str]:
+        """Membrane with its cells turned to one sense; also the reason why it has no two sides, or ""."""
+        cells, reason = with_one_side(points, self.cells)
+        return (self if np.array_equal(cells, self.cells) else replace(self, cells=cells)), reason
 
 
-Part = Membrane | Cable | Mast | Rope
+Line = Cable | Mast | Rope
+Part = Membrane | Line
 Kind = TypeVar("Kind", bound=Membrane | Bar | Rope)

@@ -33,8 +33,8 @@ class Pond(ByValue):
 
     Rain collects in the basins of the current shape: hollows, each with a level of its own. A basin receives the rain
     on the cells that drain into it; rain elsewhere runs off. A basin that is full spills over its rim, at its present
-    height, into the next one or over the edge. Two basins merge where their water meets. That happens at the ends of
-    load increments, `StageResult.water_events`; then the same load factor is solved again, until shape and water rest.
+    height, into the next one or over the edge. Two basins merge where their water meets. Mergers are found at the ends
+    of load increments; then the same load factor is solved again. `StageResult.water_events` has all of these events.
     Hollows less deep than a thousandth of the deepest one belong to their neighbour. A membrane without hollows, as a
     level sheet, is one basin up to the lowest node of its rim.
 
@@ -143,7 +143,7 @@ def check_pond(structure: Structure, stage: str, pond: Pond) -> None:
             f"{stage} has a Pond on part {pond.part!r}, which does not exist; the parts are {list(structure.parts)}."
         )
     part = structure.parts[pond.part]
-    if part.dimension != 2:
+    if pond.part not in structure.membranes:
         raise ValueError(f"{stage} has a Pond on {pond.part!r}, a {type(part).__name__}; water stands on membranes.")
     structure.check_sides(pond.part)
     if pond.cells is not None:

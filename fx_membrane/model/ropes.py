@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,13 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 from ..checks import validation
 from ..geometry.grids import polyline
 from ..geometry.sizes import measures
-from . import cell_tensors, natural_shape
-from .by_value import ByValue
+from . import natural_shape
+from .bars import AxialPart
 from .materials import Axial
 
 
 @dataclass(frozen=True, eq=False)
-class Rope(ByValue):
+class Rope(AxialPart):
     """Rope over frictionless nodes: one tension along the whole path, which depends on its length alone.
 
     It is the edge cable in a pocket, the stay over a mast head, the rope through a ring. Without anything more it is
@@ -50,8 +50,6 @@ class Rope(ByValue):
         (8872.72, 12.105088)
     """
 
-    dimension: ClassVar[Literal[1]] = 1
-    is_strut: ClassVar[bool] = False
     shares_tension: ClassVar[Literal[True]] = True
     nodes: NDArray[np.int64]
     axial_stiffness: float
@@ -121,13 +119,9 @@ class Rope(ByValue):
         """True if it never goes slack: all stiffness is kept."""
         return self.compression_stiffness >= 1
 
-    def prestress_tensors(self) -> NDArray[np.float64]:
-        """Prestress of every segment, shape (k - 1, 1, 1) [N]."""
-        return cell_tensors.of_bar("Rope prestress", self.prestress, len(self.cells))
-
-    def natural_tensors(self) -> NDArray[np.float64]:
-        """Natural per reference length of every segment, shape (k - 1, 1, 1) [-]."""
-        return cell_tensors.of_bar("Rope natural_stretch", self.natural_stretch, len(self.cells))
+    def fitted(self, name: str, points: NDArray[np.float64]) -> tuple[Self, str]:
+        """Rope with the natural stretch of its unstressed length."""
+        return replace(self, natural_stretch=natural_stretch_of(name, self, points)), ""
 
 
 def natural_stretch_of(name: str, rope: Rope, points: NDArray[np.float64]) -> float:

@@ -30,8 +30,7 @@ def check(points: NDArray[np.float64], name: str, part: Part) -> None:
     where = validation.format_point(points[part.cells[cell]].mean(axis=0))
     what = f"Part {name!r}, cell {cell} (nodes {part.cells[cell].tolist()})"
     if not np.isfinite(aspect[cell]):
-        measure = "length" if part.dimension == 1 else "area"
-        raise ValueError(f"{what} has no {measure}, at {where}; remove the cell or move its nodes apart.")
+        raise ValueError(f"{what} has no {part.measure}, at {where}; remove the cell or move its nodes apart.")
     sliver = f"{what} is a sliver, {aspect[cell]:.2g} times as long as it is high, at {where}"
     remedy = "remove the cell, join its nodes or move them apart"
     if aspect[cell] > SLIVER:

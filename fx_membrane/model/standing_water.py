@@ -10,13 +10,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry import water_on_triangles
-from ..geometry.hollows import OUTSIDE, hollows_of
+from ..geometry.hollows import OUTSIDE, Hollows, hollows_of
+from ..geometry.pools import Flow
 from .basins import ROUNDING, StandingWater, basins_of, filling, hollow_at
 from .ponds import Pond, outlets, triangles_of
 from .structure import Structure
 from .water_events import STILL_OVER_TINY, Change, Comparison
 
 Array = NDArray[np.float64]
+
+
+class Solved(NamedTuple):
+    """Water in the basins of the shape before, as the solver has found it in the shape now.
+
+    Attributes:
+        levels: Levels, shape (basins,) [m]; minus infinity without water.
+        amounts: Volumes, with what is above an outlet and waits there, shape (basins,) [m3].
+        spilt: Volumes that have run from each into the basin behind its outlet, shape (basins,) [m3].
+    """
+
+    levels: Sequence[float]
+    amounts: Sequence[float]
+    spilt: Sequence[float]
 
 
 class Renewal(NamedTuple):
@@ -38,7 +53,7 @@ def renewed(
     pond: Pond,
     old: StandingWater,
     position: Array,
-    levels: Sequence[float],
+    solved: Solved,
     total: float,
 ) -> Renewal:
     """Find the basins of a new shape, and let the water run until it rests.
@@ -48,14 +63,14 @@ def renewed(
         pond: The pond.
         old: The water in the basins of the shape before.
         position: Positions of all nodes now, shape (n, 3) [m].
-        levels: Levels of these basins now, shape (basins,) [m]; minus infinity without water.
+        solved: The water in these basins now.
         total: Volume of all rain that has fallen [m3].
     """
     triangles = triangles_of(structure, pond)
     found = hollows_of(position, triangles, outlets(structure, pond))
     standing, came = np.zeros(len(found.pits)), []
     above, gone = np.zeros(len(found.pits)), np.zeros(len(old.basins))
-    for number, (basin, level, volume) in enumerate(zip(old.basins, levels, old.volumes(total), strict=True)):
+    for number, (basin, level, volume) in enumerate(zip(old.basins, solved.levels, solved.amounts, strict=True)):
         wet = water_on_triangles.volumes(position[triangles[basin.cells]], level)[0] if np.isfinite(level) else 0.0
         hollow = found.of_cell[basin.cells]
         here = np.bincount(hollow + 1, np.broadcast_to(wet, len(hollow)), len(found.pits) + 1)
@@ -71,14 +86,26 @@ def renewed(
     joined = [
         (a, b)
         for a, b, node in found.ways.tolist()
-        for level, here in zip(levels, came, strict=True)
+        for level, here in zip(solved.levels, came, strict=True)
         if b != OUTSIDE and here[a] > 0 and here[b] > 0 and level > position[node, 2]
     ]
     state = filling(found, standing + above, position, triangles, tiny, joined)
     state.run_once()
     pools = state.pools
     water = StandingWater(basins_of(structure, pond, found, pools, position), total)
-    compared = Comparison(found, pools, state.flows, old.basins, np.array(came), tiny, position[:, 2])
+    flows = [*_flows(found, triangles, old, solved), *state.flows]
+    compared = Comparison(found, pools, flows, old.basins, np.array(came), tiny, position[:, 2])
     events = (*compared.mergers(), *compared.partings(), *compared.spills(gone))
-    moved = compared.moved(standing) or compared.uneven(levels, 1e-10 * structure.size)
+    moved = compared.moved(standing) or compared.uneven(solved.levels, 1e-10 * structure.size)
     return Renewal(water, events, moved or bool((gone > STILL_OVER_TINY * tiny).any()))
+
+
+def _flows(found: Hollows, triangles: NDArray[np.int64], old: StandingWater, solved: Solved) -> list[Flow]:
+    """Flows over which the solver has found water in the basins behind."""
+    flows = []
+    for basin, into, volume in zip(old.basins, old.ways, solved.spilt, strict=True):
+        source = hollow_at(found, triangles, basin.node)
+        if volume > 0 and source != OUTSIDE:
+            behind = hollow_at(found, triangles, old.basins[into].node)
+            flows.append(Flow(source, behind, int(basin.outlets[0]), volume))
+    return flows

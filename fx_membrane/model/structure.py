@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from html import escape
 from typing import TYPE_CHECKING, get_args
@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
 from ..checks.values import counted
-from ..geometry.one_side import with_one_side
 from ..geometry.sizes import normals, projected
 from ..runtime.notebook_pictures import picture_html, picture_png, table
 from . import energy_terms, laws, slivers
@@ -22,8 +21,7 @@ from .by_value import ByValue
 from .chambers import Chamber, checked_chambers
 from .coincidence import CoincidentNodesWarning, checked_pairs, coincident_nodes
 from .energy_terms import Term
-from .parts import Bar, Kind, Membrane, Part
-from .ropes import natural_stretch_of
+from .parts import Bar, Kind, Line, Membrane, Part
 from .supports import Support
 
 
@@ -121,7 +119,7 @@ class Structure(ByValue):
         for name, membrane in self.parts_of(Membrane).items():
             if membrane.warp is not None:
                 self.warp(name)
-        object.__setattr__(self, "parts", {name: self._turned(name, part) for name, part in self.parts.items()})
+        object.__setattr__(self, "parts", {name: self._fitted(name, part) for name, part in self.parts.items()})
         for number, support in enumerate(self.supports):
             self.check_nodes(f"Support {number}", np.asarray(support.nodes))
         object.__setattr__(self, "separate", checked_pairs(self.separate, self.parts))
@@ -234,6 +232,16 @@ class Structure(ByValue):
             first = values.reshape(-1, 2, 2)[0].tolist()
             raise ValueError(f"Part {name!r}, with shear in its {what} {first}, {self._no_sides[name]}")
 
+    @property
+    def membranes(self) -> dict[str, Membrane]:
+        """Membranes by name."""
+        return self.parts_of(Membrane)
+
+    @property
+    def bars(self) -> dict[str, Line]:
+        """Cables, masts and ropes by name."""
+        return {name: part for name, part in self.parts.items() if not isinstance(part, Membrane)}
+
     def part(self, name: str, kind: type[Kind]) -> Kind:
         """Part of a name and a kind, Membrane, Cable, Mast or Rope.
 
@@ -278,16 +286,9 @@ class Structure(ByValue):
         if found:
             warnings.warn(found, CoincidentNodesWarning, stacklevel=4)
 
-    def _turned(self, name: str, part: Part) -> Part:
-        """Turn the cells of a membrane to one sense, give a rope its natural stretch.
-
-        The reason why a membrane has no two sides is stored until that matters.
-        """
-        if part.shares_tension:
-            return replace(part, natural_stretch=natural_stretch_of(name, part, self.points))
-        if part.dimension != 2:
-            return part
-        cells, reason = with_one_side(self.points, part.cells)
+    def _fitted(self, name: str, part: Part) -> Part:
+        """Part at the points of the structure; the reason why it has no two sides is stored until that matters."""
+        found, reason = part.fitted(name, self.points)
         if reason:
             self._no_sides[name] = reason
             self.check_shear(name, part.prestress, "prestress")
@@ -295,4 +296,4 @@ class Structure(ByValue):
             if not laws.is_mirror_symmetric(part.material):
                 law = validation.short_repr(part.material)
                 raise ValueError(f"Part {name!r}, with a law that tells a shear from its opposite, {law}, {reason}")
-        return part if np.array_equal(cells, part.cells) else replace(part, cells=cells)
+        return found

@@ -72,8 +72,8 @@ def split_along(structure: Structure, seams: Sequence[SurfaceLine | str], parts:
 def _places(structure: Structure, number: int, seam: Any) -> Array:
     """Places along a seam, shape (k, 3) [m]."""
     if isinstance(seam, str):
-        if seam not in structure.parts or structure.parts[seam].dimension != 1:
-            lines = [name for name, part in structure.parts.items() if part.dimension == 1]
+        if seam not in structure.bars:
+            lines = list(structure.bars)
             raise ValueError(f"seams, entry {number}, is {seam!r}, which is no cable; those are {lines}.")
         try:
             return structure.points[path_along(structure.parts[seam].cells)]
@@ -179,13 +179,15 @@ def _rebuilt(structure: Structure, mesh: SplitMesh) -> Structure:
     cells, parent = cells[order], parent[order]
     parts: dict[str, Part] = {}
     first = 0
-    for name, part in structure.parts.items():
-        if part.dimension == 2:
-            mine = (parent >= first) & (parent < first + len(part.cells))
-            parts[name] = of_rows(part, cells[mine], parent[mine] - first)
-            first += len(part.cells)
+    membranes, bars = structure.membranes, structure.bars
+    for name in structure.parts:
+        if name in membranes:
+            count = len(membranes[name].cells)
+            mine = (parent >= first) & (parent < first + count)
+            parts[name] = of_rows(membranes[name], cells[mine], parent[mine] - first)
+            first += count
         else:
-            parts[name] = _line(part, mesh)
+            parts[name] = _line(bars[name], mesh)
     return replace(structure, points=mesh.points, parts=parts, supports=_supports(structure, mesh))
 
 
@@ -226,7 +228,7 @@ def _chain(mesh: SplitMesh, a: int, b: int) -> list[int]:
 
 def _supports(structure: Structure, mesh: SplitMesh) -> list[Support]:
     """Supports, with the new nodes on edges and in cells that they hold."""
-    lines = {pair(a, b) for part in structure.parts.values() if part.dimension == 1 for a, b in part.cells.tolist()}
+    lines = {pair(a, b) for part in structure.bars.values() for a, b in part.cells.tolist()}
     for part in structure.parts_of(Membrane).values():
         lines |= {pair(a, b) for a, b in boundary_edges(part.cells).tolist()}
     on = {node for line in lines for node in line}

@@ -111,9 +111,8 @@ def _border(structure: Structure, surface: Surface, what: str, border: Any) -> _
     """Border in order, from its name or its nodes."""
     rim = boundary_edges(surface.triangles)
     if isinstance(border, str):
-        if border not in structure.parts or structure.parts[border].dimension == 2:
-            lines = [name for name, other in structure.parts.items() if other.dimension == 1]
-            raise ValueError(f"{what} is {border!r}, which is no cable; those are {lines}.")
+        if border not in structure.bars:
+            raise ValueError(f"{what} is {border!r}, which is no cable; those are {list(structure.bars)}.")
         cells = structure.parts[border].cells
         given = cells.ravel()[:1]
         sides = np.sort(surface.triangles[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2), axis=1)

@@ -71,12 +71,7 @@ def _kinds(
     on_seam = np.array([(a, b) in seams for a, b in pairs])
     chosen = order[~inner | on_seam[np.cumsum(new) - 1]]
     held = structure.supported.all(axis=1)
-    lines = {
-        pair(a, b): name
-        for name, part in reversed(list(structure.parts.items()))
-        if part.dimension == 1
-        for a, b in part.cells.tolist()
-    }
+    lines = {pair(a, b): name for name, part in reversed(structure.bars.items()) for a, b in part.cells.tolist()}
     kinds: dict[Pair, _Kind] = {}
     left: dict[Pair, int] = {}
     sides: dict[Pair, list[int]] = defaultdict(list)

@@ -65,10 +65,7 @@ def _panel(subject: Shown) -> Panel:
         title, field = "axial force", subject.forces
     else:
         title = "principal stress I"
-        parts = subject.structure.parts
-        field = {
-            name: found.principal[:, 0] for name, found in subject.shape.parts.items() if parts[name].dimension == 2
-        }
+        field = {name: found.principal[:, 0] for name, found in subject.shape.membranes.items()}
     shades, numbers = colours(field, symmetric=False, limits=None)
     return Panel(f"{plain(subject.shape.name)}: {title}", numbers, shades)
 

@@ -74,10 +74,10 @@ class Panel:
 
 def seen(shown: Shown, panel: Panel, look: Look) -> bool:
     """Tell if a field colours anything: cables and masts coloured by their forces do not show it."""
-    parts = shown.structure.parts
+    membranes = shown.structure.membranes
     if isinstance(panel.numbers, Mapping):
-        return any(parts[name].dimension == 2 or not look.forces for name in panel.numbers)
-    return not look.forces or any(part.dimension == 2 for part in parts.values())
+        return any(name in membranes or not look.forces for name in panel.numbers)
+    return not look.forces or bool(membranes)
 
 
 def without_unseen(shown: Shown, panels: Sequence[Panel], look: Look, *, told: bool) -> list[Panel]:
@@ -190,7 +190,7 @@ def draw_panels(
             name = panel.title if bars is not None else ""
             colour_bar(figure, axes, panel.colours, panel.limited, name)
         if same.bars is not None:
-            masts = any(part.dimension == 1 and part.is_strut for part in shown.structure.parts.values())
+            masts = any(part.is_strut for part in shown.structure.parts.values())
             kinds = "cables and masts" if masts else "cables"
             colour_bar(figure, axes, same.bars, False, f"Force of {kinds}{in_brackets(look.force_unit)}")
 

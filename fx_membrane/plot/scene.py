@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..model.parts import Part
+from ..model.structure import Structure
 from ..results.states import StageResult
 from .marks import COLOURED, DASHED, PLAIN, WIDTHS, Strokes, border, dashes, hatching
 from .subjects import Shown
@@ -26,6 +27,7 @@ BORDER = 5.0  # both borders of a line together [pixels]
 DASH = 0.014  # length of a dash and of a gap over the same
 LIFT = 2e-3  # distance by which lines are drawn nearer to the eye, over the same
 
+BODIES = {1: "lines", 2: "faces"}  # cells of PyVista by the dimension of a part
 SHADED = {"ambient": 0.5, "diffuse": 0.6}
 EVEN = {"ambient": 0.8, "diffuse": 0.25}  # a colour of a value looks as in its scale, however it is turned to the light
 
@@ -105,16 +107,16 @@ def picture(
         for shape, sign in zip(shapes, (1, -1 if antisymmetric else 1), strict=False):
             radius = 0.0025 * float(np.linalg.norm(np.ptp(shape[result.structure.used], axis=0)))
             for name, part in result.structure.parts.items():
-                values = _values(result.structure.parts, name, field, len(shape))
+                values = _values(result.structure, name, field, len(shape))
                 shades, turn = colours, sign
                 if bars is not None and name in bars.forces:
                     values, shades, turn = ("cell", bars.forces[name]), bars.colours, 1
-                look = _look(part, lined=bool(strokes) or slack is not None)
+                look = _look(result.structure, name, lined=bool(strokes) or slack is not None)
                 if values is not None and shades is not None:
                     look |= _scale(shades)
                     values = values[0], shades.placed(turn * values[1])
                 body = _body(shape, part, values)
-                if part.dimension == 1:
+                if name in result.structure.bars:
                     body = body.tube(radius=(2.0 if part.is_strut else 1.0 if bars is None else 1.4) * radius)
                 plotter.add_mesh(body, **(SHADED if shades is None or values is None else EVEN), **look)
             _add_lines(plotter, shape, window, strokes, slack, plain=colours is None)
@@ -124,20 +126,20 @@ def picture(
         plotter.close()
 
 
-def _values(parts: Mapping[str, Part], name: str, field: Numbers | None, count: int) -> tuple[str, Array] | None:
+def _values(structure: Structure, name: str, field: Numbers | None, count: int) -> tuple[str, Array] | None:
     """Values that colour a part, of its cells or of all nodes; None without."""
     if field is None:
         return None
     if not isinstance(field, Mapping):
-        membranes = any(part.dimension == 2 for part in parts.values())
-        return ("point", field) if parts[name].dimension == 2 or not membranes else None
+        membranes = structure.membranes
+        return ("point", field) if name in membranes or not membranes else None
     if name not in field:
         return None
     values = field[name]
     if values.ndim == 1:
         return "cell", values
     at_nodes = np.zeros(count)
-    at_nodes[parts[name].cells] = values
+    at_nodes[structure.parts[name].cells] = values
     return "point", at_nodes
 
 
@@ -145,15 +147,16 @@ def _body(shape: Array, part: Part, values: tuple[str, Array] | None) -> Any:
     import pyvista  # noqa: PLC0415
 
     cells = np.column_stack([np.full(len(part.cells), part.cells.shape[1]), part.cells]).ravel()
-    body = pyvista.PolyData(shape, **{"lines" if part.dimension == 1 else "faces": cells})
+    body = pyvista.PolyData(shape, **{BODIES[part.dimension]: cells})
     if values is not None:
         data = body.cell_data if values[0] == "cell" else body.point_data
         data["values"] = values[1]
     return body
 
 
-def _look(part: Part, lined: bool) -> dict[str, Any]:
-    if part.dimension == 1:
+def _look(structure: Structure, name: str, lined: bool) -> dict[str, Any]:
+    part = structure.parts[name]
+    if name in structure.bars:
         return {"color": MAST if part.is_strut else INK}
     edges = {"line_width": 1.5, "edge_color": INK, "edge_opacity": 0.25}
     return {"color": FABRIC, "show_edges": len(part.cells) <= 5000 and not lined} | edges

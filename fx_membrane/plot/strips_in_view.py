@@ -47,7 +47,7 @@ def in_view(strips: Strips, points: Array, seams: bool = False) -> InView:
     for name, part in strips.structure.parts.items():
         if name in film:
             parts[name] = Membrane(part.cells + film[name] * len(points), DRAWN)
-        elif part.dimension == 2 or not seams:
+        elif name in strips.structure.membranes or not seams:
             parts[name] = part
     for edge in strips.edges:
         if seams and edge.is_seam:

@@ -35,9 +35,9 @@ class Shown:
     @property
     def forces(self) -> dict[str, Array]:
         """Forces of cables and masts by name, of a structure as built, each (cells,) [N]."""
-        bars = {name: part for name, part in self.structure.parts.items() if part.dimension == 1}
+        bars = self.structure.bars
         if isinstance(self.shape, StageResult):
-            return {name: self.shape.parts[name].principal[:, 0] for name in bars}
+            return {name: found.force for name, found in self.shape.bars.items()}
         if isinstance(self.shape, Form):
             return {name: self.shape.forces[name] for name in bars}
         stress = built_stress(self.structure)

@@ -11,6 +11,7 @@ from petsc4py import PETSc
 
 from .. import _dolfinx
 from ..assembly.forms_of_parts import PartForms
+from ..assembly.kinds_of_forms import named
 from ..assembly.problem import Problem
 from ..assembly.problem_under_actions import LoadedProblem
 from ..assembly.ropes import RopeState, unstressed_length
@@ -24,7 +25,7 @@ from .water_of_state import pond_results
 STATES = np.array(["taut", "wrinkled", "slack"])  # in the order of `forms.wrinkling`
 
 # Quantities evaluated in each cell, and their shapes.
-MEMBRANE = {
+MEMBRANE: dict[str, tuple[int, ...]] = {
     "strain": (2, 2),
     "second_piola_kirchhoff": (2, 2),
     "cauchy": (3, 3),
@@ -33,7 +34,8 @@ MEMBRANE = {
     "warp_weft_stress": (2,),
     "state": (),
 }
-BAR = {"strain": (), "force": (), "state": ()}
+BAR: dict[str, tuple[int, ...]] = {"strain": (), "force": (), "state": ()}
+FIELDS = {1: BAR, 2: MEMBRANE}  # by the dimension of a part
 CHUNK = 4096  # cells evaluated at once: their quantities fit into the cache of a processor
 
 
@@ -90,13 +92,13 @@ class StateEvaluator:
     def _part_result(self, name: str, ropes: Mapping[str, RopeState]) -> MembraneResult | BarResult:
         discretization = self.problem.discretization
         part = self.problem.structure.parts[name]
-        shapes = MEMBRANE if part.dimension == 2 else BAR
+        shapes = FIELDS[part.dimension]
         here = self._cell_values(name, shapes)
         fields: dict[str, NDArray[Any]] = {}
         for field, shape in shapes.items():  # one by one: they fill the memory
             fields[field] = discretization.gather_cells(name, here.pop(field)).reshape(-1, *shape)
         states = STATES[fields.pop("state").astype(int)]
-        if part.dimension == 2:
+        if name in self.problem.structure.membranes:
             return MembraneResult(**fields, state=states)
         slack = states == "slack"
         if not part.carries_compression:  # cables without force, or with rounding
@@ -125,21 +127,31 @@ class StateEvaluator:
 
 
 def _expression(part: PartForms) -> Callable[[], NDArray[np.float64]]:
-    """Compile the quantities of a part as one vector-valued expression, in the order of `MEMBRANE` or `BAR`."""
+    """Compile the quantities of a part as one vector-valued expression, in the order of its `FIELDS`."""
+    dimension = part.mesh.part.dimension
+    fields = EXPRESSIONS[dimension](part)
+    assert {name: value.ufl_shape for name, value in fields.items()} == FIELDS[dimension]
+    entries = [value[i] for value in fields.values() for i in np.ndindex(value.ufl_shape)]
+    return _dolfinx.cell_expression(ufl.as_vector(entries), part.mesh.mesh, named("results", part.kind))
+
+
+def _of_membrane(part: PartForms) -> dict[str, Any]:
     F, S = part.F, part.S
     cauchy = stress.cauchy(F, S, kinematics.stretch_ratio(F))
-    if part.mesh.part.dimension == 2:
-        fields = {
-            "strain": part.E,
-            "second_piola_kirchhoff": S,
-            "cauchy": cauchy,
-            "cauchy_projected": stress.cauchy(F, S, kinematics.projected_ratio(F, part.T)),
-            "principal": stress.principal(cauchy, F),
-            "warp_weft_stress": stress.warp_weft_stress(cauchy, F),
-            "state": part.state,
-        }
-        assert {name: value.ufl_shape for name, value in fields.items()} == MEMBRANE
-    else:
-        fields = {"strain": part.E[0, 0], "force": ufl.tr(cauchy), "state": part.state}
-    entries = [value[i] for value in fields.values() for i in np.ndindex(value.ufl_shape)]
-    return _dolfinx.cell_expression(ufl.as_vector(entries), part.mesh.mesh)
+    return {
+        "strain": part.E,
+        "second_piola_kirchhoff": S,
+        "cauchy": cauchy,
+        "cauchy_projected": stress.cauchy(F, S, kinematics.projected_ratio(F, part.T)),
+        "principal": stress.principal(cauchy, F),
+        "warp_weft_stress": stress.warp_weft_stress(cauchy, F),
+        "state": part.state,
+    }
+
+
+def _of_bar(part: PartForms) -> dict[str, Any]:
+    force = ufl.tr(stress.cauchy(part.F, part.S, kinematics.stretch_ratio(part.F)))
+    return {"strain": part.E[0, 0], "force": force, "state": part.state}
+
+
+EXPRESSIONS = {1: _of_bar, 2: _of_membrane}  # by the dimension of a part

@@ -9,7 +9,7 @@ from ..geometry.extremes import first_largest
 from ..geometry.sizes import measures
 from ..model.parts import Bar, Mast
 from ..model.term_parameters import touched
-from ..solvers.curvature import WEAK
+from ..solvers.curvature import MODES
 from .slack_forces import LIMIT, compression, rounding
 from .states import StageResult
 
@@ -66,7 +66,7 @@ def loose_masts(result: StageResult) -> list[Loose]:
     values, directions = np.linalg.eigh(own)
     found = [
         Loose(int(nodes[i]), directions[i, :, 0], bool(ends.slack[nodes[i]]))
-        for i in np.flatnonzero(values[:, 0] <= WEAK * scale)
+        for i in np.flatnonzero(values[:, 0] <= MODES.free * scale)
     ]
     return found or _together(result, np.flatnonzero(could & ends.cable & ~ends.slack))
 
@@ -77,7 +77,7 @@ def _ends(result: StageResult) -> _Ends:
         loose = result.parts[name].slack
         ends.slack[part.cells[loose]] = True
         ends.pressed[part.cells[compression(result, name) > rounding(result, name)]] = True
-        if part.dimension == 2:
+        if name in result.membranes:
             ends.fabric[part.cells[~loose]] = True
         elif part.is_strut:
             ends.mast[part.cells] = True
@@ -104,7 +104,7 @@ def _together(result: StageResult, nodes: NDArray[np.int64]) -> list[Loose]:
     motion = np.zeros((len(nodes), 3))
     motion.flat[free] = motions[:, 0]
     most = first_largest(np.linalg.norm(motion, axis=1))
-    if values[0] > WEAK * np.abs(blocks[most, most]).max():
+    if values[0] > MODES.free * np.abs(blocks[most, most]).max():
         return []
     return [Loose(int(nodes[most]), motion[most] / np.linalg.norm(motion[most]), slack=False)]
 

@@ -97,6 +97,11 @@ class BarResult:
         return ~self.slack
 
     @property
+    def state(self) -> NDArray[np.str_]:
+        """State of each cell, "taut" or "slack", shape (cells,)."""
+        return np.where(self.slack, "slack", "taut")
+
+    @property
     def principal(self) -> Array:
         """Axial force as the one principal value of a bar, shape (cells, 1) [N]; see `MembraneResult`."""
         return self.force[:, None]

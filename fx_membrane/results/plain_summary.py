@@ -53,8 +53,10 @@ def _part(result: StageResult, name: str) -> dict[str, Any]:
     if result.structure.parts[name].shares_tension:
         rope = result.rope(name)
         told |= {"length": rope.length, "unstressed length": rope.unstressed_length}
-    if found.dimension == 1:
-        return told | {"slack cells": int(found.slack.sum()), "force": _extremes(result, name, found.force)}
+    if name in result.bars:
+        bar = result.bars[name]
+        return told | {"slack cells": int(bar.slack.sum()), "force": _extremes(result, name, bar.force)}
+    found = result.membranes[name]
     told |= {f"{state} cells": int((found.state == state).sum()) for state in ("taut", "wrinkled", "slack")}
     told["principal stress I"] = _extremes(result, name, found.principal[:, 0])
     told["principal stress II"] = _extremes(result, name, found.principal[:, 1])

@@ -117,7 +117,7 @@ def _carried(result: StageResult) -> Iterator[Remark]:
     """Remarks on slack parts that carry, and on masts that only slack parts could hold."""
     found = pushes(result)
     for push in found:
-        membranes = all(result.structure.parts[name].dimension == 2 for name in push.compression)
+        membranes = all(name in result.membranes for name in push.compression)
         largest = "principal stress of membranes" if membranes else "force of cables and masts"
         forces = " and ".join(
             f"{name!r} is compressed by {force:.3g} in cell {cell}"

@@ -16,8 +16,8 @@ class ShearSignWarning(UserWarning):
 
 def shear_remarks(result: StageResult) -> Iterator[Remark]:
     """Remarks on membranes whose shear has no sign of its own."""
-    for name, found in result.parts.items():
-        if found.dimension == 1 or result.structure.has_sides(name):
+    for name, found in result.membranes.items():
+        if result.structure.has_sides(name):
             continue
         largest = float(np.abs(found.strain[:, 0, 1]).max())
         if largest > SEEN:

@@ -56,15 +56,15 @@ def pushes(result: StageResult) -> list[Push]:
     at_node = lengths(np.where(held, 0.0, result.loads))
     for name, (_, others) in forces.items():
         np.maximum.at(at_node, result.structure.parts[name].cells, lengths(others))
-    found = []
-    for dimension in (1, 2):
-        here = {name: forces[name] for name in names if result.structure.parts[name].dimension == dimension}
+    found, bars = [], result.bars
+    for kind in (bars, result.membranes):
+        here = {name: forces[name] for name in kind}
         net = np.zeros(held.shape)
         for name, (kept, _) in here.items():
             np.add.at(net, result.structure.parts[name].cells, kept)
         net[held] = 0.0
         size = lengths(net)
-        carried = _carried_loads(result, net, pieces) if dimension == 2 else _strong(here, size, pieces)
+        carried = _strong(here, size, pieces) if kind is bars else _carried_loads(result, net, pieces)
         nodes = np.flatnonzero(np.where(_mast_ends(result.structure), size > LIMIT * at_node, carried))
         largest = size[nodes].max(initial=0.0)
         order = np.argsort(-np.round(size[nodes] / (TIE * largest or 1.0)), kind="stable")
@@ -120,8 +120,7 @@ def compression(result: StageResult, name: str) -> Array:
 
 def _sizes(result: StageResult, name: str) -> Array:
     """Force of each cable or mast [N], or largest principal stress of each cell of a membrane [N/m], shape (cells,)."""
-    largest = result.parts[name].principal[:, 0]
-    return np.abs(largest) if result.structure.parts[name].dimension == 1 else largest
+    return np.abs(result.bars[name].force) if name in result.bars else result.membranes[name].principal[:, 0]
 
 
 def rounding(result: StageResult, name: str) -> float:
@@ -133,18 +132,19 @@ def rounding(result: StageResult, name: str) -> float:
 
 def _corner_forces(result: StageResult, name: str) -> tuple[Array, Array]:
     """Corner forces of the cells of a part, of compression and of the other stresses, (cells, corners, 3) [N]."""
-    part, x = result.parts[name], result.position[result.structure.parts[name].cells]
-    if part.dimension == 1:
+    x = result.position[result.structure.parts[name].cells]
+    if name in result.bars:
         way = x[:, 1] - x[:, 0]
         direction = way / np.maximum(np.linalg.norm(way, axis=1), 1e-300)[:, None]
         unit = np.stack([direction, -direction], axis=1)
         kept = -compression(result, name)
-        return kept[:, None, None] * unit, (part.force - kept)[:, None, None] * unit
+        return kept[:, None, None] * unit, (result.bars[name].force - kept)[:, None, None] * unit
     normal = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
     # Across the side opposite to a corner, half its length times the stress acts on the corner.
     across = np.cross(np.roll(x, -2, axis=1) - np.roll(x, -1, axis=1), normal[:, None]) / 2
 
+    part = result.membranes[name]
     pressed = _pressed(part, normal)
     return across @ pressed, across @ (part.cauchy - pressed)
 

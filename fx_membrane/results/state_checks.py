@@ -136,7 +136,7 @@ def _slack(result: StageResult) -> Iterator[Check]:
         part = result.structure.parts[name]
         if part.carries_compression:
             continue
-        if part.dimension == 2:
+        if name in result.membranes:
             area = measures(result.structure.points, part.cells)
             share = float(area[~found.taut].sum() / area.sum())
             place = cell_place(result.structure, name, first_largest(np.where(found.taut, 0.0, area)))
@@ -161,10 +161,9 @@ def _masts(result: StageResult) -> Iterator[Check]:
 
 
 def _ends(result: StageResult) -> Iterator[Check]:
-    for name, part in result.structure.parts.items():
-        if part.dimension == 1:
-            ends = loose_ends(result.structure, name, result.actions.held)
-            if ends:
-                remedy = f"Cell {ends[0][0]} ends in the air there; connect or support it."
-                place = node_place(result.structure, ends[0][1])
-                yield _noted(f"loose ends of {name!r}", str(len(ends)), "0", remedy, place)
+    for name in result.structure.bars:
+        ends = loose_ends(result.structure, name, result.actions.held)
+        if ends:
+            remedy = f"Cell {ends[0][0]} ends in the air there; connect or support it."
+            place = node_place(result.structure, ends[0][1])
+            yield _noted(f"loose ends of {name!r}", str(len(ends)), "0", remedy, place)

@@ -143,6 +143,16 @@ class StageResult(Owned):
         """Largest displacement of a node, the length of its vector [m]."""
         return float(np.linalg.norm(self.displacement, axis=1).max())
 
+    @property
+    def membranes(self) -> dict[str, MembraneResult]:
+        """States of the membranes by name."""
+        return {name: cast(MembraneResult, self.parts[name]) for name in self.structure.membranes}
+
+    @property
+    def bars(self) -> dict[str, BarResult]:
+        """States of cables, masts and ropes by name."""
+        return {name: cast(BarResult, self.parts[name]) for name in self.structure.bars}
+
     def water_on(self, name: str) -> Array:
         """Mean depth of the water on each cell of the membrane of that name, shape (cells,) [m].
 

@@ -69,9 +69,9 @@ def _lines(state: StageResult, limits: Limits, force: str, length: str) -> Itera
     yield fitted(f"Stage {state.name!r}: {work}")
     yield fitted(f"  largest displacement {plain(size[node], 4)} {length}, {node_place(state.structure, node)}")
     width = min(max(map(len, state.parts)), NAMES) + 2
-    for name, found in state.parts.items():
-        per = "" if found.dimension == 1 else f"/{length}"
-        first, *more = [*_extremes(state, name, f"{force}{per}"), *_share(state, name)]
+    for name in state.parts:
+        unit = state.structure.parts[name].stress_unit(force, length)
+        first, *more = [*_extremes(state, name, unit), *_share(state, name)]
         beside = len(name) + 2 <= width
         yield f"  {name:{width}}{first}" if beside else f"{fitted(f'  {name}')}\n  {'':{width}}{first}"
         yield from (f"  {'':{width}}{line}" for line in more)
@@ -92,7 +92,7 @@ def _share(state: StageResult, name: str) -> list[str]:
     found, part = state.parts[name], state.structure.parts[name]
     if part.carries_compression:
         return []
-    states = np.asarray(found.state) if found.dimension == 2 else np.where(found.slack, "slack", "taut")
+    states = found.state
     size = measures(state.structure.points, part.cells)
     shares = {word: size[states == word].sum() / size.sum() for word in ("wrinkled", "slack")}
     told = [f"{100 * share:.3g} % {word}" for word, share in shares.items() if share]

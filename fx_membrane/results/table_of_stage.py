@@ -85,10 +85,10 @@ def report(
 
 
 def _part(result: StageResult, name: str, first: int, force_unit: str, length_unit: str) -> list[str]:
-    part = result.structure.parts[name]
-    if part.dimension == 2:
-        return _membrane(result, name, part, force_unit, length_unit)
-    return _bars(result, name, part, first, force_unit, length_unit)
+    membranes, bars = result.structure.membranes, result.structure.bars
+    if name in membranes:
+        return _membrane(result, name, membranes[name], force_unit, length_unit)
+    return _bars(result, name, bars[name], first, force_unit, length_unit)
 
 
 def _rope(result: StageResult, name: str, force_unit: str, length_unit: str) -> list[str]:

@@ -48,14 +48,14 @@ def cell_columns(
     """
     if not isinstance(part, str) or part not in result.parts:
         raise ValueError(f"part is {validation.short_repr(part)}; those of the structure are {list(result.parts)}.")
-    cells, found, points = result.structure.parts[part].cells, result.parts[part], result.structure.points
+    cells, points = result.structure.parts[part].cells, result.structure.points
     columns: Columns = {"cell": np.arange(len(cells))}
     columns |= _vector(("x", "y", "z"), length_unit, points[cells].mean(axis=1))
-    if found.dimension == 1:
+    if part in result.bars:
         columns[f"length [{length_unit}]"] = measures(points, cells)
-        return columns | dict(_bar(found, force_unit))
+        return columns | dict(_bar(result.bars[part], force_unit))
     columns[f"area [{length_unit}2]"] = measures(points, cells)
-    columns |= dict(_membrane(found, f"{force_unit}/{length_unit}"))
+    columns |= dict(_membrane(result.membranes[part], f"{force_unit}/{length_unit}"))
     if not result.structure.has_sides(part):
         columns[SHEAR] = np.full(len(cells), np.nan)
     if water or (water is None and result.ponds):
@@ -64,7 +64,7 @@ def cell_columns(
 
 
 def _bar(found: BarResult, force: str) -> Iterator[tuple[str, NDArray[Any]]]:
-    yield "state", np.where(found.slack, "slack", "taut")
+    yield "state", found.state
     yield "strain [-]", found.strain
     yield f"force [{force}]", found.force
 

@@ -8,8 +8,9 @@ from scipy.sparse.csgraph import connected_components
 
 from ..assembly.acting_ponds import amount_of
 from ..assembly.actions import pond_of
+from ..assembly.pond_cells import Water
 from ..assembly.problem_under_actions import LoadedProblem
-from ..assembly.water import PondEnergy, Water
+from ..assembly.water import PondEnergy
 from ..model.basins import ROUNDING
 from ..model.ponds import triangles_of
 from ..model.water_events import BasinResult
@@ -46,15 +47,15 @@ def _by_group(problem: LoadedProblem) -> list[list[PondEnergy]]:
 
 
 def _basin(number: int, energy: PondEnergy, found: Water) -> BasinResult:
-    triangles, outlets = energy.triangles, energy.outlets
-    assert energy.found is not None
+    outlets = energy.outlets
+    assert energy.basin is not None
     return BasinResult(
         part=energy.pond.part,
         pond=number,
-        node=energy.found.node,
+        node=energy.basin.found.node,
         level=found.level,
         volume=found.volume,
-        area=found.area if len(triangles) and found.volume > 0 else 0.0,
+        area=found.area if found.volume > 0 else 0.0,
         spill=int(outlets[0]) if len(outlets) else -1,
         is_full=found.is_capped,
     )
@@ -66,7 +67,7 @@ def _result(
     pond, waters = pond_of(energies[0].waters), [energy.water(x) for energy in energies]
     depth = np.zeros(len(heights))
     for energy, found in zip(energies, waters, strict=True):
-        nodes = np.unique(energy.triangles)
+        nodes = np.unique(energy.cells.triangles)
         depth[nodes] = np.maximum(depth[nodes], found.level - heights[nodes])
     volume, area = (sum(getattr(found, name) for found in waters) for name in ("volume", "area"))
     if energies[0].basin is None:

@@ -16,7 +16,7 @@ import os
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -26,10 +26,10 @@ import cffi
 from .messages import say
 
 DEAD = 10.0  # another program without a sign for so long is dead, as in dolfinx [s]
-KEPT = 256  # loaded modules, of some forty kinds of parts
+KEPT = 512  # loaded modules and forms, of some forty kinds of parts
 PERIOD = 10.0  # between messages to the user [s]
 _threads = threading.RLock()  # FFCx is changed during a call
-_loaded: OrderedDict[tuple[str, ...], Any] = OrderedDict()  # code of this process, by folder, module and its objects
+_loaded: OrderedDict[tuple[Hashable, ...], Any] = OrderedDict()  # code: by folder, module and its objects; by kind
 _told: list[float] = []  # times of messages to the user
 
 
@@ -64,8 +64,34 @@ def guard(jit: Any) -> Iterator[None]:
         yield
 
 
-def _keep(key: tuple[str, ...], found: Any) -> None:
-    """Keep a loaded module; the one that was not used for the longest time makes room."""
+@contextmanager
+def by_kind(jit: Any, kind: tuple[Hashable, ...]) -> Iterator[None]:
+    """Make dolfinx's compiler (`dolfinx.jit`) take the code of the last object of a kind, unread; within `guard`.
+
+    The caller answers for it that objects of a kind have one formula: only their meshes and values differ.
+    """
+    compiled = jit.ffcx_jit
+
+    def ffcx_jit(*args: Any, **options: Any) -> Any:
+        if kind not in _loaded:
+            _keep(kind, compiled(*args, **options))
+        _loaded.move_to_end(kind)
+        return _loaded[kind]
+
+    jit.ffcx_jit = ffcx_jit
+    try:
+        yield
+    finally:
+        jit.ffcx_jit = compiled
+
+
+def is_kept(kind: tuple[Hashable, ...]) -> bool:
+    """Return True if the code of a kind is loaded."""
+    return kind in _loaded
+
+
+def _keep(key: tuple[Hashable, ...], found: Any) -> None:
+    """Keep loaded code; the one that was not used for the longest time makes room."""
     _loaded[key] = found
     while len(_loaded) > KEPT:
         _loaded.popitem(last=False)

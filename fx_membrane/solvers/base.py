@@ -24,12 +24,14 @@ class SolverLimits:
         scale: Largest force scale of a relative tolerance, as a multiple of the loads.
         fallen: Displacement, in sizes of the structure, that leaves the original shape.
         far: Displacement, in sizes of the structure, that counts as divergence.
+        rest: Fraction of all forces below which a stagnant residual is at rounding.
     """
 
     rounding: float = 1e-14
     scale: float = 1e3
     fallen: float = 0.5
     far: float = 1e3
+    rest: float = 1e-8
 
 
 LIMITS = SolverLimits()

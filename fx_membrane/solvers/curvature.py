@@ -1,5 +1,6 @@
 """The lowest mode of a structure in a state, and the stability of the state."""
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -12,13 +13,31 @@ from . import eigenvalues, factorization
 from .augmented_matrix import augmented
 from .bordered_system import BorderedSystem
 
-WEAK = 1e-9  # stiffness of a mode, as a strain, below which it is a free motion
-BELOW = 1e-3  # distance of the shift from the lowest eigenvalue, as a fraction
-FIRST = 100 * WEAK  # first bound of the negative curvature to try, as a strain
-CRUSHED = 0.5  # Green's strain of a cell that has shrunk to nothing
-LEAST = 1e-4  # negative curvature, as a strain, that is ignored between two states
-SECANTS = 8  # number of secants between two states
-STEPS = 4  # number of inverse iterations
+
+@dataclass(frozen=True)
+class ModeLimits:
+    """Limits of modes and of the stability of states, as strains where nothing else is said.
+
+    Attributes:
+        free: Stiffness of a mode below which it is a free motion.
+        below: Distance of the shift from the lowest eigenvalue, as a fraction.
+        first: First bound of the negative curvature to try.
+        crushed: Green's strain of a cell that has shrunk to nothing.
+        least: Negative curvature that is ignored between two states.
+        secants: Number of secants between two states.
+        steps: Number of inverse iterations.
+    """
+
+    free: float = 1e-9
+    below: float = 1e-3
+    first: float = 1e-7
+    crushed: float = 0.5
+    least: float = 1e-4
+    secants: int = 8
+    steps: int = 4
+
+
+MODES = ModeLimits()
 
 
 class Mode(NamedTuple):
@@ -76,7 +95,7 @@ def lowest_mode(
     problem.discretization.to_petsc(np.random.default_rng(0).normal(size=problem.structure.points.shape), v)
     v.array[still - v.getOwnershipRange()[0]] = 0.0
     with problem.discretization.work(1) as (w,):
-        for _ in range(STEPS):
+        for _ in range(MODES.steps):
             problem.constraints.zero_constrained(v)
             solver.solve(v, w)
             bordered.correct(w, none)
@@ -114,20 +133,20 @@ def negative_curvature_direction(problem: LoadedProblem, x: PETSc.Vec) -> Mode:
     both motions.
     """
     problem = problem.without_compression_stiffness()
-    found = lowest_mode(problem, x, WEAK)
+    found = lowest_mode(problem, x, MODES.free)
     if not found.negative and problem.integrals.following(x):
         found.motion.destroy()
-        return lowest_mode(problem, x, WEAK, one_sided=True)
+        return lowest_mode(problem, x, MODES.free, one_sided=True)
     if not found.negative:
         return found
     found.motion.destroy()
     # The vector of a multiple eigenvalue is that of inverse iteration: equal for any number of processes.
-    direction = lowest_mode(problem, x, -(1 + BELOW) * _lowest(problem, x))
+    direction = lowest_mode(problem, x, -(1 + MODES.below) * _lowest(problem, x))
     return direction._replace(negative=found.negative)
 
 
 def _lowest(problem: LoadedProblem, x: PETSc.Vec) -> float:
-    """Lowest eigenvalue of K v = lambda T v, known to be below -WEAK, with its Sturm sequence check."""
+    """Lowest eigenvalue of K v = lambda T v, known to be below that of a free motion, with its Sturm sequence check."""
     K, T = problem.tangent(x), problem.stabilizer.matrix("aij").copy()
     with problem.discretization.work(1) as (b,):
         problem.constraints.constrain_tangent(x, K, b)
@@ -135,14 +154,14 @@ def _lowest(problem: LoadedProblem, x: PETSc.Vec) -> float:
         factorization.symmetrize(matrix)
     T.zeroRowsColumns(problem.constraints.constrained, diag=0.0)
     whole = augmented(K, T, problem.borders(x))
-    (pair, *_), _ = eigenvalues.lowest(whole.K, whole.M, 1, FIRST, whole.negative)
+    (pair, *_), _ = eigenvalues.lowest(whole.K, whole.M, 1, MODES.first, whole.negative)
     whole.free()
     return pair.value.real
 
 
 def wrinkling_threshold(structure: Structure) -> float:
     """Upper bound of the negative curvature of wrinkled and slack cells in any shape, as a strain."""
-    return CRUSHED * _kept(structure)
+    return MODES.crushed * _kept(structure)
 
 
 def negative_between(problem: LoadedProblem, start: PETSc.Vec, end: PETSc.Vec) -> bool:
@@ -164,12 +183,12 @@ def negative_between(problem: LoadedProblem, start: PETSc.Vec, end: PETSc.Vec) -
         start.copy(at)
         problem.constraints.impose(at)
         way.waxpy(-1.0, at, end)
-        for _ in range(SECANTS + 1):
+        for _ in range(MODES.secants + 1):
             problem.residual(at, b)
             forces.append(float(b.dot(way)))
-            at.axpy(1 / SECANTS, way)
-        least = max(LEAST, wrinkling_threshold(problem.structure)) * problem.stabilizer.work(way)
-    return bool((SECANTS * np.diff(forces) < -least).any())
+            at.axpy(1 / MODES.secants, way)
+        least = max(MODES.least, wrinkling_threshold(problem.structure)) * problem.stabilizer.work(way)
+    return bool((MODES.secants * np.diff(forces) < -least).any())
 
 
 def _kept(structure: Structure) -> float:

@@ -16,7 +16,7 @@ from ..model.parts import Mast
 from ..model.structure import Structure
 from ..runtime.processes import everywhere
 from .base import max_norm
-from .curvature import WEAK, lowest_mode
+from .curvature import MODES, lowest_mode
 
 
 @dataclass(frozen=True)
@@ -61,15 +61,16 @@ def linear_failure(problem: LoadedProblem, A: PETSc.Mat) -> str:
 
 def _why_loose(structure: Structure, node: int) -> str:
     """Sentence on the parts without stiffness at a node, and on the remedy."""
-    here = [part for part in structure.parts.values() if (part.cells == node).any()]
+    there = {name: part for name, part in structure.parts.items() if (part.cells == node).any()}
+    here, cables = there.values(), [there[name] for name in there if name in structure.bars]
     if all(part.is_strut for part in here):
         return (
             "A joint between masts in line, or of a frame without bracing, has no stiffness across; add masts or "
             "cables that brace it, or supports."
         )
     kinds = {
-        "a flat membrane": any(part.dimension == 2 for part in here),
-        "a straight cable": any(part.dimension == 1 and not part.is_strut and not part.shares_tension for part in here),
+        "a flat membrane": len(cables) < len(there),
+        "a straight cable": any(not part.is_strut and not part.shares_tension for part in cables),
         "a straight rope": any(part.shares_tension for part in here),
     }
     what = " or ".join(words for words, found in kinds.items() if found)
@@ -94,9 +95,9 @@ class Mechanism(NamedTuple):
 
 def mechanism(problem: LoadedProblem, x: PETSc.Vec) -> Mechanism | None:
     """Free motion of a structure in a state; None if every motion meets resistance."""
-    found = lowest_mode(problem, x, WEAK)
+    found = lowest_mode(problem, x, MODES.free)
     # Written so that NaN is not taken for a mechanism.
-    if not abs(found.stiffness) < WEAK:
+    if not abs(found.stiffness) < MODES.free:
         return None
     free = _mechanism(problem.discretization.to_numpy(found.motion))
     return free._replace(words=f"{free.words} Add supports, members or prestress that hold it.")
@@ -127,10 +128,10 @@ def slack_mechanism(problem: LoadedProblem, x: PETSc.Vec) -> Mechanism | None:
         return None
     # Slack fabric may be softer than a mast that falls: masts move alone, too.
     for moving in (np.ones_like(masts), masts):
-        found = lowest_mode(problem.without_compression_stiffness(), x, WEAK, moving)
+        found = lowest_mode(problem.without_compression_stiffness(), x, MODES.free, moving)
         motion = problem.discretization.to_numpy(found.motion)
         # Fabric that is slack here and there is not the structure.
-        if found.stiffness < WEAK and masts[np.linalg.norm(motion, axis=1).argmax()]:
+        if found.stiffness < MODES.free and masts[np.linalg.norm(motion, axis=1).argmax()]:
             return _slack_mechanism(structure, _mechanism(motion, " but for the small stiffness that slack parts keep"))
     return None
 

@@ -10,6 +10,7 @@ guaranteed descent and an efficient line search, SIAM J. Optimization 16 (2005) 
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
 from typing import NamedTuple
 
@@ -18,9 +19,23 @@ from petsc4py import PETSc
 from ..assembly.problem_under_actions import LoadedProblem
 from .base import LIMITS
 
-DECREASE = 1e-4  # minimum fraction of the linearly predicted decrease
-MARGIN = 0.05  # fraction of an interval, at both ends, without trials
-SHORTEST = 1e-10
+
+@dataclass(frozen=True)
+class SearchControl:
+    """Constants of the search; `decrease` is that of Nocedal and Wright, chapter 3.1.
+
+    Attributes:
+        decrease: Minimum fraction of the linearly predicted decrease.
+        margin: Fraction of an interval, at both ends, without trials.
+        shortest: Length of an interval at which the search ends.
+    """
+
+    decrease: float = 1e-4
+    margin: float = 0.05
+    shortest: float = 1e-10
+
+
+SEARCH = SearchControl()
 
 
 class Point(NamedTuple):
@@ -47,7 +62,7 @@ def search(along: Callable[[float], Point], rounding: float, flatness: float = 0
     trial = high = along(1.0)
     interpolate = _parabola
     while True:
-        limit = min(low.energy, start.energy + DECREASE * trial.length * start.slope) + rounding
+        limit = min(low.energy, start.energy + SEARCH.decrease * trial.length * start.slope) + rounding
         # Written so that an energy that is NaN is too high.
         if not trial.energy <= limit:
             high = trial
@@ -56,10 +71,10 @@ def search(along: Callable[[float], Point], rounding: float, flatness: float = 0
         else:  # the minimum lies downhill from the lower end
             high = low if trial.slope * (high.length - low.length) >= 0 else high
             low = trial
-        if abs(high.length - low.length) < SHORTEST:
+        if abs(high.length - low.length) < SEARCH.shortest:
             return low.length or None
         share = (interpolate(low, high) - low.length) / (high.length - low.length)
-        share = min(max(share, MARGIN), 1 - MARGIN) if math.isfinite(share) else 0.5
+        share = min(max(share, SEARCH.margin), 1 - SEARCH.margin) if math.isfinite(share) else 0.5
         trial = along(low.length + share * (high.length - low.length))
         interpolate = _cubic
 

@@ -27,8 +27,6 @@ from .inertia_correction import ShiftControl
 from .line_search import halves, step_back
 from .outcome import Outcome
 
-REST = 1e-8  # fraction of all forces below which a stagnant residual is at rounding
-
 Proceed = Callable[[list[Iteration]], bool]  # True to continue an attempt, by its iterates
 
 
@@ -156,7 +154,7 @@ class NewtonLoop:
         self.problem.constraints.constrain_residual(x, b)
         beyond, unbalanced = self.problem.beyond_rounding(x, b), max_norm(b)
         self.history.append(Iteration(energy, unbalanced, self.length, self.shift))
-        small = beyond < REST * self.tolerance / self.rtol
+        small = beyond < LIMITS.rest * self.tolerance / self.rtol
         self.balanced = beyond < self.tolerance or (small and at_rest(self.history))
         self.iterates += 1
         self.monitor(len(self.history) - 1, self.history[-1])

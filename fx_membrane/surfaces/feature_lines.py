@@ -56,13 +56,12 @@ def features(structure: Structure, keep: Integers) -> Features:
             owners[edge].add(("rim", number))
     fabric = _edges(np.concatenate([structure.parts[patch.part].cells[patch.rows] for patch in patches]))
     bars, loose = {}, {}
-    for name, part in structure.parts.items():
-        if part.dimension == 1:
-            on = [edge in fabric for edge in _pairs(part.cells)]
-            loose[name] = np.flatnonzero(~np.array(on))
-            bars[name] = {edge: row for row, edge in enumerate(_pairs(part.cells)) if on[row]}
-            for edge in bars[name]:
-                owners[edge].add(("bar", name))
+    for name, part in structure.bars.items():
+        on = [edge in fabric for edge in _pairs(part.cells)]
+        loose[name] = np.flatnonzero(~np.array(on))
+        bars[name] = {edge: row for row, edge in enumerate(_pairs(part.cells)) if on[row]}
+        for edge in bars[name]:
+            owners[edge].add(("bar", name))
     on_rim = [edge for edge, names in owners.items() if any(kind == "rim" for kind, _ in names)]
     rim = np.unique(np.array(on_rim, dtype=np.int64))  # empty of closed membranes
     for number, support in enumerate(structure.supports):
@@ -85,9 +84,7 @@ def _edges(triangles: Integers) -> set[tuple[int, int]]:
 def _patches(structure: Structure) -> list[Patch]:
     """Pieces of membranes whose cells share edges."""
     found = []
-    for name, part in structure.parts.items():
-        if part.dimension != 2:
-            continue
+    for name, part in structure.membranes.items():
         n, cells = len(part.cells), part.cells
         sides = np.sort(np.concatenate([cells[:, [0, 1]], cells[:, [1, 2]], cells[:, [2, 0]]]), axis=1)
         _, edge = np.unique(sides, axis=0, return_inverse=True)
@@ -150,11 +147,10 @@ def _ends(
 def _areas(structure: Structure, nodes: Integers) -> set[int]:
     """Nodes of cells that are held as a whole, within a membrane."""
     found: set[int] = set()
-    for part in structure.parts.values():
-        if part.dimension == 2:
-            whole = np.isin(part.cells, nodes).all(axis=1)
-            inner = ~np.isin(part.cells, boundary_edges(part.cells)).all(axis=1)
-            found |= set(part.cells[whole & inner].ravel().tolist())
+    for part in structure.membranes.values():
+        whole = np.isin(part.cells, nodes).all(axis=1)
+        inner = ~np.isin(part.cells, boundary_edges(part.cells)).all(axis=1)
+        found |= set(part.cells[whole & inner].ravel().tolist())
     return found
 
 

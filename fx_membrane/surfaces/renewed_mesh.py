@@ -108,11 +108,10 @@ def new_mesh(structure: Structure, size: Callable[[Array], Array], keep: Integer
             prestress[name] = np.concatenate([piece.stress for piece in of_part])
         if membrane.warp is not None and np.ndim(membrane.warp) == 2:
             warp[name] = np.concatenate([piece.warp for piece in of_part])
-    for name, part in structure.parts.items():
-        if part.dimension == 1:
-            cells[name], forces = _bar(structure.points, part, found, name, lines, number)
-            if np.ndim(part.prestress):
-                prestress[name] = forces
+    for name, part in structure.bars.items():
+        cells[name], forces = _bar(structure.points, part, found, name, lines, number)
+        if np.ndim(part.prestress):
+            prestress[name] = forces
     return NewMesh(nodes.points, number, cells, prestress, warp, _supports(structure, nodes))
 
 
@@ -150,9 +149,8 @@ def _supports(structure: Structure, nodes: _Nodes) -> list[Integers]:
     """Find the new nodes of each support: those in old cells that it holds at all corners."""
     corners, shares = nodes.all()
     rim = np.zeros(len(structure.points), dtype=bool)
-    for part in structure.parts.values():
-        if part.dimension == 2:
-            rim[boundary_edges(part.cells)] = True
+    for part in structure.membranes.values():
+        rim[boundary_edges(part.cells)] = True
     within = (shares > 0).all(axis=1)  # of a triangle
     between_edges = within & rim[corners].all(axis=1)  # a corner of the rim, whose edges are held
     found = []

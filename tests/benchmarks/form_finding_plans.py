@@ -1,6 +1,6 @@
 """Generated plans of tents, each with every method of form finding: found or refused, and how well.
 
-    .venv/bin/python tests/benchmarks/form_finding_plans.py [first plan [last plan]]
+    .venv/bin/python tests/benchmarks/form_finding_plans.py [first plan [last plan [file of the table]]]
 
 A plan has 3 to 8 corners at heights of their own; edges that are held, or have cables along the curves that balance
 the stress; one to three high points, which are held rings or high corners; and valley cables from rings to corners.
@@ -12,6 +12,8 @@ steps; processor time [s]; largest error of the stress; displacement of the form
 over its size; and the reason in words. These are defects, and the exit status is 1 then: more than a minute of
 processor time; a form that moves by more than 1e-12 of its size, or is not the one asked for without a word; a flaw
 that is found or has no word on it; a plan without a flaw that stress in projection does not find.
+
+Rows of the table beside this script are added to a file, if one is given.
 """
 
 import re
@@ -22,7 +24,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from time import process_time
+from typing import NamedTuple
 
 import numpy as np
 from tent_plans import Tent, tent  # type: ignore[import-not-found]
@@ -32,6 +36,19 @@ from fx_membrane import Analysis, Form, Stage, UnsettledFormWarning, projected_s
 
 PLANS, LIMIT, STILL = 40, 60, 1e-12
 WORDS = {"weak edges": "dge cables? .*too weak", "high ring": "ring is too far"}  # regular expressions
+REASONS = {  # of the table: the first that is found in the words
+    "edges too weak": WORDS["weak edges"],
+    "ring too far": WORDS["high ring"],
+    "unequal stress": "times as large in one direction",
+}
+
+
+class Line(NamedTuple):
+    """Line of the output for a method, its defect, empty without one, and its cell of the table."""
+
+    text: str
+    defect: str
+    cell: str
 
 
 @contextmanager
@@ -65,8 +82,8 @@ def methods(case: Tent) -> Iterator[tuple[str, Callable[[], Form]]]:
         yield "prescribed stress", partial(fx_membrane.prescribed_stress, lifted)
 
 
-def judged(case: Tent, method: str, find: Callable[[], Form]) -> tuple[str, str]:
-    """Line of the table for a method, and its defect; empty without one."""
+def judged(case: Tent, method: str, find: Callable[[], Form]) -> Line:
+    """Judge a method."""
     start, words = process_time(), ""
     try:
         with limited(LIMIT), warnings.catch_warnings(record=True) as told:
@@ -74,10 +91,10 @@ def judged(case: Tent, method: str, find: Callable[[], Form]) -> tuple[str, str]
             form = find()
             words = " ".join(str(entry.message) for entry in told if issubclass(entry.category, UnsettledFormWarning))
     except TimeoutError:
-        return "", f"longer than {LIMIT} s"
+        return Line("", f"longer than {LIMIT} s", "none in time")
     except (RuntimeError, ValueError) as refusal:
         line = f"{'refused':>10}{'':6}{process_time() - start:8.2f}{'':18}  {refusal}"
-        return line, _unexpected(case, method, False, str(refusal))
+        return Line(line, _unexpected(case, method, False, str(refusal)), f"refused{_reason(str(refusal))}")
     time = process_time() - start
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -86,11 +103,17 @@ def judged(case: Tent, method: str, find: Callable[[], Form]) -> tuple[str, str]
     error = form.steps[-1].stress_error if form.steps else np.nan  # no step came nearer
     verdict = "found" if form.converged else "unsettled"
     line = f"{verdict:>10}{len(form.steps):6}{time:8.2f}{error:9.1e}{moved:9.1e}  {words}"
+    defect = _unexpected(case, method, form.converged, words)
     if moved > STILL:
-        return line, "moves"
-    if not form.converged and not words and "natural" not in method:  # these say how far they are by their error
-        return line, "not a word"
-    return line, _unexpected(case, method, form.converged, words)
+        defect = "moves"
+    elif not form.converged and not words and "natural" not in method:  # these say how far they are by their error
+        defect = "not a word"
+    return Line(line, defect, f"{verdict} {error:.0e}{'' if form.converged else _reason(words)}")
+
+
+def _reason(words: str) -> str:
+    """Reason that words give, in brackets."""
+    return next((f" ({reason})" for reason, pattern in REASONS.items() if re.search(pattern, words)), "")
 
 
 def _unexpected(case: Tent, method: str, found: bool, words: str) -> str:
@@ -111,16 +134,22 @@ def _unexpected(case: Tent, method: str, found: bool, words: str) -> str:
 def main() -> None:
     """Print the table."""
     first, last = [*map(int, sys.argv[1:3]), *[0, PLANS - 1][len(sys.argv) - 1 :]][:2]
+    table = Path(sys.argv[3]) if len(sys.argv) > 3 else None
     defects = 0
     print(f"{'method':24}{'':>10}{'steps':>6}{'time':>8}{'stress':>9}{'moved':>9}")
     for number in range(first, last + 1):
         case = tent(number)
-        cells = len(case.structure.parts["film"].cells)
-        print(f"{number}: {case.words}, {cells} cells{', flaw: ' + case.flaw if case.flaw else ''}", flush=True)
+        count = len(case.structure.parts["film"].cells)
+        print(f"{number}: {case.words}, {count} cells{', flaw: ' + case.flaw if case.flaw else ''}", flush=True)
+        cells = [f"{number}: {case.words}", case.flaw]
         for name, find in methods(case):
-            line, defect = judged(case, name, find)
-            defects += bool(defect)
-            print(f"    {name:20}{line}{'  DEFECT: ' + defect if defect else ''}", flush=True)
+            line = judged(case, name, find)
+            defects += bool(line.defect)
+            cells += [line.cell] if name != "natural densities" else []
+            print(f"    {name:20}{line.text}{'  DEFECT: ' + line.defect if line.defect else ''}", flush=True)
+        if table:
+            with table.open("a") as file:
+                file.write(f"| {' | '.join(cells)} |\n")
     sys.exit(f"{defects} defects" if defects else 0)
 
 

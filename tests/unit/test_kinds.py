@@ -1,4 +1,4 @@
-"""Kinds of parts, laws and results of parts: asked for in one table of each, told by their attributes elsewhere."""
+"""Kinds of parts, laws and results of parts: asked for in one table of each; attributes and lists by kind elsewhere."""
 
 import ast
 from pathlib import Path
@@ -13,7 +13,10 @@ KINDS = {
     *("MembraneResult", "BarResult", "RopeResult"),
 }
 HOMES = {"bars", "laws", "materials", "part_results", "parts", "ropes"}
-TABLES = {"assembly/relaxation.py", "model/materials.py", "model/structure.py"}  # the last in `Structure.parts_of`
+TABLES = {"assembly/relaxation.py", "model/materials.py", "model/structure.py"}  # the last for `Structure.membranes`
+OTHERS = {  # of a law before there is a part, and of groups of cells in a mesh
+    *("model/law_check.py", "model/laws.py", "files/dolfinx_mesh.py", "files/msh.py"),
+}
 
 
 def imported(tree, home):
@@ -48,6 +51,17 @@ def questions(tree, kinds):
             yield node.lineno
 
 
+def dimensions(tree):
+    """Lines that compare a dimension with a number, as a question for the kind of a part."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Compare):
+            sides = [node.left, *node.comparators]
+            words = [getattr(side, "attr", getattr(side, "id", "")) for side in sides]
+            numbers = [side for side in sides if isinstance(side, ast.Constant) and isinstance(side.value, int)]
+            if "dimension" in words and numbers:
+                yield node.lineno
+
+
 def test_kinds_are_asked_for_in_the_tables_only():
     found = []
     for path in sorted(ROOT.rglob("*.py")):
@@ -67,3 +81,22 @@ part == Cable([[0, 1]], 1.0)
 """
     tree = ast.parse(text)
     assert list(questions(tree, imported(tree, home=False))) == [3, 4, 5]
+
+
+def test_dimensions_of_parts_are_not_asked_for():
+    found = []
+    for path in sorted(ROOT.rglob("*.py")):
+        place = path.relative_to(ROOT).as_posix()
+        if place not in OTHERS and not place.startswith("forms/"):
+            found += [f"{place}:{line}" for line in dimensions(ast.parse(path.read_text()))]
+    assert not found
+
+
+def test_questions_for_dimensions_are_seen():
+    text = """
+part.dimension == 2
+2 != part.dimension
+dimension < 2
+dimension == other.dimension
+"""
+    assert list(dimensions(ast.parse(text))) == [2, 3, 4]

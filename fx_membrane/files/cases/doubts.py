@@ -48,10 +48,10 @@ def _milli(value: Any, path: tuple[str | int, ...]) -> Iterator[Fault]:
 def _loads(structure: Structure, stage: Stage, path: tuple[str | int, ...]) -> Iterator[Fault]:
     """Find loads that stretch a flat strip between edges, of the size of the part, by more than half."""
     for number, load in enumerate(stage.loads):
-        if not isinstance(load, DistributedLoad | PlanLoad) or load.part not in structure.parts:  # made with the form
-            continue
-        part = structure.parts[load.part]
-        if part.dimension != 2 or not laws.strain_limit(part.material) < 1:  # foils are made for it
+        if not isinstance(load, DistributedLoad | PlanLoad) or load.part not in structure.membranes:
+            continue  # some parts are made with the form
+        part = structure.membranes[load.part]
+        if not laws.strain_limit(part.material) < 1:  # foils are made for it
             continue
         size = float(np.sqrt(measures(structure.points, part.cells).sum()))
         most = float(np.linalg.norm(np.asarray(load.load).reshape(-1, 3), axis=1).max())

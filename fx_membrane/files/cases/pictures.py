@@ -61,8 +61,8 @@ def drawings(output: Any, results: StageResults, folder: Path) -> Iterator[Calla
 
 
 def _fields(state: StageResult, names: list[str], force: str, length: str) -> dict[str, Any]:
-    membranes = {name: part for name, part in state.parts.items() if part.dimension == 2}
-    bars = {name: part.principal[:, 0] for name, part in state.parts.items() if part.dimension == 1}
+    membranes = state.membranes
+    bars = {name: part.force for name, part in state.bars.items()}
     found: dict[str, Any] = {f"displacement [{length}]": np.linalg.norm(state.displacement, axis=1)}
     if membranes:
         for number, word in enumerate(("I", "II")):

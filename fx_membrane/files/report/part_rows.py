@@ -16,13 +16,13 @@ def part_row(structure: Structure, name: str, force: str, length: str) -> dict[s
     """Row of a part."""
     part = structure.parts[name]
     size, stretch = measures(structure.points, part.cells).sum(), part.natural_tensors()
-    unit = f"{force}/{length}" if part.dimension == 2 else force
+    unit = part.stress_unit(force, length)
     natural = f"; natural stretch {_ends(stretch, 6)}" if (stretch - np.eye(part.dimension)).any() else ""
     return {
         "name": name,
         "kind": type(part).__name__,
         "cells": len(part.cells),
-        "size": f"{plain(size)} {length}{'2' if part.dimension == 2 else ''}",
+        "size": f"{plain(size)} {part.size_unit(length)}",
         "material": _material(part.material, force, f"{force}/{length}"),
         "prestress": f"{_ends(part.prestress_tensors(), 6)} {unit}{natural}",
     }

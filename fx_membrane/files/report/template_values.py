@@ -209,7 +209,7 @@ def _load_unit(load: Any, structure: Structure, force: str, length: str) -> str:
     if isinstance(load, PointLoad):
         return f" {force}"
     if isinstance(load, DistributedLoad | PlanLoad | Pressure):
-        return f" {force}/{length}" + ("2" if structure.parts[load.part].dimension == 2 else "")
+        return f" {force}/{structure.parts[load.part].size_unit(length)}"
     return ""
 
 
@@ -225,7 +225,7 @@ def _extremes(state: StageResult, told: dict[str, Any], force: str, length: str)
         "largest_at": f"node {largest['node']} at {_place(state.structure, largest['place'])}",
     }
     for name, part in told["parts"].items():
-        unit = force if state.parts[name].dimension == 1 else f"{force}/{length}"
+        unit = state.structure.parts[name].stress_unit(force, length)
         for quantity, ends in part.items():
             if isinstance(ends, dict):
                 yield {

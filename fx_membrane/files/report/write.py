@@ -259,8 +259,8 @@ def _fields(state: StageResult, force: str, length: str) -> dict[str, Any]:
     fields: dict[str, Any] = {}
     if state.largest_displacement:
         fields[f"displacement [{length}]"] = np.linalg.norm(state.displacement, axis=1)
-    stress = {name: part.principal[:, 0] for name, part in state.parts.items() if part.dimension == 2}
-    forces = {name: part.principal[:, 0] for name, part in state.parts.items() if part.dimension == 1}
+    stress = {name: part.principal[:, 0] for name, part in state.membranes.items()}
+    forces = {name: part.force for name, part in state.bars.items()}
     if stress:
         fields[f"principal stress I [{force}/{length}]"] = stress
     if state.water_depth.any():

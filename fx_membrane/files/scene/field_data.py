@@ -52,7 +52,7 @@ def fields(structure: Structure, views: Iterable[View], length: str) -> list[Fie
             found |= {Field(f"{name} [{length}]", NODES): None for name in DISPLACEMENTS}
         for part, columns in view.columns.items():
             for head in columns:
-                group = MEMBRANES if structure.parts[part].dimension == 2 else BARS
+                group = MEMBRANES if part in structure.membranes else BARS
                 found[Field(head, STATE if head == "state" else group)] = None
     order = [NODES, STATE, MEMBRANES, BARS]
     return sorted(found, key=lambda field: order.index(field.group))
@@ -81,7 +81,7 @@ def described(
 
 
 def _has(field: Field, structure: Structure, part: str) -> bool:
-    return field.group == STATE or (structure.parts[part].dimension == 2) == (field.group == MEMBRANES)
+    return field.group == STATE or (part in structure.membranes) == (field.group == MEMBRANES)
 
 
 def _of_nodes(field: Field, structure: Structure, view: View) -> dict[str, Any] | None:

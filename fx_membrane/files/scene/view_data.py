@@ -95,7 +95,7 @@ def _stage(state: StageResult, name: str, force: str, length: str) -> View:
 def _as_built(structure: Structure, force: str, length: str) -> Iterator[tuple[str, Columns]]:
     """List the initial stress of each part under the names that results have: a form is at rest with it."""
     for name, tensors in built_stress(structure).items():
-        if structure.parts[name].dimension == 1:
+        if name in structure.bars:
             yield name, {f"force [{force}]": tensors[:, 0, 0]}
         else:
             unit = f"[{force}/{length}]"

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.sizes import measures
-from ...model.parts import Part
+from ...model.parts import Line, Part
 from ...model.structure import Structure
 from ..plan import UPRIGHT, place
 from ..reasons.unheld import lone_head
@@ -26,9 +26,7 @@ def check_bars(structure: Structure) -> None:
         ValueError: A cable is in compression; a mast with a force has an end that is not held.
     """
     free = ~structure.supported.all(axis=1)
-    for name, part in structure.parts.items():
-        if part.dimension != 1:
-            continue
+    for name, part in structure.bars.items():
         force = part.prestress_tensors().ravel()
         if part.is_strut:
             unfit = np.flatnonzero((force != 0) & free[part.cells].any(axis=1))
@@ -50,12 +48,12 @@ def check_bars(structure: Structure) -> None:
 
 
 def densities_of(
-    parts: Mapping[str, Part], points: Array, axes: Array, measure: str | Mapping[str, Measures]
+    bars: Mapping[str, Line], points: Array, axes: Array, measure: str | Mapping[str, Measures]
 ) -> dict[str, Array]:
     """Force densities of bars by their prestress and their length in a shape, by part, shape (cells,) [N/m].
 
     Args:
-        parts: Parts by name; the forces of masts are true ones.
+        bars: Cables, masts and ropes by name; the forces of masts are true ones.
         points: The shape, shape (n, 3) [m].
         axes: Two axes of the plan and its normal as columns, shape (3, 3) [-].
         measure: Meaning of the prestress of cables, one of `MEASURES`, or one for each cell by part.
@@ -64,12 +62,11 @@ def densities_of(
         ValueError: A cable of given horizontal force has no length in plan.
     """
     found = {}
-    for name, part in parts.items():
-        if part.dimension == 1:
-            force = part.prestress_tensors().ravel()
-            given = measure if isinstance(measure, str) else measure[name]
-            length = measured_lengths(name, part, points, axes, given, force != 0)
-            found[name] = np.divide(force, length, where=force != 0, out=np.zeros(len(force)))
+    for name, part in bars.items():
+        force = part.prestress_tensors().ravel()
+        given = measure if isinstance(measure, str) else measure[name]
+        length = measured_lengths(name, part, points, axes, given, force != 0)
+        found[name] = np.divide(force, length, where=force != 0, out=np.zeros(len(force)))
     return found
 
 

@@ -63,7 +63,7 @@ def _lines(structure: Structure, plans: Mapping[str, Plan], axes: Array) -> list
     flat, pull = structure.points @ axes[:, :2], np.zeros((len(structure.points), 2))
     for plan in plans.values():
         np.subtract.at(pull, plan.cells, plan.stiffness() @ flat[plan.cells])
-    bars = [part for part in structure.parts.values() if part.dimension == 1]
+    bars = list(structure.bars.values())
     count = sum(
         (np.bincount(bar.cells[bar.prestress_tensors().ravel() != 0].ravel(), minlength=len(flat)) for bar in bars),
         start=np.zeros(len(flat), dtype=np.int64),

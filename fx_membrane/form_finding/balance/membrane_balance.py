@@ -70,9 +70,7 @@ def cell_loads(load: Any, points: Array, cells: NDArray[np.int64]) -> Array:
 
 def collapse_of(structure: Structure, points: Array, only_bars: bool = False) -> str:
     """Tell of a cell that has shrunk to nothing, in words; empty without one."""
-    for name, part in structure.parts.items():
-        if only_bars and part.dimension == 2:
-            continue
+    for name, part in (structure.bars if only_bars else structure.parts).items():
         gone = grown_slender(points, part.cells, structure.points)
         if len(gone):
             return (
@@ -92,11 +90,12 @@ def stressed(
     """Parts with the forces in a shape as prestress, and these forces; warps are unit tangents in it, by membrane."""
     parts: dict[str, Part] = {}
     forces: dict[str, Array] = {}
-    for name, part in structure.parts.items():
-        if part.dimension == 2:
+    membranes, bars = structure.membranes, structure.bars
+    for name in structure.parts:
+        if name in membranes:
             forces[name], warp = cauchy(plans[name], points, (warps or {}).get(name))
-            parts[name] = replace(part, prestress=forces[name], warp=warp)
+            parts[name] = replace(membranes[name], prestress=forces[name], warp=warp)
         else:
-            forces[name] = densities[name] * measures(points, part.cells)
-            parts[name] = replace(part, prestress=forces[name])
+            forces[name] = densities[name] * measures(points, bars[name].cells)
+            parts[name] = replace(bars[name], prestress=forces[name])
     return parts, forces

@@ -39,8 +39,8 @@ def _lines(structure: Structure, name: str, cells: NDArray[np.int64], guided: ND
     """Lines of cells of a cable; a closed one is divided where supports, constraints or other bars hold it."""
     supported, part = structure.supported, structure.parts[name]
     corners = supported.any(axis=1) | guided
-    for other in structure.parts.values():
-        if other is not part and other.dimension != 2:
+    for other in structure.bars.values():
+        if other is not part:
             corners[other.cells] = True
     lines = []
     for line in lines_of(part.cells, cells, supported.all(axis=1)):
@@ -93,10 +93,9 @@ def _least(structure: Structure, line: Line, constraint: Geometry) -> float:
         return 0.0
     on_line, least = np.zeros(len(structure.points), dtype=bool), np.inf
     on_line[line.nodes] = True
-    for part in structure.parts.values():
-        if part.dimension == 2:
-            beside = part.prestress_tensors()[on_line[part.cells].sum(axis=1) > 1]
-            least = min(least, float(np.linalg.eigvalsh(beside).min(initial=np.inf)))
+    for part in structure.membranes.values():
+        beside = part.prestress_tensors()[on_line[part.cells].sum(axis=1) > 1]
+        least = min(least, float(np.linalg.eigvalsh(beside).min(initial=np.inf)))
     radius = line.chord(structure.points) / 2 / np.sin(np.radians(constraint.angle))
     return float(least * radius) if np.isfinite(least) else 0.0
 

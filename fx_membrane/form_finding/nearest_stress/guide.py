@@ -18,10 +18,13 @@ from ..reasons.tangents import line_tangents
 Array = NDArray[np.float64]
 Segments = NDArray[np.int64]
 
-SLIDES = 0.05  # part of a motion of a body off its lines, below which it slides along them
+# Ranges: tests/benchmarks/form_finding_constants.py, on 24 rings and rigid bodies.
+SLIDES = 0.05  # part of a motion of a body off its lines, below which it slides along them; same from 0.005 to 0.5
 # A central difference of length SHORT errs by its square, 1e-8, and by rounding over it, 1e-12: both below NEUTRAL.
-NEUTRAL = 1e-6  # work of forces on a slide, and its change, over the forces, that count as none
-SHORT = 1e-4  # length of a difference over the extent of a body
+NEUTRAL = (
+    1e-6  # work of forces on a slide, and its change, over the forces, that count as none; the same from 1e-7 to 1e-5
+)
+SHORT = 1e-4  # length of a difference over the extent of a body; the same from 1e-5 to 1e-3
 
 
 class BodyWays(NamedTuple):

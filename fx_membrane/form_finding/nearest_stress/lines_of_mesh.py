@@ -46,7 +46,7 @@ def mesh_lines(structure: Structure, acting: Mapping[str, NDArray[np.bool_]]) ->
         acting: Cells of bars that have a force, by part, shape (cells,).
     """
     none = np.zeros((0, 3), dtype=np.int64)
-    rim = _rim(np.concatenate([none, *(part.cells for part in structure.parts.values() if part.dimension == 2)]))
+    rim = _rim(np.concatenate([none, *(part.cells for part in structure.membranes.values())]))
     bars = [structure.parts[name].cells[there] for name, there in acting.items()]
     segments = np.unique(np.sort(np.concatenate([rim, *bars])), axis=0)
     on_rim, on_line = (np.isin(np.arange(len(structure.points)), lines) for lines in (rim, segments))

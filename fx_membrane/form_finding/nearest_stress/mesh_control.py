@@ -68,8 +68,7 @@ class MeshControl:
 
     def __init__(self, structure: Structure, motions: Motions, lines: MeshLines) -> None:
         self.structure, self.guide, self.lines = structure, MotionGuide(motions), lines
-        n, parts = len(structure.points), structure.parts.values()
-        surfaces = [part.cells for part in parts if part.dimension == 2]
+        n, surfaces = len(structure.points), [part.cells for part in structure.membranes.values()]
         self.triangles = np.concatenate([np.zeros((0, 3), dtype=np.int64), *surfaces])
         rim, other = (sparse.diags(on.astype(float)) for on in (lines.on_rim, lines.on_line & ~lines.on_rim))
         springs = rim @ _springs(n, lines.rim) + other @ _springs(n, lines.segments)

@@ -29,7 +29,8 @@ from .ratios import check_ratios, check_tension, power, relative
 
 Array = NDArray[np.float64]
 
-LEAST = 0.05  # share of the wish that a principal stress, or the force of a bar, keeps at least
+# Share of the wish that a principal stress, or the force of a bar, keeps at least; forms are the same with 0.005.
+LEAST = 0.05
 
 
 class NearestProblem:
@@ -57,7 +58,7 @@ class NearestProblem:
         self.membranes = {name: MembraneBlock(wish.part.cells, wish, given.get(name)) for name, wish in wishes.items()}
         self.cables = None if balance is None else CableGuide(structure, balance, self._first_plans())
         self.bars = {name: replace(bar, force=bar.force * given.get(name, 1.0)) for name, bar in self._bars().items()}
-        acting = {name: self.acting(name) for name, part in structure.parts.items() if part.dimension == 1}
+        acting = {name: self.acting(name) for name in structure.bars}
         motions = motions_of(structure) if balance is None else balance.motions
         self.control = MeshControl(structure, motions, mesh_lines(structure, acting))
         spread = [load for load in loads if not isinstance(load, PointLoad)]
@@ -91,7 +92,7 @@ class NearestProblem:
 
     def bar_forces(self, points: Array, densities: Mapping[str, Array] | None) -> dict[str, Array]:
         """List forces of bars, wished for or given by constraints in a shape, by part, shape (cells,) [N]."""
-        bars = {name: part for name, part in self.structure.parts.items() if part.dimension == 1}
+        bars = self.structure.bars
         forces = {name: part.prestress_tensors().ravel() for name, part in bars.items()}
         if self.cables is not None:
             asked = self.cables.forces(points, self.cables.first if densities is None else densities)
@@ -210,15 +211,14 @@ class NearestProblem:
             raise RuntimeError(gone)
         found = {}
         given = {} if self.cables is None else self.cables.densities(points, before)
-        for name, part in self.structure.parts.items():
-            if part.dimension == 1:
-                force = part.prestress_tensors().ravel().copy()
-                if block := self.bars.get(name):
-                    acting = self.acting(name)
-                    force[acting] = block.tensions(points[block.cells], multipliers[block.cells])
-                found[name] = force / measures(points, part.cells)
-                if name in given:
-                    found[name] = np.where(self.given(name), given[name], found[name])
+        for name, part in self.structure.bars.items():
+            force = part.prestress_tensors().ravel().copy()
+            if block := self.bars.get(name):
+                acting = self.acting(name)
+                force[acting] = block.tensions(points[block.cells], multipliers[block.cells])
+            found[name] = force / measures(points, part.cells)
+            if name in given:
+                found[name] = np.where(self.given(name), given[name], found[name])
         return found
 
     def acting(self, name: str) -> NDArray[np.bool_]:

@@ -32,8 +32,8 @@ class Asked(NamedTuple):
 def as_asked(structure: Structure, balance: ConstrainedBalance) -> Asked:
     """Put the constraints of a balance into its structure."""
     parts, targets = dict(structure.parts), balance.targets
-    membranes = [part for part in parts.values() if part.dimension == 2]
-    stress = max((float(np.abs(part.prestress_tensors()).max()) for part in membranes), default=0.0)
+    tensors = [part.prestress_tensors() for part in structure.membranes.values()]
+    stress = max((float(np.abs(each).max()) for each in tensors), default=0.0)
     densities = targets.by_force(structure.points)
     for name, bar in targets.bars.items():
         force = densities[name] * measures(structure.points, bar.cells)

@@ -29,7 +29,7 @@ def check_supports_of_form(structure: Structure, loads: Sequence[object], constr
     Raises:
         ValueError: The held nodes of a piece are at one place, or on one line if it has membranes or meshes.
     """
-    bars = [part for part in structure.parts.values() if part.dimension == 1]
+    bars = list(structure.bars.values())
     if any(not isinstance(load, np.ndarray) or load.any() for load in loads) or any(
         (bar.prestress_tensors() < 0).any() for bar in bars
     ):
@@ -38,8 +38,8 @@ def check_supports_of_form(structure: Structure, loads: Sequence[object], constr
     for constraint in constraints:
         if isinstance(constraint, NodeConstraint):
             held[np.asarray(constraint.nodes)] = True
-    surfaces = [part.cells for part in structure.parts.values() if part.dimension == 2]
-    lines = [part.cells for part in structure.parts.values() if part.dimension != 2]
+    surfaces = [part.cells for part in structure.membranes.values()]
+    lines = [part.cells for part in structure.bars.values()]
     check_spread(structure.points, held, surfaces, lines)
 
 

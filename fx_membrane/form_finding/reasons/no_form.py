@@ -49,35 +49,33 @@ def causes(*found: str) -> str:
 
 def _unequal(structure: Structure) -> str:
     """Tell of a membrane whose stress is unlike along warp and weft."""
-    for name, part in structure.parts.items():
-        if part.dimension == 2:
-            least, largest = np.linalg.eigvalsh(part.prestress_tensors()).mean(axis=0)
-            if largest > UNEQUAL * least:
-                unequal = (
-                    f"{largest / least:.3g} times as large in one direction as in the other"
-                    if least > 0
-                    else "zero in one direction"
-                )
-                return (
-                    f"The stress of part {name!r} is {unequal}, which few surfaces carry everywhere: stress in plan "
-                    "(projected_stress) has more forms."
-                )
+    for name, part in structure.membranes.items():
+        least, largest = np.linalg.eigvalsh(part.prestress_tensors()).mean(axis=0)
+        if largest > UNEQUAL * least:
+            unequal = (
+                f"{largest / least:.3g} times as large in one direction as in the other"
+                if least > 0
+                else "zero in one direction"
+            )
+            return (
+                f"The stress of part {name!r} is {unequal}, which few surfaces carry everywhere: stress in plan "
+                "(projected_stress) has more forms."
+            )
     return ""
 
 
 def stresses_in(structure: Structure, points: Array) -> Mapping[str, Array]:
     """Prestress of membranes in a shape as tensors in space, by name, shape (cells, 3, 3) [N/m]."""
     found = {}
-    for name, part in structure.parts.items():
-        if part.dimension == 2:
-            normal = normals(points, part.cells)
-            warp = projected(structure.warp(name), normal)
-            frame = np.stack([warp, np.cross(normal, warp)], axis=2)
-            found[name] = frame @ part.prestress_tensors() @ frame.swapaxes(1, 2)
+    for name, part in structure.membranes.items():
+        normal = normals(points, part.cells)
+        warp = projected(structure.warp(name), normal)
+        frame = np.stack([warp, np.cross(normal, warp)], axis=2)
+        found[name] = frame @ part.prestress_tensors() @ frame.swapaxes(1, 2)
     return found
 
 
 def forces_in(structure: Structure) -> Mapping[str, Array]:
     """Prestress of cables, by name, shape (cells,) [N]."""
-    cables = ((name, part) for name, part in structure.parts.items() if part.dimension == 1 and not part.is_strut)
+    cables = ((name, part) for name, part in structure.bars.items() if not part.is_strut)
     return {name: part.prestress_tensors().ravel() for name, part in cables}

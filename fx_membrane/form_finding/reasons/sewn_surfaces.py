@@ -22,7 +22,7 @@ def joined_membranes(structure: Structure, names: Iterable[str] | None = None) -
         structure: The structure.
         names: Membranes to join; all if not given.
     """
-    chosen = [name for name in (structure.parts if names is None else names) if structure.parts[name].dimension == 2]
+    chosen = [name for name in (structure.parts if names is None else names) if name in structure.membranes]
     if not chosen:
         return []
     edges = [np.sort(boundary_edges(structure.parts[name].cells), axis=1) for name in chosen]

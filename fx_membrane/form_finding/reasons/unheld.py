@@ -39,16 +39,13 @@ def free_edge(structure: Structure, points: Array) -> str:
 def lone_point(structure: Structure, points: Array) -> str:
     """Tell of a membrane that is held at a single point within it, in words; empty without one."""
     held = structure.supported.all(axis=1)
-    for name, part in structure.parts.items():
-        if part.dimension != 2:
-            continue
+    for name, part in structure.membranes.items():
         on = np.isin(np.arange(len(points)), part.cells)
         shared = np.zeros(len(points), dtype=bool)
         shared[boundary_edges(part.cells)] = True
         shared[part.cells[held[part.cells].sum(axis=1) > 1]] = True
-        for bar in structure.parts.values():
-            if bar.dimension == 1:  # only a cable within the membrane leads its force to the point
-                shared[bar.cells[(bar.prestress_tensors().ravel() > 0) & on[bar.cells].all(axis=1)]] = True
+        for bar in structure.bars.values():  # only a cable within the membrane leads its force to the point
+            shared[bar.cells[(bar.prestress_tensors().ravel() > 0) & on[bar.cells].all(axis=1)]] = True
         alone = np.flatnonzero(on & held & ~shared)
         if len(alone):
             return (
@@ -67,10 +64,8 @@ def lone_head(structure: Structure, node: int) -> str:
 def _unheld(structure: Structure, points: Array) -> tuple[str, str] | None:
     """Membrane with an edge that nothing holds, and its place; None without one."""
     held, count = structure.supported.any(axis=1), len(points)
-    loaded = [
-        part.cells[part.prestress_tensors().ravel() != 0] for part in structure.parts.values() if part.dimension == 1
-    ]
-    membranes = {name: part for name, part in structure.parts.items() if part.dimension == 2}
+    loaded = [part.cells[part.prestress_tensors().ravel() != 0] for part in structure.bars.values()]
+    membranes = structure.membranes
     edges = {name: boundary_edges(part.cells) for name, part in membranes.items()}
     none = np.zeros(0, dtype=np.int64)
     seams, times = np.unique(

@@ -1,5 +1,8 @@
 """Ropes: refused input, the unstressed length in a structure, and changes that do not fit."""
 
+from contextlib import nullcontext
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -21,6 +24,7 @@ from fx_membrane import (
     rectangle,
     remeshed,
 )
+from fx_membrane.analysis.stage_check import check_run
 
 POINTS = [(0, 0, 0), (3, 0, 0), (6, 0, 4)]
 STRUCTURE = Structure(
@@ -112,3 +116,22 @@ def test_path_that_ends_where_it_begins_is_a_ring():
     sides = np.linalg.norm(state.position - state.position[[1, 2, 0]], axis=1)
     assert state.rope("ring").length == pytest.approx(sides.sum())
     assert 2 * 50 * state.position[2, 1] / sides[1] == pytest.approx(80)
+
+
+@pytest.mark.parametrize(
+    ("supports", "stages", "words"),
+    [
+        ([0], [Stage("rest")], r"'rope' ends in the air at node 2.*hold that node"),
+        ([0, 2], [Stage("rest")], r"'rope' passes node 1,.*leave that node out"),
+        ([0, 2], [Stage("rest"), Stage("pull", [PointLoad(1, (0, 0, -10.0))], after="rest")], ""),
+    ],
+    ids=["free end", "loose node", "node loaded later"],
+)
+def test_rope_over_a_loose_node_is_refused(supports, stages, words):
+    points = np.array([(0, 0, 0), (2, 0, -1), (4, 0, 0)], dtype=float)
+    parts: dict[str, Any] = {"rope": Rope([0, 1, 2], 1e6, unstressed_length=4.4)}
+    if supports == [0]:
+        parts["stay"] = Cable([[0, 1]], 1e6)
+    made = Structure(points, parts, [Support(supports), *([] if 2 in supports else [Support(1)])])
+    with pytest.raises(ValueError, match=words) if words else nullcontext():
+        check_run(made, stages)

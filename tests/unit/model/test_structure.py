@@ -76,7 +76,7 @@ def test_normals_of_a_closed_surface_are_all_on_the_side_of_the_first(seed):
 
 def test_one_sense_is_found_when_the_structure_is_made(monkeypatch):
     made = sheet(points=OCTAHEDRON, cells=FACES)
-    monkeypatch.setattr("fx_membrane.model.structure.with_one_side", None)
+    monkeypatch.setattr("fx_membrane.model.parts.with_one_side", None)
     assert made.normals("fabric").shape == (8, 3)
 
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from fx_membrane.solvers.line_search import DECREASE, Point, search
+from fx_membrane.solvers.line_search import SEARCH, Point, search
 
 
 def watched(energy, slope):
@@ -42,7 +42,7 @@ def test_full_step_is_kept_where_it_is_good(curvature):
 
 def test_full_step_that_lowers_the_energy_but_ends_on_a_steep_rise_is_shortened():
     along, _ = quadratic(1.8)
-    assert along(1.0).energy < DECREASE * along(0.0).slope
+    assert along(1.0).energy < SEARCH.decrease * along(0.0).slope
     assert search(along, 0.0) == pytest.approx(1 / 1.8, rel=1e-9)
 
 
@@ -88,7 +88,7 @@ def test_energy_is_lower_in_proportion_to_slope_and_length(seed):
     length = search(along, 0.0)
     start, end = along(0.0), along(length)
     assert 0 < length <= 1
-    assert end.energy <= start.energy + DECREASE * length * start.slope
+    assert end.energy <= start.energy + SEARCH.decrease * length * start.slope
     assert abs(end.slope) <= 0.1 * abs(start.slope) or (length == 1 and end.slope < 0)
     assert len(called) < 40
 
