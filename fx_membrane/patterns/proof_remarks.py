@@ -19,7 +19,7 @@ def stress_missed(proof: "PatternProof") -> tuple[str, ...]:
     error, area = proof.stress_errors
     share = area[error > proof.wanted_error].sum() / area.sum()
     return (
-        f"stress is off by more than {100 * proof.wanted_error:.3g} % of its mean on {100 * share:.2g} % of the area",
+        f"stress is off by more than {100 * proof.wanted_error:.3g} % of its mean on {100 * share:.3g} % of the area",
     )
 
 

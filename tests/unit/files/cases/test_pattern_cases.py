@@ -159,7 +159,7 @@ def test_limits_of_the_pattern_decide_the_exit_code(tmp_path):
     file = case(tmp_path, wrong)
     code, words = said("patterns", file)
     assert code == 0
-    assert "Stress is off by more than 10 % of its mean on 1e+02 % of the area." in words
+    assert "Stress is off by more than 10 % of its mean on 100 % of the area." in words
     code, words = said("patterns", case(tmp_path, wrong + "stress_error = 0.2\n"), "--overwrite", "--quiet")
     assert code == 1
     assert "Warning: Stress is off by more than 20 % of its mean" in words
