@@ -19,6 +19,7 @@ from .gmsh_reader import GmshMesh
 
 BEGIN = b"$MeshFormat"
 SECONDS, SECONDS_PER_MEGABYTE = 60, 1  # ten times the time of gmsh
+BUSY = 20  # seconds by the clock for one of work, on a machine with many other processes
 NO_SCRIPT = 2  # exit code of Python
 
 
@@ -35,7 +36,7 @@ def read(source: str | Path) -> GmshMesh:
         seconds = SECONDS + SECONDS_PER_MEGABYTE * mesh.stat().st_size // 2**20
         arguments = [mesh.name, arrays.name, str(seconds)]
         code, words = run_script(
-            gmsh_reader.__file__, arguments, Path(folder), seconds, lambda: f"gmsh has read {source}"
+            gmsh_reader.__file__, arguments, Path(folder), BUSY * seconds, lambda: f"gmsh has read {source}"
         )
         if code:
             _refuse(source, code, words.replace("mesh.msh", Path(source).name), seconds)
@@ -84,7 +85,7 @@ def _refuse(source: str | Path, code: int, words: str, seconds: int) -> None:
     if code == NO_SCRIPT:
         raise RuntimeError(f"The process that reads {source} failed ({words}).")
     if -code in {signal.SIGKILL, signal.SIGXCPU}:
-        words = f"gmsh was stopped, after {seconds} s or where memory ended"
+        words = f"gmsh was stopped, after {seconds} s of work, {BUSY * seconds} s by the clock, or where memory ended"
     elif code < 0:
         words = f"gmsh ended by {signal.Signals(-code).name}"
     raise ValueError(f"{source} is damaged, and no file that gmsh can read ({words}); write it again with gmsh.write.")

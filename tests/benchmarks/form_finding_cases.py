@@ -11,7 +11,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 import numpy as np
 
-from constrained import canopy, cone, rope  # type: ignore[import-not-found]
+from constrained import canopy, cone, rope
 from fx_membrane import (
     Cable,
     CableDensity,
@@ -38,8 +38,8 @@ from fx_membrane import (
 )
 from fx_membrane.form_finding.constraints.bodies import settled
 from fx_membrane.form_finding.constraints.motions import motions_of
-from masted_sails import guys, sail  # type: ignore[import-not-found]
-from wished_films import WOVEN, saddle, tent  # type: ignore[import-not-found]
+from masted_sails import guys, sail
+from wished_films import WOVEN, saddle, tent
 from wished_films import canopy as woven_canopy
 from wished_films import cone as woven_cone
 from wished_films import loads as loads_of_canopy

@@ -203,8 +203,19 @@ def test_reader_that_aborts_or_never_ends(ending, words, good, tmp_path, monkeyp
     reader.write_text(ending)
     monkeypatch.setattr(gmsh_reader, "__file__", str(reader))
     monkeypatch.setattr(gmsh_file, "SECONDS", 1)
+    monkeypatch.setattr(gmsh_file, "BUSY", 1 if "stopped" in words else 60)
     with pytest.raises(ValueError, match=rf"roof\.msh.*damaged.*no file.*gmsh.*read \({words}"):
         structure_from_gmsh(good, PARTS)
+
+
+def test_reader_that_waits_for_a_busy_machine(good, tmp_path, monkeypatch):
+    """A sound file was called damaged where gmsh was 60 s by the clock without a core."""
+    reader = tmp_path / "reader.py"
+    script = gmsh_reader.__file__
+    reader.write_text(f"import runpy, time\ntime.sleep(3)\nrunpy.run_path({script!r}, run_name='__main__')\n")
+    monkeypatch.setattr(gmsh_reader, "__file__", str(reader))
+    monkeypatch.setattr(gmsh_file, "SECONDS", 2)
+    assert structure_from_gmsh(good, PARTS).points.size
 
 
 @pytest.mark.mpi_once
