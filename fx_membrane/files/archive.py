@@ -54,9 +54,9 @@ from ..solvers.outcome import Outcome
 from .plain_data import Decoder, Encoder
 from .whole_file import writing
 
-FORMAT = 9  # counts up with fields; 1 had no title, units and limits, 2 no failure, 3 no units of forms, 4 no changes,
-# 5 no ropes, ponds and gas, 6 no basins of ponds, 7 no cutting patterns, 8 no ways between basins, no utilisation of
-# cells of strips
+FORMAT = 9  # counts up with fields
+# Formats without them: 1 title, units and limits; 2 failure; 3 units of forms; 4 changes; 5 ropes, ponds and gas;
+# 6 basins of ponds; 7 cutting patterns; 8 ways between basins, and utilisation of cells of strips.
 KIND = "results of fx_membrane"
 DOCUMENT = "document.json"
 MODEL = (Structure, Membrane, Cable, Mast, Rope, Support, Chamber, *materials.SHIPPED)

@@ -48,8 +48,8 @@ def change_of_shape(structure: Structure, points: NDArray[np.float64], displacem
     largest = float(np.linalg.norm(across, axis=1).max() / np.concatenate(edges).mean())
     slides = np.any(tangent, axis=1)
     for part in structure.bars.values():
-        bars = part.cells[~slides[part.cells].any(axis=1)]
-        ratio = measures(points + displacement, bars) / measures(points, bars)
+        free = part.cells[~slides[part.cells].any(axis=1)]
+        ratio = measures(points + displacement, free) / measures(points, free)
         largest = max(largest, float(np.abs(ratio - 1).max(initial=0.0)))
     return largest
 

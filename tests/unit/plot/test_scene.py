@@ -1,5 +1,6 @@
-"""Views: up, right, and true lengths across the view."""
+"""Views: up, right, and true lengths across the view; objects of VTK are freed with their picture."""
 
+import gc
 import sys
 import types
 
@@ -35,6 +36,20 @@ def test_plan_has_x_to_the_right_and_y_up(drawn, axis, along, view):
     size = len(brightness) // 4
     first, last = brightness[size : 2 * size].mean(), brightness[2 * size : 3 * size].mean()
     assert last > first + 20 if axis == 0 else first > last + 20  # rows of a picture run down
+
+
+def test_objects_of_vtk_are_freed_without_the_garbage_collector(drawn):
+    """It acts at any time, on any thread, where VTK can crash."""
+    pyvista = pytest.importorskip("pyvista")
+    kinds = pyvista.Plotter, pyvista.Renderer, pyvista.Camera
+    gc.collect()
+    before = sum(isinstance(one, kinds) for one in gc.get_objects())
+    gc.disable()
+    try:
+        drawn(SLOPE[:, 0], (0, 0, 1))
+        assert sum(isinstance(one, kinds) for one in gc.get_objects()) == before
+    finally:
+        gc.enable()
 
 
 def test_plan_of_a_slope_is_not_in_perspective(drawn):
