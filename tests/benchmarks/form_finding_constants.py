@@ -3,8 +3,8 @@
     .venv/bin/python tests/benchmarks/form_finding_constants.py [part of a module [part of a name]]
 
 A constant is divided and multiplied by 3 and by 10; numbers of steps are rounded up. For each value the table gives the
-largest motion of a form over its size. It names the cases whose verdict, words or failure change. Digits in words do not
-count. The comments beside the constants have their ranges from this table.
+largest motion of a form over its size. It names the cases whose verdict, words or failure change. Digits in words do
+not count. The comments beside the constants have their ranges from this table.
 """
 
 import os
