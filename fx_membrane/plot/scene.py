@@ -124,7 +124,6 @@ def picture(
         return np.asarray(plotter.screenshot(return_img=True), dtype=np.uint8)
     finally:
         plotter.close()
-        plotter.deep_clean()  # its cycles would be freed at any later time, on any thread, where VTK can crash
 
 
 def _values(structure: Structure, name: str, field: Numbers | None, count: int) -> tuple[str, Array] | None:

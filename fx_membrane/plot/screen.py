@@ -17,7 +17,10 @@ if not os.environ.get("DISPLAY"):
 def obstacle() -> str:
     """Sentence on why pyvista cannot draw here, with the remedy; empty if it can."""
     try:
-        import pyvista  # noqa: PLC0415  (numbers alone must not wait for it)
+        import pyvista.plotting  # noqa: PLC0415  (numbers alone must not wait for it)
+
+        # Loaded here: its first use would load it, and frames of callers stay in cycles. They would keep the plotter
+        # until the garbage collector frees it at any time, on any thread, where VTK can crash.
     except ImportError as error:
         return f"pyvista does not load ({error}); {INSTALL}."
     if os.environ.get("DISPLAY"):
