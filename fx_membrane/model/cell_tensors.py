@@ -44,9 +44,9 @@ def once(tensors: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def check_symmetry(what: str, tensors: NDArray[np.float64]) -> None:
-    """Refuse tensors (n, 2, 2) that are not symmetric."""
+    """Refuse tensors (n, d, d) that are not symmetric."""
     tensors = once(tensors)
-    skew = np.flatnonzero(tensors[:, 0, 1] != tensors[:, 1, 0])
+    skew = np.flatnonzero((tensors != tensors.swapaxes(1, 2)).any(axis=(1, 2)))
     if len(skew):
         tensor = tensors[skew[0]].tolist()
         raise ValueError(f"{what} {tensor} is not symmetric; give [[warp, shear], [shear, weft]].")

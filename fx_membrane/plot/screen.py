@@ -19,8 +19,8 @@ def obstacle() -> str:
     try:
         import pyvista.plotting  # noqa: PLC0415  (numbers alone must not wait for it)
 
-        # Loaded here: its first use would load it, and frames of callers stay in cycles. They would keep the plotter
-        # until the garbage collector frees it at any time, on any thread, where VTK can crash.
+        # Loaded here: its first use would load it, and the frames of its callers stay in cycles, with their plotter.
+        # The garbage collector would free that at any time, on any thread, where VTK can crash.
     except ImportError as error:
         return f"pyvista does not load ({error}); {INSTALL}."
     if os.environ.get("DISPLAY"):

@@ -46,7 +46,6 @@ ELSEWHERE = {
     "flatten",
     "geodesic",
     "nearest_stress_pattern",
-    "pattern_proof",
     "prove_pattern",
     "reassembled",
     "remeshed",
