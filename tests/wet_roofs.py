@@ -30,6 +30,15 @@ def ridged_roof():
     return Structure(points, {"roof": Membrane(triangles, Fabric(2e5, 0.3), 2e3)}, [Support(np.union1d(rim, ridge))])
 
 
+def roof_on_a_low_point():
+    """Roof, 4 x 4, whose middle is held 12 cm below the rim."""
+    points, triangles = rectangle(4.0, 4.0, 8, 8)
+    middle = int(np.argmin(np.abs(points).sum(axis=1)))
+    points[middle, 2] = -0.12
+    rim = np.unique(boundary_edges(triangles))
+    return Structure(points, {"roof": Membrane(triangles, Fabric(4e5, 0.3), 1.5e3)}, [Support([*rim, middle])])
+
+
 def terraced_roof():
     """Soft roof of three bays, one lower than the other, within a higher rim, with cables between them that sag."""
     points, triangles = rectangle(6.0, 2.0, 24, 6)

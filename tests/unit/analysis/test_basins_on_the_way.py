@@ -9,7 +9,9 @@ import pytest
 from fx_membrane import (
     Analysis,
     ConjugateGradient,
+    PointLoad,
     Pond,
+    Pressure,
     Stage,
     equilibrium_path,
     load_results,
@@ -19,7 +21,7 @@ from fx_membrane import (
     write_tables,
 )
 from fx_membrane.assembly.water import PondEnergy
-from wet_roofs import OWN_WEIGHT, ridged_roof, tangent_rates
+from wet_roofs import OWN_WEIGHT, ridged_roof, roof_on_a_low_point, tangent_rates
 
 RAIN = Stage("rain", [Pond("roof", rain=0.1)], increments=4, after="own weight")
 STAGES = [OWN_WEIGHT, RAIN]
@@ -134,3 +136,17 @@ def test_path_refuses_a_new_drain_of_rain():
     node = int(state.ponds[0].basins[0].node)
     with pytest.raises(ValueError, match=f"drain at node {node}"):
         equilibrium_path(state, Stage("more", [Pond("roof", rain=0.005, drains=[node])], after="rain"))
+
+
+@pytest.mark.mpi
+def test_water_that_spreads_to_other_cells_is_at_rest_there():
+    """The shape moves by so much in one increment that the water wets cells outside of its basin."""
+    made = roof_on_a_low_point()
+    node = int(np.argmin(np.abs(made.points - (-1.0, 1.0, 0)).sum(axis=1)))
+    domed = Stage("domed", [Pressure(250.0, "roof"), Pond("roof", rain=0.02)])
+    flat = Stage("flat", [Pressure(-250.0, "roof"), PointLoad(node, (0, 0, -300.0))], after="domed")
+    states = Analysis(made, progress=False).run([domed, flat])
+    before, after = (states[name].ponds[0] for name in states)
+    assert after.volume == pytest.approx(before.volume, rel=1e-9)
+    assert (after.depth[before.depth == 0] > 0).any()
+    assert states["flat"].equilibrium.residual < 1e-8 * np.abs(states["flat"].equilibrium.loads).max()
