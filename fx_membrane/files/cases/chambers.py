@@ -10,9 +10,10 @@ from ...model.gas import Ambient, GasAmount, GasChange, GasPressure, GasVolume, 
 from ...model.stages import Stage
 from ...model.structure import Structure
 from ...solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
-from .choices import Choices, Outline, given, sound
+from .choices import Choices, Outline
 from .faults import Faults, Unknown, Wrong, nearest
 from .making import make
+from .table import given, sound
 
 Trail = tuple[str | int, ...]
 

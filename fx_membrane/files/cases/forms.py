@@ -21,10 +21,10 @@ from ... import (
 )
 from ...checks import validation
 from ...model.supports import Support
-from .choices import Nodes, Outline, given
+from .choices import Nodes, Outline
 from .faults import Faults, Unknown, Wrong, at_key
 from .form_schema import NewMesh, StressModel
-from .table import BROKEN, is_whole
+from .table import BROKEN, given, is_whole
 
 METHODS: dict[str, Callable[..., Form]] = {
     "force density": force_density,

@@ -11,12 +11,11 @@ from ...runtime.messages import say
 from ...surfaces.sail import SailMesh
 from ..drawing import Drawing
 from ..mesh_files import drawing_of, tell_unit_taken
-from .choices import given
 from .faults import Faults, Unknown, at_key
 from .making import make
 from .sail import sail_of
 from .structure_schema import FileGeometry, GridGeometry, PointGeometry, SailGeometry, UnitNames
-from .table import BROKEN, is_whole
+from .table import BROKEN, given, is_whole
 
 MANY = 1_000_000  # triangles of a grid, of which a word is due
 

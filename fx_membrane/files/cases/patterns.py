@@ -24,14 +24,14 @@ from ...surfaces.planar_cuts import planar_cut
 from ...surfaces.surface_lines import geodesic
 from ..patterns.paper import paper_of
 from .changes import changes_of
-from .choices import NUMBERED, Choices, Outline, sound
+from .choices import NUMBERED, Choices, Outline
 from .compensation_tables import check_compensation, compensation_from
 from .decompensated import decompensated_of, on_strips
 from .faults import Faults, Unknown, Wrong, at_key
 from .loads import loads_of
 from .making import make
 from .structure_schema import NodeChoice
-from .table import BROKEN, is_whole
+from .table import BROKEN, is_whole, sound
 
 POSITIVE = ("size", "transition", "roll_width", "mark_spacing", "stress_error")
 TRAIL = ("patterns",)
