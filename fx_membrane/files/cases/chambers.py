@@ -1,5 +1,7 @@
 """Chambers of a case, and the changes of their gas and of the air around."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any

@@ -1,5 +1,7 @@
 """Changes of a stage in a case: of natural shape and prestress, and of gas."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,5 +1,7 @@
 """Nodes and cells that tables of a case choose: by number, by group of the geometry, by place, or by a rim."""
 
+from __future__ import annotations
+
 from collections.abc import Collection, Mapping
 from itertools import pairwise
 from typing import Any, NamedTuple

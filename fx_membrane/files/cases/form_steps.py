@@ -1,5 +1,7 @@
 """Steps of form finding from the tables of a case; faults are collected, each with the path of its table."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any

@@ -1,5 +1,7 @@
 """Form finding of a case, step by step: prepared, so that faults are found at once, then done."""
 
+from __future__ import annotations
+
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace

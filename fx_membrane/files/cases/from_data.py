@@ -1,5 +1,7 @@
 """Case from the data of its file: validated, then made; faults of both phases come together."""
 
+from __future__ import annotations
+
 import hashlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path

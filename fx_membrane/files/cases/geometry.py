@@ -1,5 +1,7 @@
 """Geometry of a case: a grid, a sail drawn in plan, a mesh file, or points by hand."""
 
+from __future__ import annotations
+
 from pathlib import Path
 from typing import Any
 

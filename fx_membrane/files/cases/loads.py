@@ -1,5 +1,7 @@
 """Loads, prescribed displacements and constraints of a case."""
 
+from __future__ import annotations
+
 from typing import Any
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Objects of the package from the tables of a case file; faults are collected, each with the path of its table."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path

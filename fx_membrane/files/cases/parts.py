@@ -1,5 +1,7 @@
 """Materials and parts of a case."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from contextlib import nullcontext
 from typing import Any

@@ -1,5 +1,7 @@
 """Sail of a case, drawn in plan: each corner, hole, line or point with a fault is told apart."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Set
 from typing import Any
 

@@ -1,5 +1,7 @@
 """Tables of case files: keys that are not known are refused, and those with a fault leave the others to be checked."""
 
+from __future__ import annotations
+
 from functools import cache
 from typing import Annotated, Any, Self
 
