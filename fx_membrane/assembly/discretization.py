@@ -6,6 +6,8 @@ and matrices. So cables, masts and membranes, also sheets that branch, meet in o
 a part.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
