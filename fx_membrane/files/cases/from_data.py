@@ -51,6 +51,8 @@ def assembled(file: Path, text: str, data: Mapping[str, Any], partial: bool) -> 
         The case, None with faults or of partial data; the faults.
     """
     units, faults = _units(data)
+    if partial:
+        units = units or Units()  # theirs may be among the lines that could not be read
     tables, found = _validated(data, units)
     faults += found
     if partial or tables is None:
