@@ -1,5 +1,7 @@
 """Commands that check and run a case."""
 
+from __future__ import annotations
+
 from collections.abc import Collection
 from pathlib import Path
 

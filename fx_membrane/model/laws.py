@@ -22,6 +22,8 @@ stress at E = 0 is the prestress, as by the term inner(sigma0, E).
 Members that a class inherits from one with another energy belong to that energy, and are not used.
 """
 
+from __future__ import annotations
+
 import dataclasses
 from collections import namedtuple
 from collections.abc import Callable

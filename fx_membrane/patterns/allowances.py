@@ -1,5 +1,7 @@
 """Allowances: widths of cloth beyond the sewing lines, and the cut of their corners."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
