@@ -164,7 +164,7 @@ def _template() -> Any:
 
 
 def _soft(text: str) -> Any:
-    """HTML of a text in which words too long for a column may be broken, as names of users, but no unit as kN/m."""
+    """HTML of a text in which long words, as names of users, may be broken, but no unit, as kN/m."""
     import markupsafe  # noqa: PLC0415  (comes with jinja2)
 
     pieces = re.sub(rf"(\S{{{WORD}}})(?=\S)", "\\1\0", text).split("\0")
