@@ -13,8 +13,16 @@ let drawn = [];
 let spans = [1, 1, 1];
 
 // Length of the longest structure that fits at any turn: plotly's orthographic camera sees a height of 2.
+// The box of the axes leaves room for their numbers in the first view.
 function fit() {
-  return Math.min(2.1, (1.5 * figure.clientWidth) / Math.max(figure.clientHeight, 1));
+  return Math.min(2.1, 1.85 / boxHeight(), (1.5 * figure.clientWidth) / Math.max(figure.clientHeight, 1));
+}
+
+// Height of the box of the axes in the oblique view, of a structure of length one.
+function boxHeight() {
+  const [x, y, z] = VIEWS.oblique.map(Math.abs);
+  const flat = Math.hypot(x, y);
+  return (spans[2] * flat + (z * (spans[0] * x + spans[1] * y)) / flat) / Math.hypot(x, y, z) / size;
 }
 
 function aspects() {
