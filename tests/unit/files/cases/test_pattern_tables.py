@@ -1,5 +1,6 @@
 """Tables of cutting patterns in case files: ways to ask for them, and faults with their lines."""
 
+import numpy as np
 import pytest
 
 pytest.importorskip("pydantic", "2")
@@ -188,3 +189,24 @@ def test_fabric_is_told_with_its_article(tmp_path):
     file.write_text(file.read_text().replace('kind = "fabric"\nEt = 500\nnu = 0.3', woven))
     with pytest.raises(ValueError, match=r"material is a fabric of kind 'woven', give its warp"):
         read_case(file)
+
+
+def test_case_in_millimetres_has_usual_allowances(tmp_path):
+    """They were 0.02 and 0.05 mm, beside marks at every half millimetre."""
+    file = case(tmp_path, PATTERNS.replace('allowances = { seam = "20 mm", border = "50 mm" }\n', ""))
+    text = file.read_text().replace('length = "m"', 'length = "mm"').replace("width = 6", 'width = "6 m"')
+    file.write_text(text.replace("height = 4", 'height = "4 m"').replace("Et = 500", 'Et = "500 kN/m"'))
+    plan = read_case(file).patterns
+    assert (plan.allowances.of_seams, plan.allowances.of_borders) == (20.0, 50.0)
+    assert plan.sewn_width == 2160.0
+
+
+def test_warp_of_a_strip_is_chosen(tmp_path):
+    found = read_case(case(tmp_path, PATTERNS + 'warp = { "strip 2" = [1, 2, 0] }\n'))
+    pattern = found.patterns.pattern(found.structure)
+    along, aslant = (pattern.strips.structure.warp(f"strip {number}")[0] for number in (1, 2))
+    assert np.abs(along) == pytest.approx([1, 0, 0], abs=1e-9)
+    assert aslant == pytest.approx(np.array([1, 2, 0]) / np.sqrt(5), abs=1e-9)
+    turned, straight = pattern.cloth["strip 2"], pattern.cloth["strip 1"]
+    assert straight.length == pytest.approx(6 * pattern.compensation["strip 1"][0], rel=1e-9)
+    assert turned.length == pytest.approx(10 / np.sqrt(5) * pattern.compensation["strip 2"][0], rel=1e-6)
