@@ -22,7 +22,6 @@ from ...patterns.strip_copies import with_copies
 from ...results.limits import Limits
 from ...surfaces.planar_cuts import planar_cut
 from ...surfaces.surface_lines import geodesic
-from ..patterns.paper import paper_of
 from .allowance_tables import allowances_of
 from .changes import changes_of
 from .choices import NUMBERED, Choices, Outline, sound
@@ -30,10 +29,10 @@ from .compensation_tables import check_compensation, compensation_from
 from .decompensated import decompensated_of, on_strips
 from .faults import Faults, Unknown, Wrong, at_key
 from .loads import loads_of
+from .pattern_values import check_values
 from .structure_schema import NodeChoice
 from .table import BROKEN, is_whole
 
-POSITIVE = ("size", "transition", "roll_width", "mark_spacing", "stress_error")
 TRAIL = ("patterns",)
 
 
@@ -126,7 +125,7 @@ def plan_of(faults: Faults, choices: Choices, outline: Outline, table: Any, leng
         Unknown: Some of it, or of what it depends on, has a fault.
     """
     count = len(faults)
-    _check_numbers(faults, table)
+    check_values(faults, table)
     _check_compensation(faults, table)
     allowances = allowances_of(faults, table, length_unit)
     if table.part is not None:
@@ -164,21 +163,6 @@ def plan_of(faults: Faults, choices: Choices, outline: Outline, table: Any, leng
         _given(table, "roll_width", "mark_spacing", "material", "date", "paper", "scale"),
         _given(table, "stress_error"),
     )
-
-
-def _check_numbers(faults: Faults, table: Any) -> None:
-    """Check the lengths, the paper and the scale."""
-    for key in POSITIVE:
-        value = getattr(table, key)
-        if value is not None and value is not BROKEN:
-            with faults.at(*TRAIL, key):
-                validation.positive(key, value)
-    if table.paper not in (None, BROKEN):
-        with faults.at(*TRAIL, "paper"):
-            paper_of(table.paper)
-    if table.scale not in (None, BROKEN):
-        with faults.at(*TRAIL, "scale"):
-            validation.positive_integer("scale", table.scale)
 
 
 def _check_compensation(faults: Faults, table: Any) -> None:

@@ -70,6 +70,15 @@ def test_strip_wider_than_the_roll_is_refused_by_name(tmp_path):
             "36: patterns.roll_width: roll_width is 0.1, no more than two allowances of seams",
         ),
         ("planes = []\ncompensation = 'stress'", "37: patterns.compensation"),
+        ("planes = []\nstress_error = 5", "37: patterns.stress_error: stress_error is 5; give a share of the design"),
+        (
+            "planes = [{ point = [0, 0, 0], normal = [0, 0, 0] }]",
+            "36: patterns.planes.0.normal: normal is [0.0, 0.0, 0.0]; give a direction",
+        ),
+        (
+            "planes = []\nwarp = { 'strip 1' = [0, 0, 0] }",
+            '37: patterns.warp."strip 1": warp is [0.0, 0.0, 0.0]; give a direction',
+        ),
     ],
 )
 def test_faults_have_lines(tmp_path, table, words):
@@ -210,3 +219,11 @@ def test_warp_of_a_strip_is_chosen(tmp_path):
     turned, straight = pattern.cloth["strip 2"], pattern.cloth["strip 1"]
     assert straight.length == pytest.approx(6 * pattern.compensation["strip 1"][0], rel=1e-9)
     assert turned.length == pytest.approx(10 / np.sqrt(5) * pattern.compensation["strip 2"][0], rel=1e-6)
+
+
+def test_case_for_a_pattern_alone_is_sound(tmp_path):
+    file = case(tmp_path)
+    file.write_text(file.read_text().replace('[[stages]]\nname = "rest"\n', ""))
+    code, words = said("check", file)
+    assert code == 0
+    assert "neither form_finding nor [[stages]]; `fx-membrane patterns` makes its cutting pattern" in words
