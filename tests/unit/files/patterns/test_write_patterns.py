@@ -12,6 +12,8 @@ import pytest
 
 from cone_gores import cone_gores
 from fx_membrane import Allowances, LengthUnitWarning, cut_pieces, laid_on_roll, write_patterns
+from fx_membrane.files.patterns.sheet_plans import Head
+from fx_membrane.geometry.length_units import METRES
 
 pytest.importorskip("shapely", "2")
 ALLOWANCES = Allowances(seam=0.03, border=0.08)
@@ -244,3 +246,13 @@ def test_usual_allowances_and_marks_have_the_unit_of_the_pattern(pattern, tmp_pa
     assert [side.allowance for side in partly.sides] == [50.0, 30.0, 50.0, 30.0]
     with pytest.warns(LengthUnitWarning, match=r"allowance of .* is 0.02 mm, too narrow for a weld or a hem; give"):
         write_patterns(scaled, tmp_path / "cone.csv", Allowances(seam=0.02))
+
+
+@pytest.mark.parametrize(
+    ("unit", "length", "area"),
+    [("m", "12.746", "123.46"), ("mm", "13", "123"), ("ft", "12.746", "123.46"), ("cm", "12.7", "123")],
+)
+def test_lengths_on_sheets_are_told_to_a_millimetre(unit, length, area):
+    """Four digits left 10 mm of a strip of 12 m, and wrote 1.08e+07 mm2."""
+    head = Head("", "", "", unit, 1000 * METRES[unit])
+    assert (head.length(12.7456), head.area(123.456)) == (length, area)
