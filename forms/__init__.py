@@ -8,6 +8,8 @@ each, which names it in full; the hand-derived kernel has those that `ufl.deriva
 """
 
 # Number in the paper: its meaning, and the function or method, which help("...") and pydoc show.
+from __future__ import annotations
+
 EQUATIONS = {
     "(12)": ("deformation gradient", "fx_membrane.forms.kinematics.deformation_gradient"),
     "(15)": ("linear part of the strain", "fx_membrane.forms.kinematics.green_lagrange"),

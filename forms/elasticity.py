@@ -1,5 +1,7 @@
 """Prestressed Saint Venant-Kirchhoff elasticity: membrane (isotropic, orthotropic) and bar, Gil (40)."""
 
+from __future__ import annotations
+
 from ufl import Identity, as_matrix, inner, tr
 from ufl.core.expr import Expr
 

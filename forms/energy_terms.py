@@ -1,5 +1,7 @@
 """Symbols of a part for energy terms of a user: loads, contact, elastic beds."""
 
+from __future__ import annotations
+
 from ufl import cross
 from ufl.core.expr import Expr
 

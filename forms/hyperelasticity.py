@@ -11,6 +11,8 @@ Source: R. S. Rivlin, Phil. Trans. R. Soc. A 240 (1948) 459-490; M. Mooney, J. A
 G. A. Holzapfel, Nonlinear Solid Mechanics (2000), (6.127), (6.128).
 """
 
+from __future__ import annotations
+
 from ufl import det, inner, tr
 from ufl.core.expr import Expr
 

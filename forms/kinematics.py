@@ -1,5 +1,7 @@
 """Kinematics of a body of dimension d embedded in space, Gil (17), (41), (58)."""
 
+from __future__ import annotations
+
 from ufl import as_matrix, as_vector, cross, det, dot, grad, sqrt, sym
 from ufl.core.expr import Expr
 

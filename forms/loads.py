@@ -3,6 +3,8 @@
 Gil (54)-(57), (68).
 """
 
+from __future__ import annotations
+
 from ufl import cross, dot
 from ufl.core.expr import Expr
 

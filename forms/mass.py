@@ -1,5 +1,7 @@
 """Work of the inertia forces: mass moves with the material and is given per reference area or length."""
 
+from __future__ import annotations
+
 from ufl import dot
 from ufl.core.expr import Expr
 

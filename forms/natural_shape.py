@@ -13,6 +13,8 @@ Source: the multiplicative split of F, as in E. H. Lee, J. Appl. Mech. 36 (1969)
 S. Djuric, L. Vujosevic, Arch. Mech. Stos. 16 (1964) 103-108.
 """
 
+from __future__ import annotations
+
 from ufl import Identity, det, sym
 from ufl.core.expr import Expr
 

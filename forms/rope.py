@@ -1,5 +1,7 @@
 """Length of a rope that slides over its nodes: its energy depends on the sum alone, and its tension is uniform."""
 
+from __future__ import annotations
+
 from ufl import sqrt
 from ufl.core.expr import Expr
 

@@ -1,5 +1,7 @@
 """Stress measures: 2nd Piola-Kirchhoff, Cauchy and its principal values, Gil (19), (32)."""
 
+from __future__ import annotations
+
 from ufl import Identity, as_vector, cross, diff, dot, inner, outer, sqrt, sym, tr
 from ufl.core.expr import Expr
 

@@ -12,6 +12,8 @@ derivative:
 Source: A. C. Pipkin, IMA J. Appl. Math. 36 (1986) 85-99; D. J. Steigmann, Proc. R. Soc. Lond. A 429 (1990) 141-173.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from itertools import product
 

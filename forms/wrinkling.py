@@ -16,6 +16,8 @@ at equal values.
 Source: A. C. Pipkin, IMA J. Appl. Math. 36 (1986) 85-99; D. J. Steigmann, Proc. R. Soc. Lond. A 429 (1990) 141-173.
 """
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 from ufl import And, Identity, conditional, cos, det, diff, ge, gt, inner, sin, sqrt, tr, variable

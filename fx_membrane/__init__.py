@@ -5,6 +5,8 @@ sets the environment variable OMP_NUM_THREADS to 1 if it was not set. The first 
 VTK_DEFAULT_OPENGL_WINDOW to a window that VTK draws in memory, if DISPLAY is not set; see README.
 """
 
+from __future__ import annotations
+
 import importlib.metadata as _metadata
 import os as _os
 

@@ -3,6 +3,8 @@
 Each difference is detected by name, in one place; a comment gives the versions.
 """
 
+from __future__ import annotations
+
 import inspect
 import logging
 import os

@@ -1,5 +1,7 @@
 """The command `fx-membrane`."""
 
+from __future__ import annotations
+
 import click
 
 from .commands.beginning import demo, init, schema

@@ -13,6 +13,8 @@ numbers 0 and 1, the same for all elements. The vector g is ordered u1,1 u2,1 u3
 are Voigt vectors, (E11, E22, 2 E12) and (S11, S22, S12), or (E11) and (S11).
 """
 
+from __future__ import annotations
+
 import math
 from typing import NamedTuple
 

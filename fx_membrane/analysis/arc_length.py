@@ -13,6 +13,8 @@ Source: E. Riks, An incremental approach to the solution of snapping and bucklin
 15 (1979) 529-551.
 """
 
+from __future__ import annotations
+
 import warnings
 from dataclasses import replace
 
@@ -148,7 +150,7 @@ def equilibrium_path(
         newton.free()
 
 
-def _traced(tracer: "_Tracer", x: PETSc.Vec, ends: list[Plane], max_points: int) -> EquilibriumPath:
+def _traced(tracer: _Tracer, x: PETSc.Vec, ends: list[Plane], max_points: int) -> EquilibriumPath:
     """Trace a path; a `PathError` has it up to a failure, or to the limit of work."""
     try:
         return tracer.run(x, ends, max_points)
@@ -292,8 +294,6 @@ class _Tracer:
     def record(self, found: PathState, complete: bool = False, limit: bool = False, kept: float = 1.0) -> None:
         """Add a point to the path."""
         x, factor, iterations = found.point
-        shape = self.newton.problem.discretization.to_numpy(x)
-        loaded = self.newton.problem.under(between(self.path.start, self.path.end, factor))
-        gas = loaded.chambers(x)
-        point = PathPoint(factor, shape, found.negative_pivots, iterations, limit, kept, gas)
+        gas = self.newton.problem.under(between(self.path.start, self.path.end, factor)).chambers(x)
+        point = PathPoint(factor, self.newton.problem.to_numpy(x), found.negative_pivots, iterations, limit, kept, gas)
         self.path = replace(self.path, points=(*self.path.points, point), complete=complete)

@@ -1,5 +1,7 @@
 """Checkpoints: saving the state of an analysis after each increment, and resuming it."""
 
+from __future__ import annotations
+
 import sqlite3
 import warnings
 from collections.abc import Iterator, Sequence

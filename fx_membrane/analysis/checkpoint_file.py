@@ -5,6 +5,8 @@ other, and one run at a time has the file. Its journal, PATH-journal, undoes inc
 entry has a digest: an entry changed by others is refused.
 """
 
+from __future__ import annotations
+
 import dataclasses
 import hashlib
 import json

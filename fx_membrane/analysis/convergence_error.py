@@ -1,5 +1,7 @@
 """Failure to find equilibrium, with the results found before."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,5 +1,7 @@
 """A stage between its actions at the start and at the end."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -38,7 +40,7 @@ class Course(NamedTuple):
         """Actions at a load factor."""
         return between(self.start, self.end, float(factor))
 
-    def with_water(self, waters: Sequence[StandingWater | None]) -> "Course":
+    def with_water(self, waters: Sequence[StandingWater | None]) -> Course:
         """Return the same stage with other water in the basins of its groups of ponds, in their order."""
         new = {
             id(group[0].pond): water

@@ -8,6 +8,8 @@ Model: P. Kidger, On neural differential equations, PhD thesis, Oxford (2021), a
 accepts or rejects a step, and gives the length of the next.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from enum import Enum

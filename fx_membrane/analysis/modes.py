@@ -9,6 +9,8 @@ one within held edges, K is symmetric. Otherwise K is unsymmetric, and omega may
 wrinkled or slack, as they are in the state. Water keeps its volume, also at an outlet that moves.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from html import escape
 

@@ -1,5 +1,7 @@
 """Equilibrium path: load factors, displacements and stability of a sequence of neighbouring states."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from html import escape

@@ -6,6 +6,8 @@ curves, estimates distance and load factor. A step is rejected if the curve leav
 more often than shown. That costs residuals and solutions, but no factorization.
 """
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Ends of an equilibrium path: a load factor, or a displacement of one component of a node."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

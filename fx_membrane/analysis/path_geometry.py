@@ -3,6 +3,8 @@
 Displacement and load factor are one vector, with the product a_u . b_u + psi^2 a_f b_f.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterable
 from typing import NamedTuple
@@ -25,7 +27,7 @@ class PathState(NamedTuple):
     turn: float
     negative_pivots: int | None
 
-    def turned(self, here: "PathState") -> bool:
+    def turned(self, here: PathState) -> bool:
         """Return True if the load factor turns between this and another point, by their directions."""
         return self.direction.factor * here.direction.factor < 0
 

@@ -1,5 +1,7 @@
 """Warnings on points of a path that must be seen before its numbers: slack parts carry them."""
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Iterator
 from typing import NamedTuple

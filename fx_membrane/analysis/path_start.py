@@ -1,5 +1,7 @@
 """Starts of equilibrium paths: reference shapes without loads, or final states of stages."""
 
+from __future__ import annotations
+
 from dataclasses import replace
 
 import numpy as np

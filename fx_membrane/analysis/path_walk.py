@@ -1,5 +1,7 @@
 """Steps along an equilibrium path: to the next point, and to a limit point between two."""
 
+from __future__ import annotations
+
 from contextlib import suppress
 
 from scipy.optimize import brentq

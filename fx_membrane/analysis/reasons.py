@@ -1,5 +1,7 @@
 """Reasons in words of a stage that ended before its whole load; a mechanism comes before the largest load."""
 
+from __future__ import annotations
+
 from fractions import Fraction
 
 from petsc4py import PETSc

@@ -1,5 +1,7 @@
 """Refusal of stages that a structure cannot go through, before anything is computed."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,5 +1,7 @@
 """Stages: load increments, load cases that branch from a common state, and results that survive failures."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -174,9 +176,8 @@ class Analysis:
             for stage in stages:
                 shape = results[stage.after].displacement if stage.after else np.zeros(self.structure.points.shape)
                 course = course_of(self.problem, stage, ends, shape, fixes)
-                state = saved.progress.get(stage.name) or Progress(
-                    shape, Fraction(0), Fraction(1, stage.increments), ()
-                )
+                begin = Progress(shape, Fraction(0), Fraction(1, stage.increments), ())
+                state = saved.progress.get(stage.name, begin)
                 if state.increments:
                     course = resumed(course, state.factor, state.displacement, state.increments[-1].basins)
                 accept = partial(self._accept, saved, observe)
@@ -294,6 +295,5 @@ class Analysis:
         return slack_parts(state := self._record(course.stage.name, loaded, x, ())) + hanging_ends(state)
 
     def _result(self, course: Course, state: Progress) -> StageResult:
-        loaded = self.problem.under(course.actions(state.factor))
         x = self.problem.discretization.to_petsc(state.displacement)
-        return self._record(course.stage.name, loaded, x, state.increments)
+        return self._record(course.stage.name, self.problem.under(course.actions(state.factor)), x, state.increments)

@@ -5,6 +5,8 @@ K.-J. Bathe (eds.), Nonlinear finite element analysis in structural mechanics, S
 step follows the root of the desired number of iterations over that of the last step.
 """
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 

@@ -6,6 +6,8 @@ A real eigenvector of a negative eigenvalue of either tangent leads away from th
 none.
 """
 
+from __future__ import annotations
+
 from typing import Any, NamedTuple
 
 import numpy as np

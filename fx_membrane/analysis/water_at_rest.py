@@ -9,6 +9,8 @@ that moves water, the same load factor is solved again from the shape found, at 
 take one solution, and one more for each merger after another.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction

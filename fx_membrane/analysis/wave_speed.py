@@ -1,5 +1,7 @@
 """Warning of masses in a wrong unit, by the wave speed in fabric and bars."""
 
+from __future__ import annotations
+
 import warnings
 
 import numpy as np

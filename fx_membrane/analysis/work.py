@@ -1,5 +1,7 @@
 """Limit of the work of a stage or a path, counted over all attempts."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 from time import monotonic
 

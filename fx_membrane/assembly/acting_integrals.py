@@ -1,5 +1,7 @@
 """Energies of integrals that act on a structure under actions: each kind of integral enters here."""
 
+from __future__ import annotations
+
 from ..model.ropes import Rope
 from .actions import Actions
 from .assembler import Assembler

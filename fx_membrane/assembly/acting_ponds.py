@@ -1,5 +1,7 @@
 """Ponds that act on the same cells: their groups, the water of their basins, and all that has come."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,5 +1,7 @@
 """Actions on a structure at one instant, and their combinations: supports, loads, prescribed displacements."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
@@ -64,7 +66,7 @@ class Actions:
     natural: Mapping[str, Array] = field(default_factory=dict)
     prestress: Mapping[str, Array] = field(default_factory=dict)
     tensions: Mapping[str, Array] = field(default_factory=dict)
-    ponds: "tuple[ActingPond, ...]" = ()
+    ponds: tuple[ActingPond, ...] = ()
     gas: Mapping[str, Gas] = field(default_factory=dict)
     air: Air | None = None
 
@@ -73,7 +75,7 @@ class Actions:
         """True if a pressure acts on a membrane."""
         return any(pressure.any() for pressure in self.pressures.values())
 
-    def less(self, start: "Actions") -> "Actions":
+    def less(self, start: Actions) -> Actions:
         """Subtract the actions at a start: the rate of the actions, for a load factor of one from there to here.
 
         Natural shapes, prestress factors and forces of ropes are those of these actions; gas is left out.
@@ -82,7 +84,7 @@ class Actions:
         rate = _combined(replace(start, gas={}, air=None), bare, lambda a, b: b - a)
         return replace(rate, natural=self.natural, prestress=self.prestress, tensions=self.tensions)
 
-    def without_gas_pressures(self) -> "Actions":
+    def without_gas_pressures(self) -> Actions:
         """Return the same actions without pressure in open chambers."""
         gas = {name: replace(gas, value=0.0) if gas.kind == "pressure" else gas for name, gas in self.gas.items()}
         return replace(self, gas=gas)

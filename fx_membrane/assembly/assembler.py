@@ -1,5 +1,7 @@
 """Sums over the parts of a structure: scalars, nodal vectors and matrices, from the compiled forms."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable, Mapping, MutableMapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -44,7 +46,7 @@ class CellData:
     ropes: Mapping[str, RopeData] = field(default_factory=dict)
     tensions: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
 
-    def equals(self, other: "CellData | None") -> bool:
+    def equals(self, other: CellData | None) -> bool:
         """Return True if the other data are the same numbers."""
         return self is other or (
             other is not None

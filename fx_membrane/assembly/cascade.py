@@ -9,6 +9,8 @@ The derivative of an amount is minus that of the volumes of all full basins on t
 into one another give each other only water from elsewhere. If both are full, the rest waits until they merge.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

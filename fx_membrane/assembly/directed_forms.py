@@ -1,5 +1,7 @@
 """Derivatives of the residual of a part by its parameters, compiled on first use."""
 
+from __future__ import annotations
+
 from typing import Any, NamedTuple
 
 import numpy as np

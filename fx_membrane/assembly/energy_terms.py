@@ -4,6 +4,8 @@ Terms whose integrals are equal in UFL share one form. Before it is assembled, i
 parameters of the term.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property

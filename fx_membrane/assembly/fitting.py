@@ -3,6 +3,8 @@
 They do not communicate: a PETSc object knows the rows of every process, so all processes come to the same verdict.
 """
 
+from __future__ import annotations
+
 from typing import Any
 
 import numpy as np

@@ -1,5 +1,7 @@
 """The energy of a part, its derivatives, and their compiled forms on the cells of this process."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -74,7 +76,7 @@ class PartForms:
     load: Any
     pressure: Any
     kind: Kind
-    rope: "RopeConstants | None" = None
+    rope: RopeConstants | None = None
     _compiled: dict[str, Any] = field(default_factory=dict, repr=False)
     _altered: list[str] = field(default_factory=list, repr=False)  # data that differ from those of the part
 
@@ -99,7 +101,7 @@ class PartForms:
             self.prestress.x.array[:] = self.mesh.part.prestress_tensors()[self.mesh.cell_rows].ravel()
             self._altered.clear()
 
-    def compiled(self, name: str, make: Callable[["PartForms"], Any]) -> Any:
+    def compiled(self, name: str, make: Callable[[PartForms], Any]) -> Any:
         """Return a further form or expression of this part, compiled by `make` on first use and kept by its name."""
         if name not in self._compiled:
             self._compiled[name] = make(self)

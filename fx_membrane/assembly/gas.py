@@ -1,5 +1,7 @@
 """Gas in the chambers of a structure under actions: its energies, and its state in a shape."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple

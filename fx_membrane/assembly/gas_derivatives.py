@@ -1,5 +1,7 @@
 """Derivatives of the residual by parameters of gas, at a fixed displacement."""
 
+from __future__ import annotations
+
 from typing import TYPE_CHECKING, Any
 
 from petsc4py import PETSc
@@ -18,7 +20,7 @@ CLOSED = ("amount", "air pressure", "air temperature")
 
 
 def by_gas(
-    loaded: "LoadedProblem", x: PETSc.Vec, chamber: str, parameter: str, direction: Any, b: PETSc.Vec
+    loaded: LoadedProblem, x: PETSc.Vec, chamber: str, parameter: str, direction: Any, b: PETSc.Vec
 ) -> PETSc.Vec:
     """Set a vector to the derivative by a parameter of the gas in a chamber.
 
@@ -45,7 +47,7 @@ def by_gas(
     return b
 
 
-def _checked(loaded: "LoadedProblem", chamber: str, parameter: str, direction: Any) -> float:
+def _checked(loaded: LoadedProblem, chamber: str, parameter: str, direction: Any) -> float:
     """Change of a parameter that the gas in a chamber has."""
     gas = loaded.actions.gas.get(chamber)
     kind = None if gas is None else gas.kind
@@ -60,7 +62,7 @@ def _checked(loaded: "LoadedProblem", chamber: str, parameter: str, direction: A
     return validation.number(f"direction of {parameter!r}", direction)
 
 
-def _rate(loaded: "LoadedProblem", energy: EnergyOfIntegral, parameter: str, volume: float) -> float:
+def _rate(loaded: LoadedProblem, energy: EnergyOfIntegral, parameter: str, volume: float) -> float:
     """Differentiate phi' by a parameter."""
     law, air = energy.law, loaded.actions.air
     if isinstance(law, Fan):

@@ -6,6 +6,8 @@ with the amount a = p V of the gas in the volume V0, at the present temperature,
 energy is convex: d2E/dV2 = n p_abs / V.
 """
 
+from __future__ import annotations
+
 import math
 from typing import NamedTuple
 

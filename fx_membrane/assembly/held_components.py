@@ -1,5 +1,7 @@
 """Constrained components of the displacement: supports and prescribed displacements, on vectors and on the tangent."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -13,6 +13,8 @@ Source: J. Nocedal, S. J. Wright, Numerical optimization (2006), chapters 17.3 a
 (18.16) for the multiplier.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -128,7 +130,7 @@ class IntegralEnergies:
                 energy.add_gradient(x, b)
             b.scale(-1.0)
 
-    def with_multipliers(self, forces: Sequence[float], penalties: Sequence[float]) -> "IntegralEnergies":
+    def with_multipliers(self, forces: Sequence[float], penalties: Sequence[float]) -> IntegralEnergies:
         """Return the same energies with other multipliers of the given integrals, in their order."""
         new = iter(zip(forces, penalties, strict=True))
 
@@ -144,7 +146,7 @@ class IntegralEnergies:
         """Return the forces phi' of the given integrals in a state, with those of the penalties."""
         return [energy.law.force(energy.integral.value(x)) for energy in self.given]
 
-    def settle(self, x: PETSc.Vec, b: PETSc.Vec, constraints: Constraints) -> "IntegralEnergies":
+    def settle(self, x: PETSc.Vec, b: PETSc.Vec, constraints: Constraints) -> IntegralEnergies:
         """Set the multipliers to those that leave the least forces, in the 2-norm, at the free components.
 
         Args:

@@ -5,6 +5,8 @@ the time of a run. Formulas of the package depend on a few facts, which are the 
 law may depend on anything, and are read each time.
 """
 
+from __future__ import annotations
+
 from collections.abc import Hashable
 
 from ..model import materials

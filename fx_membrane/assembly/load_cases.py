@@ -1,5 +1,7 @@
 """Conversion of a stage to nodal and cell actions."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 

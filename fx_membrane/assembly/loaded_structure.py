@@ -1,5 +1,7 @@
 """Loads of given actions on a structure, as functions of the displacement."""
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 from typing import Any

@@ -1,5 +1,7 @@
 """Forms of matrices that are the same in every state: the mass matrix, and the stabilization matrix."""
 
+from __future__ import annotations
+
 from typing import Any
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Values of some nodes on the processes that need them, for sums that are no forms of a part: volumes, rope lengths."""
 
+from __future__ import annotations
+
 import numpy as np
 from mpi4py import MPI
 from numpy.typing import NDArray

@@ -1,5 +1,7 @@
 """Energy of one integral of the shape, by a law or for a given value; see `integral_energies`."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol, runtime_checkable
 

@@ -1,5 +1,7 @@
 """Derivatives of the residual by parameters of parts, energy terms and gas, at a fixed displacement."""
 
+from __future__ import annotations
+
 from dataclasses import replace
 from typing import TYPE_CHECKING, cast
 
@@ -17,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def by_parameter(
-    loaded: "LoadedProblem", x: PETSc.Vec, part: str | Term, parameter: str, direction: ArrayLike, b: PETSc.Vec
+    loaded: LoadedProblem, x: PETSc.Vec, part: str | Term, parameter: str, direction: ArrayLike, b: PETSc.Vec
 ) -> PETSc.Vec:
     """Set a vector to the derivative by a parameter, see `LoadedProblem.derivative` [N per unit of the parameter]."""
     check_vector("x", x, loaded.discretization.rows)

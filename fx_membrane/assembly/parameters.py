@@ -1,5 +1,7 @@
 """Changes of a parameter of a part or of an energy term, along which the residual is differentiated."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 

@@ -1,5 +1,7 @@
 """Ownership and order of the nodes: one numbering joins all parts of a structure."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse

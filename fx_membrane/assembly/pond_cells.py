@@ -3,6 +3,8 @@
 Each process sums over cells of its own. The integrals are exact, see `geometry.water_on_triangles`.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple

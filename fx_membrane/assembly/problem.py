@@ -6,6 +6,8 @@ with loads f of fixed direction and follower pressures f_p, which in general hav
 their displacements change from stage to stage as data: nothing is compiled twice.
 """
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Iterable
 from dataclasses import replace
@@ -216,7 +218,7 @@ class Problem:
         """Matrix with the sparsity pattern of all parts together, exactly preallocated."""
         return self.discretization.create_matrix()
 
-    def __deepcopy__(self, memo: object) -> "Problem":
+    def __deepcopy__(self, memo: object) -> Problem:
         """Return the same problem: meshes and PETSc objects have no copies."""
         return self
 

@@ -1,5 +1,7 @@
 """A problem under given actions: energy, residual, tangent and their derivatives as functions of the displacement."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
@@ -48,31 +50,31 @@ class LoadedProblem(LoadedStructure):
     def __repr__(self) -> str:
         return f"LoadedProblem({self.structure}, {np.count_nonzero(self.actions.held)} constrained components)"
 
-    def under(self, actions: Actions) -> "LoadedProblem":
+    def under(self, actions: Actions) -> LoadedProblem:
         """View of the same problem under other actions, the same on all processes; not collective."""
         check_actions("actions", actions, self.structure)
         return replace(self, **of_actions(self.assembler, self.magnitudes, actions, self.cells.compression))
 
-    def with_stabilization(self, shift: float) -> "LoadedProblem":
+    def with_stabilization(self, shift: float) -> LoadedProblem:
         """View of the problem under the same actions with a stabilization, given as a strain."""
         return replace(self, shift=shift)
 
-    def with_integrals(self, energies: Iterable[IntegralEnergy]) -> "LoadedProblem":
+    def with_integrals(self, energies: Iterable[IntegralEnergy]) -> LoadedProblem:
         """View of the problem with other energies of integrals."""
         return replace(self, integrals=IntegralEnergies(tuple(energies), settled=False))
 
-    def settled(self, x: PETSc.Vec) -> "LoadedProblem":
+    def settled(self, x: PETSc.Vec) -> LoadedProblem:
         """View of the problem with the multipliers of given integrals, anew, that belong to a state."""
         if not self.integrals.given:
             return self
         free = replace(self, integrals=replace(self.integrals, settled=False))
         return replace(free, integrals=free._settled_integrals(x))
 
-    def with_multipliers(self, forces: Sequence[float], penalties: Sequence[float]) -> "LoadedProblem":
+    def with_multipliers(self, forces: Sequence[float], penalties: Sequence[float]) -> LoadedProblem:
         """View of the problem with other multipliers of given integrals."""
         return replace(self, integrals=self.integrals.with_multipliers(forces, penalties))
 
-    def without_compression_stiffness(self, left: float = 0.0) -> "LoadedProblem":
+    def without_compression_stiffness(self, left: float = 0.0) -> LoadedProblem:
         """View of the problem without the compression stiffness of wrinkled and slack cells.
 
         Args:

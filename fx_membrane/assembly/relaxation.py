@@ -4,6 +4,8 @@ A law brings a formula. The woven one needs a direction. Other wrinkles are foun
 law is asked for here, and nowhere else.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from typing import Any, NamedTuple
 

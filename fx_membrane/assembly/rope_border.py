@@ -3,6 +3,8 @@
 Forces and geometric stiffness of its segments are in the forms of the part, see `forms.rope`.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -1,5 +1,7 @@
 """Ropes: the tension of each from its length, its change with actions, and its parameters."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from typing import NamedTuple
 

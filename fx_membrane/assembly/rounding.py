@@ -1,5 +1,7 @@
 """Rounding of nodal forces, node by node, so that a stiff part does not loosen the tolerance of others."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from typing import NamedTuple
 
@@ -56,7 +58,7 @@ class Magnitudes(NamedTuple):
     elastic: bool = True
     changed: bool = False
 
-    def under(self, structure: Structure, owned_nodes: NDArray[np.int64], actions: Actions) -> "Magnitudes":
+    def under(self, structure: Structure, owned_nodes: NDArray[np.int64], actions: Actions) -> Magnitudes:
         """Magnitudes with the stress that actions leave in the reference shape."""
         if not (self.changed or actions.changes_stress):
             return self

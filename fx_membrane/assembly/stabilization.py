@@ -5,6 +5,8 @@ With a shift s [-], that strain, and the stiffness T for a shift of one, it adds
     s (X + u) . T (X + u) / 2 to the energy,    s T (X + u) to the residual,    s T to the tangent.
 """
 
+from __future__ import annotations
+
 from petsc4py import PETSc
 
 from .assembler import Assembler

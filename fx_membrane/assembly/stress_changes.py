@@ -1,5 +1,7 @@
 """Derivatives of the residual along the changes of natural shape and prestress in a stage."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 

@@ -5,6 +5,8 @@
 so that equilibrium under a change of the natural shape gives d sigma = (D - B K^-1 G) dH.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 

@@ -4,6 +4,8 @@ Strains are vectors of the components 11, 22, 12 in membranes, 11 in bars; g and
 of the energy by them. `forms.tension_field` has the energy that b belongs to.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -7,6 +7,8 @@ polynomial: the gradient is a third of the vector areas that meet at each node. 
 nearby, which keeps digits. A rigid wall is a fan of triangles from a fixed point in its plane to the rim of a hole.
 """
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 from petsc4py import PETSc

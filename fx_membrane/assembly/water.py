@@ -15,6 +15,8 @@ Rain has a level in each of its basins (`model.basins`), which are energies of t
 symmetric either. The energy of spilt water is left out: where it falls, it is lost.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property

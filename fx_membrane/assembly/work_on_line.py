@@ -1,5 +1,7 @@
 """Work of forces along a straight line of displacements, with or without a potential."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 
 import numpy as np

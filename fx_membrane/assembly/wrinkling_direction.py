@@ -1,5 +1,7 @@
 """Direction of the tension in a wrinkled woven fabric, for many cells at once."""
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np
@@ -24,7 +26,7 @@ class Moduli(NamedTuple):
     nu: NDArray[np.float64]
     Gt: NDArray[np.float64]
 
-    def of(self, cells: NDArray[np.intp]) -> "Moduli":
+    def of(self, cells: NDArray[np.intp]) -> Moduli:
         """Moduli of some cells."""
         return Moduli(*(values[cells] for values in self))
 

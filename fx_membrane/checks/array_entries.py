@@ -1,5 +1,7 @@
 """Entries of arrays and of nested lists in their original types, before NumPy makes one type of them."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from typing import Any
 

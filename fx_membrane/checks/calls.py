@@ -1,5 +1,7 @@
 """Arguments that functions of a user take."""
 
+from __future__ import annotations
+
 import inspect
 from collections.abc import Callable
 from typing import Any

@@ -1,5 +1,7 @@
 """Former names of the package, told in the place of their absence."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from typing import Any
 

@@ -1,5 +1,7 @@
 """Checks of objects on entry: of one kind, of no derived class, in a list; each raises one clear sentence."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -1,5 +1,7 @@
 """Names of files to write, checked before anything is computed."""
 
+from __future__ import annotations
+
 import errno
 import os
 import stat

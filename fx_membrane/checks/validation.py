@@ -3,6 +3,8 @@
 Plain data keeps the results of the checks: floats, whole numbers, texts, read-only arrays of float64 or int64.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable, Sequence, Set
 from typing import Any
 

@@ -1,5 +1,7 @@
 """Values in messages, and tests for numbers."""
 
+from __future__ import annotations
+
 import contextlib
 from collections.abc import Sized
 from typing import Any

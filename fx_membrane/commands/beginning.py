@@ -1,5 +1,7 @@
 """Commands to begin with: a case, the demos, the schema."""
 
+from __future__ import annotations
+
 import json
 from pathlib import Path
 

@@ -1,5 +1,7 @@
 """Group of commands: exit codes, and messages that one process prints."""
 
+from __future__ import annotations
+
 import os
 import shlex
 import signal

@@ -1,5 +1,7 @@
 """Commands on saved results, mesh files and versions."""
 
+from __future__ import annotations
+
 from pathlib import Path
 
 import click

@@ -1,5 +1,7 @@
 """Commands that check and run a case."""
 
+from __future__ import annotations
+
 from collections.abc import Collection
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -128,6 +130,6 @@ def _after(folder: Path, names: Collection[str], stages: Collection[object]) -> 
     return "\n".join(lines)
 
 
-def _idle(case: "Case") -> str:
+def _idle(case: Case) -> str:
     """Clause on a case whose run computes nothing."""
     return IDLE + ("`fx-membrane patterns` makes its cutting pattern" if case.patterns else "add one")

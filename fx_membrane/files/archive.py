@@ -3,6 +3,8 @@
 It is a zip of arrays and a JSON document, and holds numbers and texts only. Opening it runs no code of the file.
 """
 
+from __future__ import annotations
+
 import importlib.metadata
 import json
 import zipfile

@@ -1,5 +1,7 @@
 """COMPAS JSON: networks, graphs and meshes of compas, compas_fd and jax_fdm, of versions 0, 1 and 2."""
 
+from __future__ import annotations
+
 import json
 import math
 from pathlib import Path

@@ -1,5 +1,7 @@
 """Conversion of mesh files from one format to another, group by group."""
 
+from __future__ import annotations
+
 from dataclasses import replace
 from pathlib import Path
 

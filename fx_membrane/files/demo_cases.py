@@ -1,5 +1,7 @@
 """Demo cases: case files of the package, with their meshes."""
 
+from __future__ import annotations
+
 import tomllib
 from importlib import resources
 from pathlib import Path

@@ -1,5 +1,7 @@
 """Results of a state as dolfinx functions, on a mesh of a whole part."""
 
+from __future__ import annotations
+
 import dataclasses
 from typing import Any
 

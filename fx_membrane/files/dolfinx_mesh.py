@@ -1,5 +1,7 @@
 """Structures from dolfinx meshes, by groups of tagged cells, edges and vertices."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 

@@ -1,5 +1,7 @@
 """Cells by name as drawings have them: corners that may coincide, triangles, quadrilaterals and lines in one group."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field, replace
 
 import numpy as np

@@ -1,5 +1,7 @@
 """DXF by ezdxf: faces, lines and points by layer."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
 from pathlib import Path

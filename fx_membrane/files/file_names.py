@@ -1,5 +1,7 @@
 """Names of files made of names of users."""
 
+from __future__ import annotations
+
 import re
 import unicodedata
 

@@ -1,5 +1,7 @@
 """Forms that no stage has followed: where a run leaves them, and their text."""
 
+from __future__ import annotations
+
 from pathlib import Path
 
 import numpy as np

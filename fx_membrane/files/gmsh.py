@@ -1,5 +1,7 @@
 """Structures from gmsh: a model in memory or a .msh file, by its physical names."""
 
+from __future__ import annotations
+
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path

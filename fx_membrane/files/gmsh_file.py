@@ -4,6 +4,8 @@ gmsh runs commands in any file that is a script, and in `x.msh.opt` beside `x.ms
 So it gets copies of files that begin as meshes do, and a child process limits the damage.
 """
 
+from __future__ import annotations
+
 import os
 import shutil
 import signal

@@ -4,6 +4,8 @@ The script runs in a separate process, since a damaged file may end it. So it ne
 imports the package by its name.
 """
 
+from __future__ import annotations
+
 import os
 import resource
 import sys

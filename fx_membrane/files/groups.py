@@ -1,5 +1,7 @@
 """Structures from named groups of cells and nodes, as meshes of other programs have them."""
 
+from __future__ import annotations
+
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple

@@ -1,5 +1,7 @@
 """Structures from files of drawing and modelling programs, by the names of their layers and groups."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 

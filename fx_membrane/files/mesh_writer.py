@@ -1,5 +1,7 @@
 """Meshes of structures, deformed states and found shapes, for other programs: msh, OBJ and DXF."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import IO, NamedTuple

@@ -1,5 +1,7 @@
 """Mesh files of gmsh as drawings: cells and nodes by physical name."""
 
+from __future__ import annotations
+
 from pathlib import Path
 
 import numpy as np

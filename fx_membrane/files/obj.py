@@ -3,6 +3,8 @@
 Read here, as VTK drops names of groups and half of the digits.
 """
 
+from __future__ import annotations
+
 from collections import Counter
 from itertools import pairwise
 from pathlib import Path

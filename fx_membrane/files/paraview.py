@@ -1,5 +1,7 @@
 """Results for ParaView: a step of the series for each state, with a block for each part."""
 
+from __future__ import annotations
+
 import re
 import shutil
 import warnings

@@ -3,6 +3,8 @@
 Reading makes objects of the classes given, by their constructors, which check their values. It runs no other code.
 """
 
+from __future__ import annotations
+
 import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from enum import Enum

@@ -1,5 +1,7 @@
 """Results of a run, from its folder or its archive."""
 
+from __future__ import annotations
+
 from pathlib import Path
 
 from ..results.states import StageResults

@@ -1,5 +1,7 @@
 """STL and PLY by pyvista: one surface without names."""
 
+from __future__ import annotations
+
 import importlib.util
 import os
 import re

@@ -1,5 +1,7 @@
 """Reader of STL and PLY by pyvista, run as a script in a process of its own: VTK aborts on some damaged files."""
 
+from __future__ import annotations
+
 import sys
 
 

@@ -1,5 +1,7 @@
 """Results as tables on disk: CSV with units in the head, and a summary in JSON."""
 
+from __future__ import annotations
+
 import csv
 import json
 from collections.abc import Iterator

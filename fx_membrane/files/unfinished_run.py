@@ -1,5 +1,7 @@
 """States of a run that has not ended, kept in its folder: what a killed run has found can be read."""
 
+from __future__ import annotations
+
 import shutil
 from collections.abc import Sequence
 from dataclasses import replace

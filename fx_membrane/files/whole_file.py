@@ -1,5 +1,7 @@
 """Files that are written whole or not at all: aside first, then renamed."""
 
+from __future__ import annotations
+
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager

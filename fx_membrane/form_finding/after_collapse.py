@@ -5,6 +5,8 @@ tell how far a shape moves by that. Over plans of tents and films between far ri
 1e-12. Others of 2e5 move by 1e-14 of their size. So the shape is analysed.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import numpy as np

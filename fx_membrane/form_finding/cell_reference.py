@@ -1,5 +1,7 @@
 """Membranes in space as the reference of their stress: each cell in its own plane, along warp and weft."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,5 +1,7 @@
 """Steps with natural force densities: the prescribed stress in the shape before, under constraints."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 

@@ -1,5 +1,7 @@
 """Shapes in equilibrium under prestress alone: the force density method."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Form: the result of every method of form finding."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from html import escape

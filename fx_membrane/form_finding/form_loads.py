@@ -1,5 +1,7 @@
 """Loads that a form balances: all kinds but energy terms, checked against the structure."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import Any
 

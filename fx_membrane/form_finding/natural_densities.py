@@ -7,6 +7,8 @@ a rotation. Taking the shape found for the next mesh comes nearer to it, where i
 strategy, whose first step the linear system is.
 """
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace

@@ -1,5 +1,7 @@
 """Net of force densities under constraints, step by step towards the forces and the geometry of its branches."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import replace
 

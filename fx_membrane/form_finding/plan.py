@@ -1,5 +1,7 @@
 """Membranes in plan: geometry, prescribed stress, and the stress in space that follows from it."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple

@@ -3,6 +3,8 @@
 Each solves for the displacement to equilibrium of the prestress with respect to the shape before it.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple

@@ -16,6 +16,8 @@ updated reference strategy, Int. J. Space Structures 14 (1999) 131-145; U. Pinka
 minimal surfaces and their conjugates, Experimental Mathematics 2 (1993) 15-36.
 """
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace

@@ -1,5 +1,7 @@
 """Input of form finding that is the same on all processes, functions of place included."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from typing import Any
 

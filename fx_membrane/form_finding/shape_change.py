@@ -1,5 +1,7 @@
 """Change of shape in a step of form finding, beyond sliding of nodes, and collapse of cells."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

@@ -9,6 +9,8 @@ A constant stress with edge cables along funicular curves balances in plan: the 
 prescribed. Elsewhere the nodes move in plan, and the stress in plan changes with them.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial

@@ -1,5 +1,7 @@
 """Warnings of forms that have not settled."""
 
+from __future__ import annotations
+
 import warnings
 
 from .balance.constrained_balance import continued

@@ -20,6 +20,8 @@ Methods, SIAM 2000, ch. 15, for Newton's method under equations; M. Hinze, R. Pi
 Optimization with PDE Constraints, Springer 2009, for least squares with the equilibrium as state equation.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial

@@ -1,5 +1,7 @@
 """Wishes for the stress of membranes: direction and size given in space, taken anew where each cell is."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple, Protocol, runtime_checkable
@@ -96,7 +98,7 @@ class Wish(NamedTuple):
     size: Size
     along: SurfaceDirection | None = None
 
-    def on(self, points: Array) -> "Wish":
+    def on(self, points: Array) -> Wish:
         """Fix the direction on the surface of a shape, shape (n, 3) [m].
 
         Raises:

@@ -4,6 +4,8 @@ A surface is closed if its oriented triangles have no boundary: each edge is run
 That allows edges of four triangles, as where two skins of a cushion share a corner cell.
 """
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse

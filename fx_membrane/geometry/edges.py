@@ -1,5 +1,7 @@
 """Cables along the edges of a membrane, picked from its mesh."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 
 import numpy as np

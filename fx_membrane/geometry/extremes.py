@@ -1,5 +1,7 @@
 """Rows of largest values, the same however sums were rounded."""
 
+from __future__ import annotations
+
 from typing import Any
 
 import numpy as np

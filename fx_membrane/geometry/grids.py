@@ -1,5 +1,7 @@
 """Grids of triangles, and lines of segments."""
 
+from __future__ import annotations
+
 from typing import Literal
 
 import numpy as np

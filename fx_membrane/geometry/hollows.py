@@ -5,6 +5,8 @@ another along an edge, at the height of its higher node. Outlets are ways, too, 
 of its ways, water of a hollow stands on cells of that hollow alone: a wet cell has a wet lowest node.
 """
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Order of the nodes along lines of segments."""
 
+from __future__ import annotations
+
 from collections import defaultdict
 from collections.abc import Collection, Iterable
 from itertools import pairwise

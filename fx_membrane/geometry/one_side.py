@@ -1,5 +1,7 @@
 """Triangles of a surface turned to one side, across its pieces."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

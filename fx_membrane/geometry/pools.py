@@ -1,5 +1,7 @@
 """Pools of water in the hollows of a surface: they spill over from one into another, and merge."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 

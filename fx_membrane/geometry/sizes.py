@@ -1,5 +1,7 @@
 """Areas, lengths, normals and slenderness of cells."""
 
+from __future__ import annotations
+
 from itertools import pairwise
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Spill nodes of a surface: over which water leaves that stands at a node."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse

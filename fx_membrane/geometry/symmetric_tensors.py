@@ -1,5 +1,7 @@
 """Symmetric tensors of two dimensions by components 11, 12 and 22 in columns, shape (3, ..., n)."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,5 +1,7 @@
 """Edges, boundaries, orientation of triangles and the graph of nodes: topology without positions."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 

@@ -1,5 +1,7 @@
 """Vectors in columns, shape (3, ..., n): numpy's sums and products over short last axes are slow."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

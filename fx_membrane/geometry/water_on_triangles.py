@@ -9,6 +9,8 @@ polynomials. V is the derivative of W by the level, G1 and G2 d those of V / A a
 W / A. W has continuous first derivatives. Its second ones change at the water line only.
 """
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

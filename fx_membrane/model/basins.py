@@ -4,6 +4,8 @@ A basin has one level, and a volume that the solver keeps. It receives the rain 
 on cells without a basin runs off.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 

@@ -1,5 +1,7 @@
 """Comparison of plain data by value."""
 
+from __future__ import annotations
+
 import dataclasses
 from collections.abc import Mapping
 from typing import Any

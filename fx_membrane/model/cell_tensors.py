@@ -1,5 +1,7 @@
 """Symmetric tensors of cells in the warp/weft frame, from the notations that users give: number, pair, tensor."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

@@ -1,5 +1,7 @@
 """Coincident nodes that no part shares."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -1,5 +1,7 @@
 """Digests of structures and stages: equal input has equal digests, in any notation of its numbers."""
 
+from __future__ import annotations
+
 import dataclasses
 import hashlib
 from collections.abc import Mapping, Sequence

@@ -27,6 +27,8 @@ A term acts in two places. In `Stage(loads=[...])` it is a load: the load factor
 The density is integrated over the whole part, with a weight of zero outside `cells`: it must be finite there, too.
 """
 
+from __future__ import annotations
+
 from abc import abstractmethod
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 

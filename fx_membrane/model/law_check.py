@@ -1,5 +1,7 @@
 """Refusal of laws that break the contract in `laws`."""
 
+from __future__ import annotations
+
 import dataclasses
 from functools import cache, lru_cache, partial
 from typing import Any

@@ -22,6 +22,8 @@ stress at E = 0 is the prestress, as by the term inner(sigma0, E).
 Members that a class inherits from one with another energy belong to that energy, and are not used.
 """
 
+from __future__ import annotations
+
 import dataclasses
 from collections import namedtuple
 from collections.abc import Callable
@@ -180,7 +182,7 @@ def elasticity(law: Law, dimension: int) -> Array:
     is asked once.
     """
     try:
-        return _elasticity(law, dimension)
+        return _elasticity(cast("Any", law), dimension)
     except TypeError:  # its class has no hash
         return _elasticity.__wrapped__(law, dimension)
 

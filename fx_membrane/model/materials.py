@@ -3,6 +3,8 @@
 `laws` has the contract that they keep; the energies are in `forms`.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -46,7 +48,7 @@ class Fabric:
             raise ValueError(f"Fabric nu is {short_repr(given)}; Poisson's ratio must be above -1 and at most 0.5.")
 
     @classmethod
-    def from_modulus(cls, E: float, nu: float, thickness: float) -> "Fabric":
+    def from_modulus(cls, E: float, nu: float, thickness: float) -> Fabric:
         """Make a fabric from Young's modulus E [Pa], Poisson's ratio nu [-] and a thickness [m]."""
         return cls(positive("Fabric E", E) * positive("Fabric thickness", thickness), nu)
 
@@ -152,7 +154,7 @@ class NeoHooke:
         store(self, positive, "Gt")
 
     @classmethod
-    def from_modulus(cls, E: float, thickness: float) -> "NeoHooke":
+    def from_modulus(cls, E: float, thickness: float) -> NeoHooke:
         """Make a foil from Young's modulus E at small strains [Pa] and a thickness [m]."""
         return cls(positive("NeoHooke E", E) / 3 * positive("NeoHooke thickness", thickness))
 
@@ -194,7 +196,7 @@ class MooneyRivlin:
         store(self, not_negative, "C01t")
 
     @classmethod
-    def from_moduli(cls, C10: float, C01: float, thickness: float) -> "MooneyRivlin":
+    def from_moduli(cls, C10: float, C01: float, thickness: float) -> MooneyRivlin:
         """Make a foil from the constants C10 and C01 [Pa] and a thickness [m]."""
         t = positive("MooneyRivlin thickness", thickness)
         return cls(positive("MooneyRivlin C10", C10) * t, not_negative("MooneyRivlin C01", C01) * t)

@@ -1,5 +1,7 @@
 """Natural, stress-free shape of cells: its tensors, and their making from flat triangles and unstressed lengths."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,5 +1,7 @@
 """Classes of a user for laws and energy terms: frozen dataclasses with a formula of their own."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 

@@ -1,5 +1,7 @@
 """Formulas of a user, methods that return UFL, called on trial; their faults as sentences."""
 
+from __future__ import annotations
+
 import logging
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

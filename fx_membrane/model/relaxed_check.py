@@ -1,5 +1,7 @@
 """Refusal of relaxed energies that contradict the energy of their law."""
 
+from __future__ import annotations
+
 from typing import Any
 
 import numpy as np

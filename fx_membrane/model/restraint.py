@@ -1,5 +1,7 @@
 """Rigid-body motions that supports leave free."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import numpy as np

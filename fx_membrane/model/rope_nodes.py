@@ -1,5 +1,7 @@
 """Nodes of ropes that nothing holds: free ends, and nodes over which a rope slides anywhere along its path."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import numpy as np

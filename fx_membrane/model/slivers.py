@@ -1,5 +1,7 @@
 """Refusal of cells without a measure, and a warning of slender triangles."""
 
+from __future__ import annotations
+
 import warnings
 
 import numpy as np

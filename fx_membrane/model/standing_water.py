@@ -3,6 +3,8 @@
 Water is lost over the rim and into drains only.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import NamedTuple
 

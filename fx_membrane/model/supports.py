@@ -1,5 +1,7 @@
 """Supports, as plain data."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 from numpy.typing import ArrayLike

@@ -1,5 +1,7 @@
 """Parameters of energy terms: their kinds, and their values on the cells of a part."""
 
+from __future__ import annotations
+
 import dataclasses
 from collections.abc import Sequence
 from typing import Any

@@ -1,5 +1,7 @@
 """Integral of an energy term in UFL, and its trial on symbols without a mesh."""
 
+from __future__ import annotations
+
 from collections import namedtuple
 from collections.abc import Mapping
 from functools import lru_cache

@@ -1,5 +1,7 @@
 """Events of the water in basins: it runs over from one into another, and basins merge and part."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import NamedTuple
 

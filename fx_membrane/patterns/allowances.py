@@ -1,5 +1,7 @@
 """Allowances: widths of cloth beyond the sewing lines, and the cut of their corners."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
@@ -58,7 +60,7 @@ class Allowances:
             raise ValueError(f"Allowances mitre_limit is {limit:g}; give at least 1.")
         validation.keep(self, edges=widths, mitre_limit=limit)
 
-    def in_unit(self, length_unit: str) -> "Allowances":
+    def in_unit(self, length_unit: str) -> Allowances:
         """Return the allowances with the usual widths of seams and borders in a unit; unknown units count as metres."""
         metre = 1 / METRES.get(length_unit, 1.0)
         return replace(

@@ -1,5 +1,7 @@
 """Elongations of a fabric measured in biaxial tests, between which compensation is interpolated."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Cloth of all strips in the plane: energy, forces and stiffness by the laws of their fabrics."""
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
@@ -61,7 +63,7 @@ class Cloth:
         self._matrix = self._problem.create_matrix()
         self._sides = sides(places, triangles)
 
-    def with_shapes(self, shapes: Array) -> "StressFree":
+    def with_shapes(self, shapes: Array) -> StressFree:
         """Cloth whose cells are free of stress with given sides, as columns, shape (k, 2, 2) [m]."""
         natural = shapes @ np.linalg.inv(self._sides) - np.eye(2)
         actions = unloaded(self._problem.structure)

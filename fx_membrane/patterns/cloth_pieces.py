@@ -1,5 +1,7 @@
 """Pieces of cloth: strips with cut line, marks for assembly, warp arrow and names."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass
 

@@ -1,5 +1,7 @@
 """Cutting patterns: strips flattened and compensated, with seams as long on both sides, borders decompensated."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import numpy as np

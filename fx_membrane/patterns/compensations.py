@@ -1,5 +1,7 @@
 """Compensation: ratios of unstressed to stressed cloth by prestress and law, by factors, or by biaxial tests."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 

@@ -1,5 +1,7 @@
 """Gauss curvature of surfaces of triangles, by angle defects."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

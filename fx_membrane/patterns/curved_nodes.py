@@ -1,5 +1,7 @@
 """New nodes of a split mesh, moved from flat cells to the curved surface and lines that these approximate."""
 
+from __future__ import annotations
+
 from itertools import pairwise
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Cut lines: outlines of sewing lines, moved outward by a width for each side."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 

@@ -1,5 +1,7 @@
 """Membranes of a structure split along seams, with the cables, supports and data on them."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise

@@ -1,5 +1,7 @@
 """Cutting of membranes along seams into strips."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 

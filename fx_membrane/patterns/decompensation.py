@@ -1,5 +1,7 @@
 """Decompensation: borders and corners of the cloth that keep their length on the surface."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Balance of the design of a pattern: the stress that it takes on its own, before it is cut."""
 
+from __future__ import annotations
+
 import warnings
 from dataclasses import replace
 

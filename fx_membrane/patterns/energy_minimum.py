@@ -8,6 +8,8 @@ the first flip of a cell and lower the merit W + rho |c|_1.
 Source: J. Nocedal, S. J. Wright, Numerical Optimization (2006), section 18.
 """
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

@@ -5,6 +5,8 @@ on Graphics 36 (2017) 16:1-16:16, with the symmetric Dirichlet energy; W. T. Tut
 the London Mathematical Society 13 (1963) 743-767.
 """
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse

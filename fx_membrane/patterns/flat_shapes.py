@@ -1,5 +1,7 @@
 """Flattening of strips by least strain energy, all in one system, with the law of the fabric."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Strips laid flat: the cloth before and after compensation, with its outline."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any

@@ -1,5 +1,7 @@
 """Loads and numbers given for a membrane by its name, on the strips that are cut from it."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from typing import Any, TypeVar

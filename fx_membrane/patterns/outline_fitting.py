@@ -12,6 +12,8 @@ Source: R. H. Byrd, M. E. Hribar, J. Nocedal, SIAM J. Optim. 9 (1999) 877-900, f
 Numerical Optimization (2006), section 10.3, for least squares.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -4,6 +4,8 @@ Inner points alone would change nothing but the mesh: the outlines are the cut. 
 outline, which would move it as a whole.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import numpy as np

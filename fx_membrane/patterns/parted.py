@@ -1,5 +1,7 @@
 """Structure whose membranes are parted into strips, with their warp, prestress and edges."""
 
+from __future__ import annotations
+
 import warnings
 from collections import Counter
 from collections.abc import Mapping, Sequence

@@ -1,5 +1,7 @@
 """Strips cut open along their edges: rows of points of their own, and the way around each strip."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Triangles in the plane: gradients of maps, areas, and how far points may move before a triangle flips."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

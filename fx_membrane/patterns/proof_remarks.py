@@ -1,5 +1,7 @@
 """Remarks on a proof: stress far from the design, with its causes, utilisation, and numbers that are not asked for."""
 
+from __future__ import annotations
+
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +14,7 @@ if TYPE_CHECKING:
 NOTABLE = 0.25  # share of the mean stress error that is told of the design
 
 
-def stress_missed(proof: "PatternProof") -> tuple[str, ...]:
+def stress_missed(proof: PatternProof) -> tuple[str, ...]:
     """Clause on the area where stress is off by more than the wanted error; none where 95 % of the area keep to it."""
     if proof.stress_error_of_most <= proof.wanted_error:
         return ()
@@ -23,13 +25,13 @@ def stress_missed(proof: "PatternProof") -> tuple[str, ...]:
     )
 
 
-def strength_missed(proof: "PatternProof") -> tuple[str, ...]:
+def strength_missed(proof: PatternProof) -> tuple[str, ...]:
     """Clauses on strips that bear more than their strength."""
     used = {name: strip.largest_utilisation or 0.0 for name, strip in proof.strips.items()}
     return tuple(f"{name!r} bears {share:.3g} times its strength" for name, share in used.items() if share > 1)
 
 
-def remarks(proof: "PatternProof") -> tuple[str, ...]:
+def remarks(proof: PatternProof) -> tuple[str, ...]:
     """Sentences on what is beyond the wanted stress error or a strength, and on causes of the former."""
     off = stress_missed(proof)
     causes: list[str] = []
@@ -44,7 +46,7 @@ def _sentence(clause: str) -> str:
     return f"{clause[0].upper()}{clause[1:]}."
 
 
-def _of_design(proof: "PatternProof") -> list[str]:
+def _of_design(proof: PatternProof) -> list[str]:
     own = proof.design_error
     error, area = proof.stress_errors
     mean = float(np.average(error, weights=area))
@@ -59,7 +61,7 @@ def _of_design(proof: "PatternProof") -> list[str]:
     ]
 
 
-def _of_compensation(proof: "PatternProof") -> list[str]:
+def _of_compensation(proof: PatternProof) -> list[str]:
     """Sentence on the strip whose mean stress is off by more than curvature can do."""
     names = list(proof.strips)
     name = names[first_largest(np.array([_beyond_curvature(proof, one) for one in names]))]
@@ -74,7 +76,7 @@ def _of_compensation(proof: "PatternProof") -> list[str]:
     ]
 
 
-def _beyond_curvature(proof: "PatternProof", name: str) -> float:
+def _beyond_curvature(proof: PatternProof, name: str) -> float:
     """Error of the mean stress over the error that curvature makes at the edges of a strip of its width [-]."""
     strip = proof.strips[name]
     wanted = strip.mean(strip.wanted)
@@ -82,7 +84,7 @@ def _beyond_curvature(proof: "PatternProof", name: str) -> float:
     return float(error / (proof.wanted_error * max(1.0, (strip.width / strip.widest) ** 2)))
 
 
-def _of_width(proof: "PatternProof", others: bool) -> list[str]:
+def _of_width(proof: PatternProof, others: bool) -> list[str]:
     """Sentence on the widest strip for its curvature; on finer cells where there are no other causes."""
     names, unit = list(proof.strips), proof.pattern.strips.length_unit
     name = names[first_largest(np.array([proof.strips[name].width / proof.strips[name].widest for name in names]))]

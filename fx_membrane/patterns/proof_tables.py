@@ -1,5 +1,7 @@
 """Proof of a cutting pattern as text and as plain data."""
 
+from __future__ import annotations
+
 import textwrap
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +19,7 @@ FOUND = ("wanted", "least", "mean", "largest")
 WIDE = 98  # columns of all lines, where names of strips have at most twelve letters
 
 
-def data(proof: "PatternProof") -> dict[str, Any]:
+def data(proof: PatternProof) -> dict[str, Any]:
     """Numbers of a proof as dictionaries, lists, texts and numbers; None where one is infinite or missing."""
     shift = proof.shift
     node = first_largest(shift)
@@ -53,7 +55,7 @@ def data(proof: "PatternProof") -> dict[str, Any]:
     return told if fit is None else told | {"nearest stress": fit.to_dict()}
 
 
-def text(proof: "PatternProof", force: str | None = None, length: str | None = None) -> str:
+def text(proof: PatternProof, force: str | None = None, length: str | None = None) -> str:
     """Table of a proof, with the names of its units; no number is converted."""
     told, strips = data(proof), proof.pattern.strips
     force, length = force or strips.force_unit, length or strips.length_unit
@@ -134,7 +136,7 @@ def _short(value: float) -> str:
     return next((text for digits in (4, 3, 2) if len(text := f"{value:.{digits}g}") < 8), f"{value:.0e}")
 
 
-def _strip(proof: "PatternProof", name: str) -> dict[str, Any]:
+def _strip(proof: PatternProof, name: str) -> dict[str, Any]:
     strip, structure = proof.strips[name], proof.pattern.strips.structure
     error = strip.stress_error
     cell = first_largest(error)
@@ -165,7 +167,7 @@ def _strip(proof: "PatternProof", name: str) -> dict[str, Any]:
     return row
 
 
-def _edge(proof: "PatternProof", name: str) -> dict[str, Any]:
+def _edge(proof: PatternProof, name: str) -> dict[str, Any]:
     edge = proof.edges[name]
     return {
         "edge": name,

@@ -1,5 +1,7 @@
 """Proof of a cutting pattern: equilibrium of the strips sewn together again, compared with the design."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,5 +1,7 @@
 """Strips sewn together again: the designed shape with the cloth as the natural shape of its cells."""
 
+from __future__ import annotations
+
 from dataclasses import replace
 
 import numpy as np

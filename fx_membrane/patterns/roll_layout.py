@@ -1,5 +1,7 @@
 """Layout of pieces on the roll: side by side, the warp along the roll."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass
 

@@ -1,5 +1,7 @@
 """Widths of strips, for the roll that they are cut from."""
 
+from __future__ import annotations
+
 from itertools import pairwise
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Families of seams: geodesics between equal shares of two borders."""
 
+from __future__ import annotations
+
 from typing import Any, NamedTuple
 
 import numpy as np

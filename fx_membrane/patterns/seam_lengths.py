@@ -1,5 +1,7 @@
 """Lengths of the edges of a cutting pattern: on the surface, flat, and in the cloth on each side."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 

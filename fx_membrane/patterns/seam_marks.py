@@ -1,5 +1,7 @@
 """Places of marks for assembly along seams, the same on both strips."""
 
+from __future__ import annotations
+
 from itertools import pairwise
 
 import numpy as np

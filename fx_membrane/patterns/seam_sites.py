@@ -1,5 +1,7 @@
 """Seams on the triangles of a surface: nodes, points on edges and points in cells along them."""
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

@@ -9,6 +9,8 @@ solve with K^T, whatever the number of points is.
 Source: M. Hinze, R. Pinnau, M. Ulbrich, S. Ulbrich, Optimization with PDE Constraints, Springer 2009, section 1.6.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -138,7 +140,7 @@ class SewnRoof:
         finally:
             x.destroy()
 
-    def linearized(self, state: SewnState) -> "Linearization":
+    def linearized(self, state: SewnState) -> Linearization:
         """Differentiate in a state."""
         flat = sides(state.places, self._pieces.triangles)
         inverse = self._shape @ np.linalg.inv(flat)  # I + H

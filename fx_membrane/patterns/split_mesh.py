@@ -1,5 +1,7 @@
 """Triangles that are split along lines, piece by piece, each new one within an old one."""
 
+from __future__ import annotations
+
 from collections import defaultdict
 from itertools import pairwise
 

@@ -1,5 +1,7 @@
 """Report of outlines moved towards the nearest stress: errors before and after, within the surface and at borders."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 

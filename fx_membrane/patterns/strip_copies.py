@@ -1,5 +1,7 @@
 """Strips with the same shape, which are cut alike: symmetric halves and repeated fields."""
 
+from __future__ import annotations
+
 from dataclasses import replace
 from typing import NamedTuple
 

@@ -1,5 +1,7 @@
 """Seams and borders of strips: lines of mesh edges between their ends and corners."""
 
+from __future__ import annotations
+
 from collections import defaultdict
 from typing import NamedTuple
 

@@ -1,5 +1,7 @@
 """Strips of a split surface: pieces between seams, in an order in which neighbours follow each other."""
 
+from __future__ import annotations
+
 from collections import defaultdict
 
 import numpy as np

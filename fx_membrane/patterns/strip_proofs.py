@@ -1,5 +1,7 @@
 """Strip of a proof: its stress beside that of the design, with the width that its curvature allows."""
 
+from __future__ import annotations
+
 from collections import defaultdict
 from dataclasses import dataclass
 

@@ -1,5 +1,7 @@
 """Strips as discs: opened along seams, laid out in a plane, with their axis and width."""
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Strips of a surface that is cut along seams: a structure whose membranes are the strips."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property

@@ -1,5 +1,7 @@
 """Strips meshed anew, with cells of a wanted size and the nodes of their seams shared."""
 
+from __future__ import annotations
+
 from dataclasses import replace
 from itertools import pairwise
 

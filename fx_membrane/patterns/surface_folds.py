@@ -1,5 +1,7 @@
 """Folds of strips: cells that lie on their neighbours, which flattening would spread beside each other."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,5 +1,7 @@
 """Pictures of structures and results."""
 
+from __future__ import annotations
+
 from .animations import animation
 from .colour_scale import STATES
 from .contour_maps import contours, trajectories

@@ -1,5 +1,7 @@
 """Moving pictures of stages, load increments, paths and modes (pyvista inside matplotlib)."""
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace

@@ -1,5 +1,7 @@
 """Colours of a field, and their scale beside a picture (matplotlib)."""
 
+from __future__ import annotations
+
 from typing import Any
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Contours of fields, and lines of stress, on the deformed structure (pyvista inside matplotlib)."""
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

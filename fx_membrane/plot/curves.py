@@ -1,5 +1,7 @@
 """Curves of convergence: energy and unbalanced force against iterations and time (matplotlib)."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 

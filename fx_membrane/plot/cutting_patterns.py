@@ -1,5 +1,7 @@
 """Picture of a cutting pattern: strips on the roof, and the same strips flat beside it, in the same colours."""
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Sequence
 from pathlib import Path

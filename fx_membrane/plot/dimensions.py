@@ -1,5 +1,7 @@
 """Axes with units around a structure in space, and a length scale beside it (matplotlib)."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import Any
 

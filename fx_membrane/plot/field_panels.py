@@ -1,5 +1,7 @@
 """Fields and the pictures that show them, in the same colours for several states."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 

@@ -1,5 +1,7 @@
 """Fields to draw: numbers at nodes or of cells, or states of cells, and the limits of their colours."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from typing import Any
 

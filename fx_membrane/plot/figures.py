@@ -5,6 +5,8 @@ drawn. Under MPI call it on all processes. The first one draws its own arguments
 exceptions.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path

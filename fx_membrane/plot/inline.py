@@ -1,5 +1,7 @@
 """Small pictures of objects for notebooks, each drawn once."""
 
+from __future__ import annotations
+
 import io
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -20,7 +22,7 @@ from .subjects import Shown, shown
 DOTS = 90  # [1/inch]
 LINES = "#1f6f8b"
 
-_pictures: "WeakKeyDictionary[Any, tuple[bytes | None, str]]" = WeakKeyDictionary()
+_pictures: WeakKeyDictionary[Any, tuple[bytes | None, str]] = WeakKeyDictionary()
 
 
 def drawn(thing: Any) -> tuple[bytes | None, str]:

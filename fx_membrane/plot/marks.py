@@ -1,5 +1,7 @@
 """Lines on membranes: stress trajectories, warp, wrinkles, and hatching of slack cells."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 

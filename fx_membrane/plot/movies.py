@@ -1,5 +1,7 @@
 """Files of moving pictures: GIF by Pillow, MP4 by imageio-ffmpeg."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 

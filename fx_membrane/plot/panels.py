@@ -1,5 +1,7 @@
 """Picture of a structure with its title, colour bars, legend of lines, axes and length scale (matplotlib)."""
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

@@ -1,5 +1,7 @@
 """Pictures of a proof: its strips, and stress error, utilisation, shift, distortion, seams and widths on the roof."""
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Iterator, Mapping
 from pathlib import Path

@@ -1,5 +1,7 @@
 """Picture of the deformed structure by pyvista, without text: `plot` adds titles and scales."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

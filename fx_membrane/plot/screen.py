@@ -1,5 +1,7 @@
 """Ability of this machine to draw: VTK needs a screen, or a library that draws in memory."""
 
+from __future__ import annotations
+
 import ctypes
 import os
 

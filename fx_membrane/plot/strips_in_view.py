@@ -1,5 +1,7 @@
 """Strips as pictures show them: on the roof, the films of a cushion one below the other."""
 
+from __future__ import annotations
+
 import warnings
 from itertools import pairwise
 from typing import Any, NamedTuple

@@ -1,5 +1,7 @@
 """Subjects of pictures: states, and forms and structures with their initial stress."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,5 +1,7 @@
 """Windows of pictures: the part of the plane of the screen that is seen, at a scale that is known."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import NamedTuple
 

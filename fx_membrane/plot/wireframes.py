@@ -1,5 +1,7 @@
 """Wire frames of nets and structures, with node numbers (matplotlib)."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any

@@ -1,5 +1,7 @@
 """Remark on a state that a solver took for equilibrium, with fewer balanced digits than its user relies on."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Gas in the chambers of a state: lines of reports, and plain data."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Mapping
 from typing import Any

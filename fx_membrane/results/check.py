@@ -1,5 +1,7 @@
 """Check of a state: number, limit, verdict, place and remedy."""
 
+from __future__ import annotations
+
 from enum import Enum
 from typing import NamedTuple
 

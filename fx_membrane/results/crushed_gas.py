@@ -1,5 +1,7 @@
 """Gas that no chamber can hold: its volume, or its absolute pressure, is not positive."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 
 from .check import Check, Verdict

@@ -1,5 +1,7 @@
 """Checks of the drainage of membranes: water that would stand in a state, and water of ponds that runs off."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 
 import numpy as np

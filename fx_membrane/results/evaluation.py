@@ -1,5 +1,7 @@
 """Evaluation of states: stresses in the cells, and everything gathered in the user's order."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Mapping
 from typing import Any

@@ -1,5 +1,7 @@
 """Forces of a state: those of energy terms, and the balance of loads and reactions."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 

@@ -1,5 +1,7 @@
 """Stress in the reference shape under actions: the prestress times its factor, and that of the natural shape."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,5 +1,7 @@
 """Limits of a user's own on displacements, stresses and forces, and their checks."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 

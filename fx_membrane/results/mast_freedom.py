@@ -1,5 +1,7 @@
 """Ends of masts that can move freely: all that could hold them is slack, or lies in one plane with them."""
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

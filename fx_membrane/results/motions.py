@@ -3,6 +3,8 @@
 Prescribed motion is meant: only motion beyond it counts.
 """
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

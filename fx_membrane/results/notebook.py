@@ -1,5 +1,7 @@
 """Results as HTML, which notebooks show."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Sequence
 from html import escape
 from typing import Any

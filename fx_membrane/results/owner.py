@@ -1,5 +1,7 @@
 """Owner of a result: the problem on whose meshes and forms it was computed, and on which later questions go on."""
 
+from __future__ import annotations
+
 from typing import Any
 
 from mpi4py import MPI

@@ -1,5 +1,7 @@
 """State of a part: strains, and stresses of membranes or forces of cables and masts."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 

@@ -1,5 +1,7 @@
 """Pieces of a structure that meet at held nodes only: forces and motions of one say nothing of another."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,5 +1,7 @@
 """Places of nodes and cells in words."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,5 +1,7 @@
 """Numbers of tables and reports as texts."""
 
+from __future__ import annotations
+
 import numpy as np
 
 LEAST, MOST = 1e-4, 1e9  # between them a number has no exponent

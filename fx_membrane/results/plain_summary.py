@@ -1,5 +1,7 @@
 """Summary of a state as plain data: sums of forces, extremes of each part with their cell and place, remarks."""
 
+from __future__ import annotations
+
 from typing import Any
 
 import numpy as np

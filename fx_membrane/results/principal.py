@@ -1,5 +1,7 @@
 """Principal values of symmetric tensors of order one or two, for many cells at once."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

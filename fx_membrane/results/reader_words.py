@@ -1,5 +1,7 @@
 """Words for readers who have files of results, and perhaps no script: sentences without calls of Python."""
 
+from __future__ import annotations
+
 import re
 
 CALLS = (

@@ -4,6 +4,8 @@ All warnings on a state are issued from them. They follow from the result and th
 same on every process, after a restart and wherever they are shown: in `report`, on the result itself.
 """
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import replace

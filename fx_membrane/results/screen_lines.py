@@ -1,5 +1,7 @@
 """Lines that fit on a screen."""
 
+from __future__ import annotations
+
 import textwrap
 
 WIDTH = 80  # [columns]

@@ -1,5 +1,7 @@
 """Shear of membranes without two sides, whose sign in warp/weft axes is that of each cell."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 
 import numpy as np

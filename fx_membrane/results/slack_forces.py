@@ -4,6 +4,8 @@ A real cable cannot push and a real fabric carries no compression. A model keeps
 slack nodes stay in place. If an equilibrium hangs on that fraction, the structure has none.
 """
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Sentences on slack parts and on free cable ends."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from ..model.parts import Cable

@@ -1,5 +1,7 @@
 """Checks of a state, each with its number, its limit and a verdict: a table to read before any other number."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 
 import numpy as np

@@ -3,6 +3,8 @@
 Arrays follow the user's own order of nodes and cells, and every process has all of them.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType

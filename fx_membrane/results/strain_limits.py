@@ -1,5 +1,7 @@
 """Warnings and remarks where strains, or those that belong to the prestress, leave the range of the material law."""
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Iterator
 from typing import NamedTuple

@@ -1,5 +1,7 @@
 """Table of all stages of a run, and the checks of each, to print at its end."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 
 import numpy as np

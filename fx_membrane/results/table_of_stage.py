@@ -1,5 +1,7 @@
 """Report of a stage: iterations, forces, stresses, strains, states, reactions and their balance."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,5 +1,7 @@
 """Tables of a state: columns of its nodes and of the cells of its parts, with units in their heads."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from typing import Any
 

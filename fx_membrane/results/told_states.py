@@ -1,5 +1,7 @@
 """Sentences on states, and the warnings that tell them."""
 
+from __future__ import annotations
+
 from typing import Self
 
 

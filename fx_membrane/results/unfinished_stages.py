@@ -1,5 +1,7 @@
 """Stages that a run did not bring to equilibrium, as checks that fail."""
 
+from __future__ import annotations
+
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -33,14 +35,14 @@ class Failure(NamedTuple):
         )
 
 
-def last_found(failure: Failure, last: "StageResult", results: "StageResults") -> "StageResult | None":
+def last_found(failure: Failure, last: StageResult, results: StageResults) -> StageResult | None:
     """Name the last state of the stage that failed by its load factor; None where it is that of a stage before."""
     if failure.last > 0:
         return replace(last, name=f"{failure.stage}, up to load factor {failure.last:.6g}")
     return None if results else replace(last, name=f"{failure.stage}, at its start")
 
 
-def unfinished(results: "StageResults") -> list[Check]:
+def unfinished(results: StageResults) -> list[Check]:
     """Make checks of the stage that failed and of those not computed; none for a complete run."""
     failure = results.failure
     if failure is None:

@@ -1,5 +1,7 @@
 """Depth of the water on the cells of membranes."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

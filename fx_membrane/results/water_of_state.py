@@ -1,5 +1,7 @@
 """State of the water on membranes."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 from petsc4py import PETSc

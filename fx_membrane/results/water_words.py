@@ -1,5 +1,7 @@
 """Water of a state and its events in words: lines of reports, and plain data."""
 
+from __future__ import annotations
+
 from typing import Any
 
 import numpy as np

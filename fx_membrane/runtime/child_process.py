@@ -1,5 +1,7 @@
 """Scripts in a separate Python process, bounded in time: a library that aborts there leaves this process alone."""
 
+from __future__ import annotations
+
 import os
 import subprocess
 import sys

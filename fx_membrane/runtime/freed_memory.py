@@ -4,6 +4,8 @@ SuperLU_DIST, which PETSc may load, makes the C library keep all that is freed. 
 left are too small for its factors, and add to the peak.
 """
 
+from __future__ import annotations
+
 import ctypes
 from contextlib import suppress
 

@@ -1,5 +1,7 @@
 """gmsh in scripts that `run_script` starts: its begin, its errors, and their exit codes."""
 
+from __future__ import annotations
+
 import sys
 from collections.abc import Callable
 from typing import Any, TypeVar

@@ -10,6 +10,8 @@ anew. FFCx's name of a module identifies its formulas, elements and options, so 
 code knows no mesh and no values.
 """
 
+from __future__ import annotations
+
 import fcntl
 import importlib.machinery
 import os

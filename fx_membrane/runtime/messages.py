@@ -1,5 +1,7 @@
 """Messages to the user during a run."""
 
+from __future__ import annotations
+
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager

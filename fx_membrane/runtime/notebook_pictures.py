@@ -3,6 +3,8 @@
 `plot` draws them. It is above all that is drawn, and is loaded only when a notebook asks for a picture.
 """
 
+from __future__ import annotations
+
 import base64
 from collections.abc import Iterable
 from html import escape

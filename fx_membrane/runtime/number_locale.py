@@ -1,5 +1,7 @@
 """Decimal point for C libraries, if the program has chosen a decimal comma, as Qt does."""
 
+from __future__ import annotations
+
 import locale
 from collections.abc import Iterator
 from contextlib import contextmanager

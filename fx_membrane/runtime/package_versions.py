@@ -1,5 +1,7 @@
 """Versions of everything that computes, each read apart: reports of problems matter most if something is missing."""
 
+from __future__ import annotations
+
 import importlib
 import importlib.metadata
 import importlib.util

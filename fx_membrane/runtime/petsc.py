@@ -5,6 +5,8 @@ waits for all processes, before `python -m mpi4py` can end them for an exception
 modules in the reverse order of their start, so that SLEPc, which waits too, must be loaded before.
 """
 
+from __future__ import annotations
+
 import atexit
 import sys
 

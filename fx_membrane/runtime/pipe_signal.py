@@ -1,5 +1,7 @@
 """Signal of a pipe that is closed at its other end, `script.py | head`: PETSc takes it for a crash."""
 
+from __future__ import annotations
+
 import signal
 import threading
 from collections.abc import Iterator

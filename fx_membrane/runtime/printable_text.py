@@ -1,5 +1,7 @@
 """Texts as a terminal may show them."""
 
+from __future__ import annotations
+
 import unicodedata
 
 CONTROLS = ("Cc", "Cf", "Cs")  # characters without a picture: controls, turns of direction, lone surrogates

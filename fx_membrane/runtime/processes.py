@@ -1,5 +1,7 @@
 """Processes that share the work: errors of one raised by all, and refusal of differing input."""
 
+from __future__ import annotations
+
 import math
 import pickle
 from collections.abc import Callable, Iterator, Mapping

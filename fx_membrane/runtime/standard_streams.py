@@ -1,5 +1,7 @@
 """Replacement of closed standard streams, as by `2>&-` or in a service, by the null device."""
 
+from __future__ import annotations
+
 import os
 import sys
 

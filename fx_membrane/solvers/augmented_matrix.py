@@ -8,6 +8,8 @@ A factorization of the matrix less a shift has one negative pivot for each borde
 One-sided borders have other rows in the place of B^T; then pivots tell nothing.
 """
 
+from __future__ import annotations
+
 from typing import Any, NamedTuple
 
 import numpy as np

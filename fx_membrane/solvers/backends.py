@@ -1,5 +1,7 @@
 """Backends of Newton's iteration: dolfinx's NewtonSolver, or PETSc's SNES with the same callbacks."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable
 from typing import Any, Protocol

@@ -1,5 +1,7 @@
 """The solver interface: a problem and a start go in, a state with its history and reason comes out."""
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -11,6 +11,8 @@ Source: E. Ramm, Strategies for tracing the nonlinear response near limit points
 K.-J. Bathe (eds.), Nonlinear finite element analysis in structural mechanics, Springer (1981) 63-89.
 """
 
+from __future__ import annotations
+
 import copy
 import math
 from dataclasses import dataclass
@@ -60,13 +62,13 @@ class Point(NamedTuple):
     factor: float
     iterations: tuple[Iteration, ...] = ()
 
-    def moved(self, step: Step, length: float) -> "Point":
+    def moved(self, step: Step, length: float) -> Point:
         """Return the point after a step times a length."""
         x = self.x.copy()
         x.axpy(length, step.x)
         return Point(x, self.factor + length * step.factor)
 
-    def since(self, start: "Point") -> Step:
+    def since(self, start: Point) -> Step:
         """Step from another point to this one."""
         x = self.x.copy()
         x.axpy(-1.0, start.x)
@@ -113,7 +115,7 @@ class BorderedNewton:
         self.ksp = PETSc.KSP().create(problem.comm)
         factorization.choose(self.ksp, self.A, self.symmetric)
 
-    def without_compression_stiffness(self, left: float) -> "BorderedNewton":
+    def without_compression_stiffness(self, left: float) -> BorderedNewton:
         """Return the same method, with the same matrix, for the structure with less compression stiffness.
 
         Args:

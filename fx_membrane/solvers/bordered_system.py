@@ -20,6 +20,8 @@ Sources: W. W. Hager, Updating the inverse of a matrix, SIAM Review 31 (1989) 22
 of the inertia of a partitioned Hermitian matrix, Linear Algebra Appl. 1 (1968) 73-81.
 """
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 from petsc4py import PETSc

@@ -6,6 +6,8 @@ differ.
 Source: J. Nocedal, S. J. Wright, Numerical optimization (2006), section 5.2.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
@@ -71,7 +73,7 @@ class SteepestDescent:
     def __post_init__(self) -> None:
         _check(self)
 
-    def prepare(self, problem: Problem) -> "Descent":
+    def prepare(self, problem: Problem) -> Descent:
         """Return a function that brings a vector to equilibrium and keeps its workspace between calls."""
         return Descent(self, _no_memory, problem)
 
@@ -105,7 +107,7 @@ class ConjugateGradient:
         validation.keep(self, beta=validation.choice("ConjugateGradient beta", self.beta, ("FR", "PR"), remedy))
         _check(self)
 
-    def prepare(self, problem: Problem) -> "Descent":
+    def prepare(self, problem: Problem) -> Descent:
         """Return a function that brings a vector to equilibrium and keeps its workspace between calls."""
         return Descent(self, fletcher_reeves if self.beta == "FR" else polak_ribiere, problem)
 

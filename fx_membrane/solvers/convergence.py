@@ -1,5 +1,7 @@
 """Trend of the residuals of an iteration: still falling, or at rest at rounding."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 

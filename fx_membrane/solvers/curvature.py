@@ -1,5 +1,7 @@
 """The lowest mode of a structure in a state, and the stability of the state."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import NamedTuple
 

@@ -1,5 +1,7 @@
 """Diagnosis of a failed solve: sentences on its cause and remedy."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from typing import NamedTuple
 

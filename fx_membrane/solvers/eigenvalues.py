@@ -7,6 +7,8 @@ copy of a multiple eigenvalue, the search continues orthogonally to those found.
 eigenvalues, which come last.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import NamedTuple

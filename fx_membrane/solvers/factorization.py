@@ -1,5 +1,7 @@
 """Direct factorization of the tangent by MUMPS: L D L^T where it is symmetric, L U where it is not (pressure)."""
 
+from __future__ import annotations
+
 import weakref
 from typing import NamedTuple
 
@@ -12,7 +14,7 @@ from . import petsc_options
 ROUNDING = 1e-12  # fraction of a matrix below which its antisymmetric part is zero
 KIND = "fx_membrane_kind"  # attribute of a linear solver: the factorization chosen last
 
-_kept: list[tuple[MPI.Intracomm, "weakref.ref[object]", PETSc.KSP]] = []
+_kept: list[tuple[MPI.Intracomm, weakref.ref[object], PETSc.KSP]] = []
 
 
 def choose(ksp: PETSc.KSP, A: PETSc.Mat, symmetric: bool, steps: bool = False) -> None:

@@ -7,6 +7,8 @@ Source: E. L. Allgower, K. Georg, Introduction to numerical continuation methods
 homotopy with a sequence of fixed parameters.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 from petsc4py import PETSc

@@ -9,6 +9,8 @@ large-scale nonlinear programming, Math. Program. 106 (2006) 25-57, algorithm IC
 SIAM J. Numer. Anal. 35 (1998) 508-523.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 

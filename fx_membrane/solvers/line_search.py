@@ -8,6 +8,8 @@ energies differ by rounding only, and slopes decide, as in W. W. Hager, H. Zhang
 guaranteed descent and an efficient line search, SIAM J. Optimization 16 (2005) 170-192.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -9,6 +9,8 @@ prestress have no stiffness across at all. Four strategies make Newton's method 
 - A step along negative curvature leaves an equilibrium that is not stable (`saddle`).
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -70,7 +72,7 @@ class Newton:
         validation.store(self, validation.positive_integer, "max_iterations")
         validation.store(self, validation.truth, "line_search")
 
-    def prepare(self, problem: Problem) -> "_Globalized":
+    def prepare(self, problem: Problem) -> _Globalized:
         """Return a function that brings a vector to equilibrium; it keeps matrix and symbolic factorization.
 
         Raises:

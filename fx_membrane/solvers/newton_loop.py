@@ -4,6 +4,8 @@ Each step solves (K + lambda T) dx = -R, Gil (74), by a direct factorization. A 
 length, and an inertia correction the shift lambda.
 """
 
+from __future__ import annotations
+
 import weakref
 from collections.abc import Callable
 from typing import cast

@@ -1,5 +1,7 @@
 """Outcome of the search for an equilibrium, as an enumeration of sentences."""
 
+from __future__ import annotations
+
 from enum import Enum
 
 

@@ -1,5 +1,7 @@
 """Solvers of a user: the protocol checked at the door, and their answers."""
 
+from __future__ import annotations
+
 from dataclasses import fields, is_dataclass, replace
 from typing import Any
 

@@ -3,6 +3,8 @@
 An option is honoured, refused in words, or told to have no effect.
 """
 
+from __future__ import annotations
+
 import ctypes
 import re
 import warnings

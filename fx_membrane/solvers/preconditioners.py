@@ -1,5 +1,7 @@
 """Preconditioners of the first-order methods: the diagonal of the tangent, or the tangent itself, factored once."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from itertools import pairwise
 from typing import Literal, NamedTuple

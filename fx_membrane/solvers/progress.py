@@ -1,5 +1,7 @@
 """Progress messages on stderr: a bar on a terminal, lines elsewhere, as in a batch job."""
 
+from __future__ import annotations
+
 import contextlib
 import importlib
 import os

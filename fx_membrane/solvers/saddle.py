@@ -7,6 +7,8 @@ Source: J. J. More, D. C. Sorensen, On the use of directions of negative curvatu
 Program. 16 (1979) 1-20.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 from petsc4py import PETSc

@@ -1,5 +1,7 @@
 """Energy terms that are not a number in a state, in words."""
 
+from __future__ import annotations
+
 import numpy as np
 from petsc4py import PETSc
 

@@ -1,5 +1,7 @@
 """Drawing of a plan: nodes with a name or a place, and curves through them, divided into segments."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Lines of edges that a new mesh of a structure keeps: rims, seams, cables along membranes, held lines."""
 
+from __future__ import annotations
+
 from collections import defaultdict
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass

@@ -1,5 +1,7 @@
 """Conformal maps of surfaces into a plane, and places in that plane."""
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

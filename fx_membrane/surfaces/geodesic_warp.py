@@ -1,5 +1,7 @@
 """Direction of the warp along geodesics between pairs of nodes, traced anew on each shape of a surface."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np

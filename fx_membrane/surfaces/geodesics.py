@@ -1,5 +1,7 @@
 """Shortest lines between two points of a surface."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import sparse

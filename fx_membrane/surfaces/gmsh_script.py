@@ -4,6 +4,8 @@ It meshes plan-0.npz to plan-23.npz in its folder into mesh-0.npz to mesh-23.npz
 open in gmsh elsewhere are unchanged. It needs gmsh and numpy only, never MPI, and imports the package by its name.
 """
 
+from __future__ import annotations
+
 import sys
 from functools import partial
 from pathlib import Path

@@ -1,5 +1,7 @@
 """Heights of free nodes of a plan, from those of the others."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse

@@ -1,5 +1,7 @@
 """Points of a surface nearest to places in space."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree

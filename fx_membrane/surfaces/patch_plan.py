@@ -1,5 +1,7 @@
 """Plans of connected pieces of membranes, flattened, in which they are meshed anew."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree

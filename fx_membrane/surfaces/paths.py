@@ -1,5 +1,7 @@
 """Straight lines, arcs and circles in a plan."""
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Checks of a plan: no curve crosses another, holes and lines are inside."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree

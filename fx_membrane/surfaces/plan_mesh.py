@@ -1,5 +1,7 @@
 """Triangles between the segments of plans, by gmsh in a separate process."""
 
+from __future__ import annotations
+
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, field

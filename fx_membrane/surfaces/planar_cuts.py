@@ -1,5 +1,7 @@
 """Lines in which planes cut surfaces."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

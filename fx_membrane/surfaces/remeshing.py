@@ -1,5 +1,7 @@
 """New meshes of found shapes, with their prestress."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,5 +1,7 @@
 """Nodes and cells of a structure on another mesh of its membranes."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from typing import NamedTuple
 

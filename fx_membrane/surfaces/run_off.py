@@ -1,5 +1,7 @@
 """Run-off of water from a surface: depressions that hold it, and the least slope of cells and of valleys."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape

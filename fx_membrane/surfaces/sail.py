@@ -1,5 +1,7 @@
 """Meshes of sails: drawn in plan, meshed by gmsh, and lifted."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any

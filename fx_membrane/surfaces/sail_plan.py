@@ -1,5 +1,7 @@
 """Plan of a sail, drawn from its corners, holes, lines and points."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from typing import Any

@@ -1,5 +1,7 @@
 """Surfaces of structures, forms and states, as points and triangles."""
 
+from __future__ import annotations
+
 from typing import Any, NamedTuple
 
 import numpy as np

@@ -5,6 +5,8 @@ Source:
     Computing '97, Springer (1997) 43-55.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 
 import numpy as np

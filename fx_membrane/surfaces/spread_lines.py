@@ -1,5 +1,7 @@
 """Lines along a field, spread evenly over a surface."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse

@@ -1,5 +1,7 @@
 """Lines of stress on membranes: principal stress trajectories, and lines of wrinkles."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 

@@ -1,5 +1,7 @@
 """Lines on surfaces: geodesics, and lines along the warp."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any

@@ -4,6 +4,8 @@ All lines advance together, cell by cell: each step is a few operations on array
 each cell, along the field half way through it (the midpoint rule).
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterable
 from typing import NamedTuple
 

@@ -1,5 +1,7 @@
 """Stress, warp and place of a membrane on another mesh of the same surface."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse

@@ -1,5 +1,7 @@
 """Valleys of a surface: edges that water runs into from all cells at them, and along which it goes on."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,5 +1,7 @@
 """Ways over triangles: straight ones, across edges and through nodes, and those along a field of directions."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from typing import NamedTuple
 

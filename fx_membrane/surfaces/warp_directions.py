@@ -1,5 +1,7 @@
 """Warp along lines on a surface."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import Any
 

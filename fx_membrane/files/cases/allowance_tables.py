@@ -1,5 +1,7 @@
 """Allowances of cutting patterns in case files, and the roll that has to be wider than those of two seams."""
 
+from __future__ import annotations
+
 from typing import Any
 
 from ...patterns.allowances import Allowances

@@ -1,5 +1,7 @@
 """A case: structure, form finding, stages, solver and output, read from a TOML file."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass

@@ -1,5 +1,7 @@
 """Chambers of a case, and the changes of their gas and of the air around."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -10,9 +12,10 @@ from ...model.gas import Ambient, GasAmount, GasChange, GasPressure, GasVolume, 
 from ...model.stages import Stage
 from ...model.structure import Structure
 from ...solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
-from .choices import Choices, Outline, given, sound
+from .choices import Choices, Outline
 from .faults import Faults, Unknown, Wrong, nearest
 from .making import make
+from .table import given, sound
 
 Trail = tuple[str | int, ...]
 

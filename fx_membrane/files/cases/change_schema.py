@@ -1,5 +1,7 @@
 """Schema of changes of natural shape and prestress in case files."""
 
+from __future__ import annotations
+
 from typing import Annotated, Literal
 
 from pydantic import Field

@@ -1,5 +1,7 @@
 """Changes of a stage in a case: of natural shape and prestress, and of gas."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import Any
 
@@ -9,10 +11,10 @@ from ...model.changes import Change, LengthChange, NaturalStretch, PrestressFact
 from ...model.gas import GasChange
 from ...model.structure import Structure
 from .chambers import gas_change_of
-from .choices import Choices, Outline, given, sound
+from .choices import Choices, Outline
 from .faults import Faults
 from .making import make
-from .table import BROKEN
+from .table import BROKEN, given, sound
 
 KINDS: dict[str, tuple[int, Any, dict[str, Any]]] = {  # dimension of the part, 0 for any; class, sound values
     "temperature": (0, TemperatureChange, {"difference": 0.0, "expansion": 0.0}),

@@ -1,5 +1,7 @@
 """Nodes and cells that tables of a case choose: by number, by group of the geometry, by place, or by a rim."""
 
+from __future__ import annotations
+
 from collections.abc import Collection, Mapping
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -16,7 +18,7 @@ from .faults import Unknown, Wrong, at_key, nearest
 from .load_schema import CellChoice
 from .names import check_groups
 from .structure_schema import Box, NodeChoice
-from .table import BROKEN, Model, is_whole
+from .table import BROKEN, is_whole, one_of
 
 Nodes = NDArray[np.int64]
 CHOICES = ("nodes", "group", "where", "rim_of")
@@ -271,28 +273,3 @@ class Choices:
         if not len(found):
             raise Wrong(words, key) if self.whole else Unknown
         return found
-
-
-def given(table: Model, *without: str) -> dict[str, Any]:
-    """Values that a table gives, apart from some keys: the package has the defaults."""
-    return {name: getattr(table, name) for name in table.model_fields_set if name not in without}
-
-
-def one_of(table: Any, *keys: str, needed: bool = False) -> str:
-    """Refuse a table that gives several of some keys, or none; return the one given, empty for none.
-
-    Raises:
-        ValueError: It does.
-    """
-    found = [key for key in keys if getattr(table, key) is not None]
-    if len(found) > 1 or (needed and not found):
-        raise ValueError(f"give one of {', '.join(keys)}" + (f", not {' and '.join(found)}" if found else ""))
-    return found[0] if found else ""
-
-
-def sound(tables: Any) -> Any:
-    """Entries of a dictionary, or numbered ones of a list, that have no fault of their own."""
-    if tables is BROKEN:
-        return []
-    entries = tables.items() if isinstance(tables, dict) else enumerate(tables)
-    return [entry for entry in entries if entry[1] is not BROKEN]

@@ -1,5 +1,7 @@
 """Compensation of a case: by prestress, factors or biaxial tests, for all strips or by the name of a strip."""
 
+from __future__ import annotations
+
 from typing import Any
 
 from ...patterns.biaxial_tests import BiaxialTests

@@ -1,5 +1,7 @@
 """Edges and corners of cutting patterns without compensation, as case files name them."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,5 +1,7 @@
 """Values of a case that are no faults, but hardly meant: units that are mixed up, changes without an effect."""
 
+from __future__ import annotations
+
 import re
 from collections.abc import Iterator, Mapping
 from typing import Any

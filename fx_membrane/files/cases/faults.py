@@ -1,5 +1,7 @@
 """Faults of a case file, all at once, each with its line, its key and a remedy."""
 
+from __future__ import annotations
+
 import difflib
 import json
 import re
@@ -81,7 +83,7 @@ class Wrong(ValueError):  # noqa: N818  (a fault, kept as one)
         self.keys = keys
         self.others: Sequence[Wrong] = ()
 
-    def beside(self, others: Sequence["Wrong"]) -> "Wrong":
+    def beside(self, others: Sequence[Wrong]) -> Wrong:
         """Add others of the same table."""
         self.others = others
         return self

@@ -3,6 +3,8 @@
 Validation needs `context={"units": Units(...)}`, or None for a file that names none.
 """
 
+from __future__ import annotations
+
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 

@@ -1,5 +1,7 @@
 """Schema of form finding in case files: steps, each by a method, and constraints."""
 
+from __future__ import annotations
+
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag

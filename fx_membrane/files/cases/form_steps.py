@@ -1,5 +1,7 @@
 """Steps of form finding from the tables of a case; faults are collected, each with the path of its table."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -10,7 +12,7 @@ from ... import GeodesicDirection, RadialDirection
 from ...checks import validation
 from ...model.structure import Structure
 from ...model.supports import Support
-from .choices import CHOICES, NUMBERED, Choices, Nodes, Outline, given, one_of, sound
+from .choices import CHOICES, NUMBERED, Choices, Nodes, Outline
 from .faults import Fault, Faults, Unknown, at_key
 from .form_schema import ForceDensity, MastsAndStays, MethodModel, NewMesh
 from .forms import (
@@ -28,7 +30,7 @@ from .loads import constraint_of, loads_of, supports_of
 from .parts import bar_of
 from .schema import CaseModel
 from .structure_schema import AxisModel
-from .table import BROKEN, is_whole
+from .table import BROKEN, given, is_whole, one_of, sound
 
 
 class FormSteps:

@@ -1,5 +1,7 @@
 """Form finding of a case, step by step: prepared, so that faults are found at once, then done."""
 
+from __future__ import annotations
+
 import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -21,10 +23,10 @@ from ... import (
 )
 from ...checks import validation
 from ...model.supports import Support
-from .choices import Nodes, Outline, given
+from .choices import Nodes, Outline
 from .faults import Faults, Unknown, Wrong, at_key
 from .form_schema import NewMesh, StressModel
-from .table import BROKEN, is_whole
+from .table import BROKEN, given, is_whole
 
 METHODS: dict[str, Callable[..., Form]] = {
     "force density": force_density,

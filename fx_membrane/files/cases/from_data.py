@@ -1,5 +1,7 @@
 """Case from the data of its file: validated, then made; faults of both phases come together."""
 
+from __future__ import annotations
+
 import hashlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -18,7 +20,7 @@ from ...solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
 from ...solvers.newton import Newton
 from .case import Case
 from .chambers import tell_gas
-from .choices import Outline, given, sound
+from .choices import Outline
 from .doubts import doubts_of
 from .faults import Fault, Faults, case_error, faults_of_validation
 from .form_schema import NewMesh
@@ -28,7 +30,7 @@ from .making import make
 from .model import Builder
 from .schema import CaseModel, keys
 from .structure_schema import FileGeometry, UnitNames
-from .table import BROKEN, is_whole
+from .table import BROKEN, given, is_whole, sound
 from .units import Units
 
 SOLVERS: dict[str, Any] = {

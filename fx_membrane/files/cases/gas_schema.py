@@ -1,5 +1,7 @@
 """Schema of chambers, and of changes of their gas and of the air around, in case files."""
 
+from __future__ import annotations
+
 from typing import Annotated, Literal
 
 from pydantic import Discriminator, Tag

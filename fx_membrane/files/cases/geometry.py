@@ -1,5 +1,7 @@
 """Geometry of a case: a grid, a sail drawn in plan, a mesh file, or points by hand."""
 
+from __future__ import annotations
+
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +13,11 @@ from ...runtime.messages import say
 from ...surfaces.sail import SailMesh
 from ..drawing import Drawing
 from ..mesh_files import drawing_of, tell_unit_taken
-from .choices import given
 from .faults import Faults, Unknown, at_key
 from .making import make
 from .sail import sail_of
 from .structure_schema import FileGeometry, GridGeometry, PointGeometry, SailGeometry, UnitNames
-from .table import BROKEN, is_whole
+from .table import BROKEN, given, is_whole
 
 MANY = 1_000_000  # triangles of a grid, of which a word is due
 

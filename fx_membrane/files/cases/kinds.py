@@ -1,5 +1,7 @@
 """Kinds of tables that do not say theirs, or say it wrongly: the nearest one, so that the other keys can be checked."""
 
+from __future__ import annotations
+
 import copy
 import difflib
 from collections.abc import Mapping

@@ -1,5 +1,7 @@
 """Keys that a table of a case file may have, by the path of the table in the JSON schema."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from functools import cache
 from typing import Any

@@ -1,5 +1,7 @@
 """Lines of the keys and rows of a TOML file, which no reader of TOML tells."""
 
+from __future__ import annotations
+
 import re
 import tomllib
 from collections.abc import Sequence

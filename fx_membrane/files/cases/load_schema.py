@@ -1,5 +1,7 @@
 """Schema of loads and prescribed displacements in case files."""
 
+from __future__ import annotations
+
 from typing import Annotated, Literal
 
 from pydantic import Field

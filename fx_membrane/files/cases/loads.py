@@ -1,5 +1,7 @@
 """Loads, prescribed displacements and constraints of a case."""
 
+from __future__ import annotations
+
 from typing import Any
 
 import numpy as np
@@ -9,12 +11,12 @@ from ...model.loads import DistributedLoad, OwnLoad, PlanLoad, PointLoad, Pressu
 from ...model.ponds import HOW, Pond
 from ...model.stages import PrescribedDisplacement
 from ...model.supports import Support
-from .choices import CHOICES, Choices, Outline, given, one_of, sound
+from .choices import CHOICES, Choices, Outline
 from .faults import Faults
 from .load_schema import DisplacementModel, PointLoadModel
 from .making import make
 from .structure_schema import SupportModel
-from .table import BROKEN
+from .table import BROKEN, given, one_of, sound
 
 OF_CABLES: dict[str, tuple[Any, str]] = {
     "cable force": (CableForce, "force"),

@@ -1,5 +1,7 @@
 """Objects of the package from the values of a table: each key with a fault is told apart."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping
 from typing import Any
 

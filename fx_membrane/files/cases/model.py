@@ -1,5 +1,7 @@
 """Objects of the package from the tables of a case file; faults are collected, each with the path of its table."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +15,7 @@ from ...model.stages import Stage, check_stages
 from ...model.structure import Structure
 from .chambers import tell_chambers, with_chambers
 from .changes import changes_of, shapes_after
-from .choices import Choices, Outline, given, sound
+from .choices import Choices, Outline
 from .faults import Fault, Faults
 from .form_steps import FormSteps
 from .forms import Step
@@ -25,7 +27,7 @@ from .parts import cells_of, material_of, part_of
 from .patterns import PatternPlan, plan_of
 from .schema import CaseModel
 from .structure_schema import UnitNames
-from .table import BROKEN, is_whole
+from .table import BROKEN, given, is_whole, sound
 
 
 class Builder:

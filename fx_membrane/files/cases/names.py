@@ -1,5 +1,7 @@
 """Names of a case file, of parts and of stages."""
 
+from __future__ import annotations
+
 from collections.abc import Collection, Sequence
 from typing import Any
 

@@ -1,5 +1,7 @@
 """Materials and parts of a case."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from contextlib import nullcontext
 from typing import Any
@@ -14,12 +16,12 @@ from ...geometry.topology import boundary_edges
 from ...model.laws import Law
 from ...model.materials import Fabric, MooneyRivlin, NeoHooke, OrthotropicFabric
 from ...model.parts import Cable, Mast, Membrane, Part, Rope
-from .choices import Choices, Nodes, given, one_of
+from .choices import Choices, Nodes
 from .faults import Fault, Faults, Unknown, Wrong, at_key, nearest
 from .making import make
 from .names import check_groups
 from .structure_schema import AxisModel, BarPart, PartModel
-from .table import BROKEN, is_whole
+from .table import BROKEN, given, is_whole, one_of
 
 MATERIALS: dict[str, Any] = {
     "fabric": Fabric,

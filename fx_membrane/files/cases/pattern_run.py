@@ -1,5 +1,7 @@
 """Run of the cutting pattern of a case: form, strips, cloth, files and proof."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace

@@ -1,5 +1,7 @@
 """Schema of cutting patterns in case files."""
 
+from __future__ import annotations
+
 from typing import Annotated, Literal
 
 from .change_schema import Change

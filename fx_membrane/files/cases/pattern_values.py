@@ -1,12 +1,13 @@
 """Numbers and directions of cutting patterns in case files."""
 
+from __future__ import annotations
+
 from typing import Any
 
 from ...checks import validation
 from ..patterns.paper import paper_of
-from .choices import sound
 from .faults import Faults
-from .table import BROKEN, is_whole
+from .table import BROKEN, is_whole, sound
 
 POSITIVE = ("size", "transition", "roll_width", "mark_spacing", "stress_error")
 TRAIL = ("patterns",)

@@ -1,5 +1,7 @@
 """Cutting pattern that a case asks for: checked with the other tables, then made of the form."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -24,14 +26,14 @@ from ...surfaces.planar_cuts import planar_cut
 from ...surfaces.surface_lines import geodesic
 from .allowance_tables import allowances_of
 from .changes import changes_of
-from .choices import NUMBERED, Choices, Outline, sound
+from .choices import NUMBERED, Choices, Outline
 from .compensation_tables import check_compensation, compensation_from
 from .decompensated import decompensated_of, on_strips
 from .faults import Faults, Unknown, Wrong, at_key
 from .loads import loads_of
 from .pattern_values import check_values
 from .structure_schema import NodeChoice
-from .table import BROKEN, is_whole
+from .table import BROKEN, is_whole, sound
 
 TRAIL = ("patterns",)
 
@@ -262,9 +264,7 @@ def _acting(faults: Faults, choices: Choices, outline: Outline, table: Any) -> t
 
 def _check_cells(structure: Structure | None, part: str | None, entries: Sequence[Any]) -> None:
     """Refuse loads and changes on some cells of a membrane that is cut."""
-    if structure is None:
-        return
-    cut = [part] if part else list(structure.parts_of(Membrane))
+    cut = [part] if part else list(structure.parts_of(Membrane) if structure else ())
     for number, entry in enumerate(entries):
         if getattr(entry, "part", None) in cut and getattr(entry, "cells", None) is not None:
             raise Wrong("the membrane is cut, and its cells get other numbers; leave cells and where out", number)

@@ -1,5 +1,7 @@
 """Pictures and reports that a case asks for."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator
 from functools import partial
 from importlib.util import find_spec

@@ -1,5 +1,7 @@
 """Run of a case: form finding, stages and the files that they leave."""
 
+from __future__ import annotations
+
 import shutil
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace

@@ -1,5 +1,7 @@
 """Sail of a case, drawn in plan: each corner, hole, line or point with a fault is told apart."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Set
 from typing import Any
 
@@ -9,11 +11,10 @@ from ...checks import validation
 from ...surfaces.round_hole import RoundHole
 from ...surfaces.sail import SailMesh, sail_mesh
 from ...surfaces.sail_plan import checked_point, draw
-from .choices import given
 from .faults import Faults, Unknown
 from .making import make
 from .structure_schema import HoleModel, SailGeometry
-from .table import BROKEN, is_whole
+from .table import BROKEN, given, is_whole
 
 KEYS = ("sag", "points", "holes", "lines", "sizes")  # lines name points, edges and holes; sizes name all
 FAR = 100.0  # size of a stand-in for faulty corners over that of all places

@@ -1,5 +1,7 @@
 """Schema of case files: the file's mirror only. The package's own classes check the values."""
 
+from __future__ import annotations
+
 from typing import Annotated, Any, Literal
 
 from pydantic import Field

@@ -1,5 +1,7 @@
 """Schema of the structure in case files: units, geometry, materials, parts and supports."""
 
+from __future__ import annotations
+
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator

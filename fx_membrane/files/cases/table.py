@@ -1,5 +1,7 @@
 """Tables of case files: keys that are not known are refused, and those with a fault leave the others to be checked."""
 
+from __future__ import annotations
+
 from functools import cache
 from typing import Annotated, Any, Self
 
@@ -93,3 +95,28 @@ def is_whole(value: Any) -> bool:
     if isinstance(value, dict):
         return all(map(is_whole, value.values()))
     return all(map(is_whole, value)) if isinstance(value, list | tuple) else value is not BROKEN
+
+
+def given(table: Model, *without: str) -> dict[str, Any]:
+    """Values that a table gives, apart from some keys: the package has the defaults."""
+    return {name: getattr(table, name) for name in table.model_fields_set if name not in without}
+
+
+def one_of(table: Any, *keys: str, needed: bool = False) -> str:
+    """Refuse a table that gives several of some keys, or none; return the one given, empty for none.
+
+    Raises:
+        ValueError: It does.
+    """
+    found = [key for key in keys if getattr(table, key) is not None]
+    if len(found) > 1 or (needed and not found):
+        raise ValueError(f"give one of {', '.join(keys)}" + (f", not {' and '.join(found)}" if found else ""))
+    return found[0] if found else ""
+
+
+def sound(tables: Any) -> Any:
+    """Entries of a dictionary, or numbered ones of a list, that have no fault of their own."""
+    if tables is BROKEN:
+        return []
+    entries = tables.items() if isinstance(tables, dict) else enumerate(tables)
+    return [entry for entry in entries if entry[1] is not BROKEN]

@@ -1,5 +1,7 @@
 """TOML of a case file: lines that are none are told together, and the others still read."""
 
+from __future__ import annotations
+
 import re
 import tomllib
 from pathlib import Path

@@ -4,6 +4,8 @@ pint alone computes with texts, takes a comma for nothing and some powers for ev
 gets the name of a unit only.
 """
 
+from __future__ import annotations
+
 import math
 import re
 from functools import cache

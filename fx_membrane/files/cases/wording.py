@@ -1,5 +1,7 @@
 """Words of messages of the package, which speak of Python, in those of case files."""
 
+from __future__ import annotations
+
 import re
 
 from ...results.reader_words import for_readers

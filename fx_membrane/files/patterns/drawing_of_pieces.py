@@ -1,5 +1,7 @@
 """DXF of pieces of cloth by ezdxf, in millimetres, by layer: cut, sew, warp, marks and text."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace

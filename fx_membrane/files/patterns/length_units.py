@@ -1,5 +1,7 @@
 """Warning of pieces of cloth in a wrong unit, by their size."""
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Mapping
 from dataclasses import replace

@@ -1,5 +1,7 @@
 """Paper: sizes, standard scales, and the frame with the title block."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 

@@ -1,5 +1,7 @@
 """Files of a cutting pattern in its folder, and its proof among them: text, and JSON that reports read."""
 
+from __future__ import annotations
+
 import json
 import shutil
 from contextlib import suppress

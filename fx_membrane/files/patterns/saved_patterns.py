@@ -1,5 +1,7 @@
 """Archives of strips, cutting patterns and proofs: where they lie, their text, and their equilibrium as results."""
 
+from __future__ import annotations
+
 from pathlib import Path
 
 from ...checks.values import counted

@@ -1,5 +1,7 @@
 """Contents of sheets: pieces at their places, at a standard scale, and entries of the title block."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import ceil, log10

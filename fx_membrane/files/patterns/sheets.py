@@ -1,5 +1,7 @@
 """Sheets of pieces at a scale, as SVG or PDF by matplotlib; texts stay texts."""
 
+from __future__ import annotations
+
 import datetime
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path

@@ -1,5 +1,7 @@
 """Tables of pieces of cloth: areas, widths and copies by strip, and lengths by side."""
 
+from __future__ import annotations
+
 import csv
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path

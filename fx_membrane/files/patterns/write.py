@@ -1,5 +1,7 @@
 """Cutting patterns as files: DXF, sheets to print, tables, or a folder with all of them."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path

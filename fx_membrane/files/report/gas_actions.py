@@ -1,5 +1,7 @@
 """Lines on changes of gas and of the air around, and rows of the gas in chambers, for the report."""
 
+from __future__ import annotations
+
 import math
 
 from ...model.gas import Ambient, GasAmount, GasChange, GasPressure, GasVolume

@@ -1,5 +1,7 @@
 """Rows of a report on parts: kind, size, material and prestress, as texts."""
 
+from __future__ import annotations
+
 from dataclasses import fields
 from typing import Any
 

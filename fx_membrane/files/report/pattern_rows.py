@@ -1,5 +1,7 @@
 """Chapter on a cutting pattern: rows of strips, and of their proof, as texts."""
 
+from __future__ import annotations
+
 import base64
 import tempfile
 from collections.abc import Iterator, Mapping

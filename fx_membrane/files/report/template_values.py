@@ -1,5 +1,7 @@
 """Content of a report as texts: what the template shows."""
 
+from __future__ import annotations
+
 import importlib.metadata
 import re
 from collections.abc import Iterator

@@ -1,5 +1,7 @@
 """The report as a file: one HTML page that needs no other file, or a PDF of the same page."""
 
+from __future__ import annotations
+
 import base64
 import logging
 import os

@@ -1,5 +1,7 @@
 """Coarser triangles to draw: nodes in one box of a grid become one."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 
 import numpy as np

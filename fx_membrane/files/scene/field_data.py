@@ -1,5 +1,7 @@
 """Fields of a scene: their least and largest values with places, and their values as texts."""
 
+from __future__ import annotations
+
 import base64
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple

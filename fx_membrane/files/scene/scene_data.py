@@ -1,5 +1,7 @@
 """Scene as plain data, which the page reads: shapes once per stage, values once per stage and field."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,5 +1,7 @@
 """Views of a scene: shapes with their fields, from stages, forms and structures alike."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 

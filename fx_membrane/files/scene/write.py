@@ -1,5 +1,7 @@
 """The scene as a file: one HTML page with its library and data inside, which asks for nothing."""
 
+from __future__ import annotations
+
 import html
 import json
 import re

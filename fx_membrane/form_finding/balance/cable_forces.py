@@ -1,5 +1,7 @@
 """Force densities of cables and masts, from their prestress as force, horizontal force or force density."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Solve for the coordinates of nodes one by one, where no constraint couples them."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Balance of membranes, bars and loads under constraints, step by step towards the geometry of cables."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 

@@ -1,5 +1,7 @@
 """Solve for all coordinates of nodes at once, where nodes slide along no axis, or move together in bodies."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse

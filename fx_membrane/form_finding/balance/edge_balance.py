@@ -5,6 +5,8 @@ T / R = v N v and dT/ds = -t N v. Only where N is equal in all directions is T c
 N makes it part of an ellipse.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import replace
 

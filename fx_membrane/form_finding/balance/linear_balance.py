@@ -1,5 +1,7 @@
 """Equilibrium of given force densities: one symmetric system for each coordinate of the nodes, or for all of them."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Loads that depend on the shape, solve by solve: settled where only rounding is left of their change."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,5 +1,7 @@
 """Balance of membranes of given stress in a reference, bars of given force densities, and loads on their shape."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any

@@ -1,5 +1,7 @@
 """Lines of cables with a wanted length, sag or angle: their values, and what to do to come nearer."""
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

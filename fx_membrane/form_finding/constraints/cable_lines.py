@@ -1,5 +1,7 @@
 """Lines of cables between their ends: length, chord, sag and angle at the ends."""
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

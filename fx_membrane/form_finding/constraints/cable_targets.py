@@ -5,6 +5,8 @@ the shorter and straighter is the line. A step multiplies it by the ratio for a 
 force are inverse to each other; acceleration makes the steps few.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 

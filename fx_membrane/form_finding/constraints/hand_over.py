@@ -1,5 +1,7 @@
 """Structure of a form: supports, or the bars of a ring, take the forces that constraints of nodes bear."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import replace
 

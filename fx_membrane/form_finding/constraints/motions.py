@@ -5,6 +5,8 @@ nodes lie in a plane. That is linear, also under supports. Rigid, or round, make
 equations, solved for in `bodies`.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 

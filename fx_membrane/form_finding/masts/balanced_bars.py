@@ -1,5 +1,7 @@
 """Masts and stays in the place of held nodes of a form, with forces that balance its reactions."""
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

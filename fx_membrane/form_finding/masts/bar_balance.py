@@ -4,6 +4,8 @@ A step takes the force of a bar for a force per length: a mast that pushes has n
 found here from the balance of the forces themselves, by least squares with a trust region.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Forces of bars of given signs in balance with forces on their nodes: found by least squares, or shown impossible."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear

@@ -1,5 +1,7 @@
 """Masts and stays between nodes, and the forces in them that balance given ones; or the reason why there are none."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property

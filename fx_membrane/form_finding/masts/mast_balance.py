@@ -1,5 +1,7 @@
 """Shapes in which the forces of free masts balance, where the steps of form finding find none."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import count

@@ -9,6 +9,8 @@ Source: C. G. Broyden, A class of methods for solving nonlinear simultaneous equ
 (1965) 577-593.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any

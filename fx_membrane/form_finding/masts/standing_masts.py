@@ -8,6 +8,8 @@ Source: M. J. D. Powell, A hybrid method for nonlinear equations, in: P. Rabinow
 Nonlinear Algebraic Equations, Gordon and Breach 1970, 87-114, as `scipy.optimize.root(method="hybr")`.
 """
 
+from __future__ import annotations
+
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

@@ -1,5 +1,7 @@
 """Matrices of nodes from blocks of cells."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import numpy as np

@@ -6,6 +6,8 @@ work of the loads on l, is a function of l and of the shape. Its derivative by l
 over l is minus half the squared norm of the relative difference of stress and wish.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol

@@ -1,5 +1,7 @@
 """Newton's steps towards the nearest stress, damped where they lead away from it, each in exact equilibrium."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,5 +1,7 @@
 """Shape in exact equilibrium on the way to the nearest stress, and its difference from the wish."""
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

@@ -3,6 +3,8 @@
 With a force that stays from step to step, force and shape correct each other in turn: steep forms never settle.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import numpy as np

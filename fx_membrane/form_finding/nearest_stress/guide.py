@@ -1,5 +1,7 @@
 """Constraints on the way to the nearest stress: motions of nodes, and cables whose force is no wish but given."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 

@@ -1,5 +1,7 @@
 """Lines of a mesh: edges of its surface, and bars with a force; a seam between membranes is none."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from typing import NamedTuple
 

@@ -1,5 +1,7 @@
 """Control of sliding: the mesh stays even within its surface and along its lines, whatever moves across them."""
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np
@@ -163,11 +165,11 @@ class MeshControl:
                 break
         return at.points
 
-    def _slope(self, points: Array) -> "_Slope":
+    def _slope(self, points: Array) -> _Slope:
         ways = self.ways(points)
         return _Slope(points, ways, self.imbalance(points, ways))
 
-    def _slid(self, at: "_Slope", near: bool) -> Array:
+    def _slid(self, at: _Slope, near: bool) -> Array:
         """Points after a step along the ways, shortened until no triangle turns over."""
         points, ways, imbalance = at
         matrix = self.derivatives(points, ways, near) @ ways.along

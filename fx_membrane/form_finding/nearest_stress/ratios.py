@@ -1,5 +1,7 @@
 """Ratios of stress and force to the wish: powers, differences, and limits."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 
 import numpy as np

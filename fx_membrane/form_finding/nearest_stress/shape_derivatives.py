@@ -1,5 +1,7 @@
 """Derivatives of forces and energies of cells by their shape, from differences between moved copies of the cells."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterator
 
 import numpy as np

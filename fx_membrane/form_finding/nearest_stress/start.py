@@ -1,5 +1,7 @@
 """First shapes on the way to the nearest stress: near to it at once, or even and far, with a way of wishes to it."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

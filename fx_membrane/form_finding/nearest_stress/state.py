@@ -1,5 +1,7 @@
 """Structure, loads and wishes of the nearest stress: its shapes in equilibrium, and the form of the last one."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import replace
@@ -104,7 +106,7 @@ class NearestProblem:
         count = len(self.structure.parts[name].cells)
         return np.zeros(count, dtype=bool) if self.cables is None else self.cables.given[name]
 
-    def on(self, points: Array) -> "NearestProblem":
+    def on(self, points: Array) -> NearestProblem:
         """Problem with the directions that wishes have on the surface in a shape, shape (n, 3) [m].
 
         Raises:
@@ -118,7 +120,7 @@ class NearestProblem:
         found.blocks = [*found.membranes.values(), *self.blocks[len(self.membranes) :]]
         return found
 
-    def at(self, state: State) -> "NearestProblem":
+    def at(self, state: State) -> NearestProblem:
         """Problem with the directions of wishes and the forces of constraints as they are in a state."""
         if self.cables is None:
             return self.on(state.points)
@@ -244,7 +246,7 @@ class NearestProblem:
         none = np.zeros_like(state.points)
         return self.measured(state.points, none, state.plans, state.densities, state.reactions, 0.0)
 
-    def towards(self, start: State, share: float) -> "NearestProblem":
+    def towards(self, start: State, share: float) -> NearestProblem:
         """Problem between a state and the wish: its stress on the way to the wish, its mesh to an even one.
 
         Args:

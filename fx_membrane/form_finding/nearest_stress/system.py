@@ -1,5 +1,7 @@
 """Newton's equations of the nearest stress: equilibrium, the optimum over shapes, and an even mesh, solved at once."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from typing import NamedTuple
 

@@ -1,5 +1,7 @@
 """Evenness of triangles: squared sides over area, least for equal sides, the same for any size, and its derivatives."""
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

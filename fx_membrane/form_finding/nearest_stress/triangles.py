@@ -1,5 +1,7 @@
 """Triangles in a shape, with the wish where they are: strains of multipliers, stresses, forces and energies."""
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np
@@ -39,7 +41,7 @@ class Triangles(NamedTuple):
     wish: Array
 
     @classmethod
-    def of(cls, corners: Array, wish: Wish) -> "Triangles":
+    def of(cls, corners: Array, wish: Wish) -> Triangles:
         """Make triangles of their corners, shape (3, 3, ..., cells) [m]."""
         second, third = corners[1] - corners[0], corners[2] - corners[0]
         normal = cross(second, third)

@@ -1,5 +1,7 @@
 """Structure with the forces and the held nodes that constraints ask for, to tell of its edges."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import NamedTuple

@@ -1,5 +1,7 @@
 """Balance of stress about an axis: (r n_radial)' = n_tangential, and the choice that is exact and nearest to a wish."""
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Distance of the stress found from the wish, in words: mean, largest, where, and a ring too far from its base."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

@@ -6,6 +6,8 @@ turn by k n / (2 q), as the force then grows with the length of the arc. Where t
 below the angle of their chords. Elsewhere arcs are compared in the plane that fits the boundary best.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 

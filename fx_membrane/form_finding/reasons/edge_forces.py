@@ -6,6 +6,8 @@ plane this is exact; elsewhere it is a guide. A cone between four corners needs 
 then its trials say how much. All methods name the force by this one rule.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
@@ -79,7 +81,7 @@ class WeakEdges:
         is_flat = heights.max() <= SAME * np.abs(away).max()
         return "" if is_flat or self.tried else "; by the rule of arcs, in space mostly sufficient: less may do"
 
-    def trials(self) -> Iterator["WeakEdges"]:
+    def trials(self) -> Iterator[WeakEdges]:
         """Give forces to try, in turn, rounded up as in words: of the edges too weak, or of all if none is."""
         if self.weak:
             yield self._with(self.needs, False)
@@ -97,7 +99,7 @@ class WeakEdges:
             else ", as by trial"
         )
 
-    def _with(self, needs: Array, tried: bool) -> "WeakEdges":
+    def _with(self, needs: Array, tried: bool) -> WeakEdges:
         chosen, rounded = self.weak or list(range(len(self.edges))), self.needs.copy()
         rounded[chosen] = [_rounded_up(float(need)) for need in needs[chosen]]
         return replace(self, needs=rounded, tried=tried)

@@ -1,5 +1,7 @@
 """Edges of membranes with cables, between supports, junctions and corners: chord, pull of the membrane, force."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple

@@ -4,6 +4,8 @@ Without loads and thrusts each coordinate of a free node is a mean of those arou
 smallest convex region around its held nodes.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 
 import numpy as np

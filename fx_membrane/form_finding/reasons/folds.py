@@ -1,5 +1,7 @@
 """Folds of a first mesh: adjoining cells of a membrane that lie upon each other."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,5 +1,7 @@
 """Reasons for which the nearest stress is not that of the wish: by rules, by trials without one cause, or unknown."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 

@@ -1,5 +1,7 @@
 """Necks: places where a membrane between rings closes, as no surface of its stress spans them."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

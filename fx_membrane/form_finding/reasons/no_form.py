@@ -1,5 +1,7 @@
 """Reasons for which prescribed stresses have no form, in words with numbers and places."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Reasons for which a stress in plan leaves its plan, depends on the mesh, or has no form."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from typing import Any
 

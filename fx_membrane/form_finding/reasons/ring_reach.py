@@ -9,6 +9,8 @@ sin(phi) = (c / r)^(1/k) with the neck c. The height between neck and radius r i
 which is c arcosh(r / c), a catenoid, for k = 1. Radii a and b reach the maximum over c of h(c, a) + h(c, b).
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from typing import NamedTuple
 

@@ -1,5 +1,7 @@
 """Membranes joined along seams: surfaces, of which each may be sewn of several parts."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Sequence
 
 import numpy as np

@@ -1,5 +1,7 @@
 """Tangents of lines at their nodes."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,5 +1,7 @@
 """Membranes that nothing holds where they need it: edges without cable or support, and single held points."""
 
+from __future__ import annotations
+
 from dataclasses import replace
 
 import numpy as np

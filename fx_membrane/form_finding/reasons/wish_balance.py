@@ -1,5 +1,7 @@
 """Balance of a wish within the surface of a shape: where its forces along the surface have nothing to hold them."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 
