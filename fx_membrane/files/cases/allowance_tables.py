@@ -13,7 +13,7 @@ TRAIL = ("patterns",)
 
 
 def allowances_of(faults: Faults, table: Any, length_unit: str) -> Allowances:
-    """Make the allowances of a table, the usual ones where it gives none, in the unit of length of the case."""
+    """Make the allowances of a table; those that it does not give are the usual ones."""
     allowances = Allowances()
     if table.allowances is not None and table.allowances is not BROKEN:
         with faults.at(*TRAIL, "allowances"):

@@ -20,7 +20,7 @@ class LengthUnitWarning(UserWarning):
 
 
 def in_unit(pattern: CuttingPattern, unit: str) -> CuttingPattern:
-    """Name the unit of length of a pattern for its usual allowances, where its cloth has the size of a roof in it."""
+    """Name the unit of a pattern for its usual allowances, if its cloth has the size of a roof then."""
     longest = max(flat.length for flat in pattern.cloth.values())
     if not _is_of_a_roof(longest, unit):
         return pattern
@@ -28,7 +28,7 @@ def in_unit(pattern: CuttingPattern, unit: str) -> CuttingPattern:
 
 
 def warn_of_length_unit(pieces: Mapping[str, Piece], unit: str, stacklevel: int) -> None:
-    """Warn of the longest piece if it has the size of none, and else of an allowance too narrow for any weld."""
+    """Warn of a longest piece that no roof has, or else of an allowance too narrow for a weld."""
     longest = max(pieces.values(), key=lambda piece: piece.length)
     if _is_of_a_roof(longest.length, unit):
         words = _narrow_allowance(pieces, unit)
