@@ -49,7 +49,7 @@ def expected(kind: Any) -> str:
 
 def format_point(point: NDArray[np.float64]) -> str:
     """Show a position in a message; rounding of coordinates is shown as zero."""
-    rounding = 1e-12 * np.abs(point).max(initial=0.0)
+    rounding = 1e-12 * np.abs(point).max(initial=1e-3)  # a point all of rounding is the origin
     return f"({', '.join(f'{0.0 if abs(value) < rounding else value:.6g}' for value in point)})"
 
 

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from .group import CASE, FILE, heed_sigterm, in_words, quoted, say, write
 
-IDLE = "a run computes nothing: it has neither form_finding nor [[stages]]; add one"
+if TYPE_CHECKING:
+    from ..files.cases.case import Case
+
+IDLE = "a run computes nothing: it has neither form_finding nor [[stages]]; "
 
 
 @click.command()
@@ -25,7 +29,7 @@ def check(case: Path) -> None:
         say(f"Warning: {doubt}.", err=True)
     warn_of_large_prestress(found.structure, stacklevel=1)
     steps = f"{counted(len(found.steps), 'step')} of form finding, " if found.steps else ""
-    idle = "" if found.steps or found.stages else f", but {IDLE}"
+    idle = "" if found.steps or found.stages else f", but {_idle(found)}"
     say(f"{case}: {found.structure!r}, {steps}{counted(len(found.stages), 'stage')}; no faults{idle}")
 
 
@@ -56,7 +60,7 @@ def run(case: Path, resume: bool, overwrite: bool, quiet: bool, log: Path | None
     for doubt in found.doubts:
         say(f"Warning: {doubt}.", err=True)
     if not (found.steps or found.stages):
-        raise ValueError(f"{case}: {IDLE}.")
+        raise ValueError(f"{case}: {_idle(found)}.")
     failure = None
     try:
         results = run_case(found, resume=resume, overwrite=overwrite, progress=not quiet)
@@ -124,3 +128,8 @@ def _after(folder: Path, names: Collection[str], stages: Collection[object]) -> 
     if (folder / "paraview").is_dir() and "paraview" in names:
         lines[1] += f"; paraview {quoted(folder / 'paraview' / 'series.pvd')}"
     return "\n".join(lines)
+
+
+def _idle(case: Case) -> str:
+    """Clause on a case whose run computes nothing."""
+    return IDLE + ("`fx-membrane patterns` makes its cutting pattern" if case.patterns else "add one")

@@ -6,12 +6,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..checks import validation
+from ..geometry.length_units import METRES
 from ..model.materials import Fabric
 from ..model.parts import Cable, Membrane
 from ..model.structure import Structure
 from ..runtime.messages import say
 from .drawing import Drawing, triangles_of
-from .mesh_files import METRES, drawing_of
+from .mesh_files import drawing_of
 from .mesh_writer import Group, write_groups
 
 

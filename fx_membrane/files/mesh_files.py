@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from ..checks import paths, validation
+from ..geometry.length_units import METRES
 from ..model.structure import Structure
 from ..runtime.messages import say
 from . import compas, dxf, msh, obj, surface
@@ -22,7 +23,6 @@ READERS: dict[str, Callable[[Path], Drawing]] = {
     ".msh": msh.read,
 }
 OWN = "m"  # unit of length of a structure that names none, as in `write_mesh`
-METRES = {"mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "km": 1e3, "in": 0.0254, "ft": 0.3048, "yd": 0.9144}
 
 
 def structure_from_file(

@@ -27,6 +27,7 @@ from __future__ import annotations
 import dataclasses
 from collections import namedtuple
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any, Protocol, cast
 
 import numpy as np
@@ -177,24 +178,35 @@ def _text(law: Law, E: Array, sigma0: Array) -> str:
 def elasticity(law: Law, dimension: int) -> Array:
     """Differentiate the stress by the strain, at rest without prestress, shape (d, d, d, d) [N/m, of bars N].
 
-    From differences of the energy, which are exact to rounding where it is quadratic.
+    From differences of the energy, which are exact to rounding where it is quadratic. Strips of a roof share a law: it
+    is asked once.
     """
+    try:
+        return _elasticity(cast("Any", law), dimension)
+    except TypeError:  # its class has no hash
+        return _elasticity.__wrapped__(law, dimension)
+
+
+@lru_cache(maxsize=64)
+def _elasticity(law: Law, dimension: int) -> Array:
     pairs = [(0, 0)] if dimension == 1 else [(0, 0), (1, 1), (0, 1)]
     basis = [np.zeros((dimension, dimension)) for _ in pairs]
     for unit, (i, j) in zip(basis, pairs, strict=True):
         unit[i, j] = unit[j, i] = 1.0 if i == j else 0.5
     none = np.zeros((dimension, dimension))
+    rest = value(law, none, none)
 
     def curvature(E: Array) -> float:
-        ends = sum(value(law, sign * SMALL * E, none) for sign in (1.0, -1.0))
-        return (ends - 2 * value(law, none, none)) / SMALL**2
+        return (value(law, SMALL * E, none) + value(law, -SMALL * E, none) - 2 * rest) / SMALL**2
 
     found = np.zeros((dimension,) * 4)
-    for a, (i, j) in zip(basis, pairs, strict=True):
-        for b, (k, m) in zip(basis, pairs, strict=True):
-            entry = (curvature(a + b) - curvature(a - b)) / 4
+    for row, (a, (i, j)) in enumerate(zip(basis, pairs, strict=True)):
+        for b, (k, m) in list(zip(basis, pairs, strict=True))[row:]:
+            entry = curvature(a) if a is b else (curvature(a + b) - curvature(a - b)) / 4
             for p, q in {(i, j), (j, i)}:
-                found[p, q, k, m] = found[p, q, m, k] = entry
+                for r, t in {(k, m), (m, k)}:
+                    found[p, q, r, t] = found[r, t, p, q] = entry
+    found.flags.writeable = False
     return found
 
 

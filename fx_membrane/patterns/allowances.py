@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from ..checks import validation
+from ..geometry.length_units import METRES
 from .strips import Edge
 
 CORNERS = ("mitre", "straight")
+SEAM, BORDER = 0.02, 0.05  # usual widths [m]
 
 
 @dataclass(frozen=True)
@@ -16,8 +18,9 @@ class Allowances:
     """Widths of cloth between sewing line and cut line.
 
     Args:
-        seam: Width on each side of a seam; a lap weld that is centred on the sewing line needs half of its width [m].
-        border: Width at borders, as for a hem or a clamp [m].
+        seam: Width on each side of a seam; a lap weld that is centred on the sewing line needs half of its width. None
+            for 20 mm, in the unit of the pattern [m].
+        border: Width at borders, as for a hem or a clamp; None for 50 mm [m].
         pocket: Width at borders along which a cable runs; None for that of borders [m].
         edges: Width at single edges, by the name of the edge, or of the cable or rope along it [m].
         corners: "mitre" continues both cut lines to the point where they meet; "straight" cuts from the end of one to
@@ -33,17 +36,17 @@ class Allowances:
         1.5
     """
 
-    seam: float = 0.02
-    border: float = 0.05
+    seam: float | None = None
+    border: float | None = None
     pocket: float | None = None
     edges: Mapping[str, float] = field(default_factory=dict)
     corners: str = "mitre"
     mitre_limit: float = 1.5
 
     def __post_init__(self) -> None:
-        validation.store(self, validation.not_negative, "seam", "border")
-        if self.pocket is not None:
-            validation.store(self, validation.not_negative, "pocket")
+        for key in ("seam", "border", "pocket"):
+            if getattr(self, key) is not None:
+                validation.store(self, validation.not_negative, key)
         validation.instance("Allowances edges", self.edges, Mapping)
         widths = {
             validation.name("Allowances edges name", edge): validation.not_negative(
@@ -57,13 +60,32 @@ class Allowances:
             raise ValueError(f"Allowances mitre_limit is {limit:g}; give at least 1.")
         validation.keep(self, edges=widths, mitre_limit=limit)
 
+    def in_unit(self, length_unit: str) -> Allowances:
+        """Return the allowances with the usual widths of seams and borders in a unit; unknown units count as metres."""
+        metre = 1 / METRES.get(length_unit, 1.0)
+        return replace(
+            self,
+            seam=SEAM * metre if self.seam is None else self.seam,
+            border=BORDER * metre if self.border is None else self.border,
+        )
+
+    @property
+    def of_seams(self) -> float:
+        """Width at seams; the usual one in metres where none is given [m]."""
+        return SEAM if self.seam is None else self.seam
+
+    @property
+    def of_borders(self) -> float:
+        """Width at borders without a line; the usual one in metres where none is given [m]."""
+        return BORDER if self.border is None else self.border
+
     def of(self, edge: Edge) -> float:
         """Width at an edge [m]."""
         if (name := self._named(edge)) is not None:
             return self.edges[name]
         if edge.is_seam:
-            return self.seam
-        return self.border if edge.line is None or self.pocket is None else self.pocket
+            return self.of_seams
+        return self.of_borders if edge.line is None or self.pocket is None else self.pocket
 
     def check_widths(self, edges: Iterable[Edge], widths: Mapping[str, float]) -> None:
         """Refuse allowances wider than half of the widest strip, as of another unit.

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..checks import validation
+from ..geometry.length_units import METRES
 from .allowances import Allowances
 from .cut_lines import cut_line, load_shapely, sewing_line
 from .flat_strips import CuttingPattern, FlatStrip, Side, check_pattern
@@ -20,6 +21,7 @@ Array = NDArray[np.float64]
 TEXT = 0.08  # height of the name over the radius of the largest circle in the strip
 SMALL = 0.5  # height of other texts over that of the name
 LETTER = 0.9  # width of a letter over the height of capitals, and the room beside it
+MARKS = 0.5  # usual distance between marks [m]
 ARROW = 0.6  # length of the warp arrow over that of the strip along it
 
 
@@ -128,7 +130,7 @@ class Piece:
 
 
 def cut_pieces(
-    pattern: CuttingPattern, allowances: Allowances | None = None, *, mark_spacing: float = 0.5
+    pattern: CuttingPattern, allowances: Allowances | None = None, *, mark_spacing: float | None = None
 ) -> dict[str, Piece]:
     """Cut pieces of cloth: each strip with its allowances, marks and names; strips cut alike are one piece.
 
@@ -138,7 +140,7 @@ def cut_pieces(
     Args:
         pattern: The cutting pattern.
         allowances: Widths beyond the sewing lines; None for those of `Allowances()`.
-        mark_spacing: Distance between marks along seams, nearly [m].
+        mark_spacing: Distance between marks along seams, nearly; None for 0.5 m, in the unit of the pattern [m].
 
     Raises:
         ValueError: Allowances name no edge, or are wider than half of the widest strip; a strip lies on itself, or its
@@ -146,9 +148,12 @@ def cut_pieces(
         ImportError: shapely is not installed.
     """
     check_pattern("cut_pieces", pattern)
-    given = Allowances() if allowances is None else allowances
-    validation.instance("cut_pieces allowances", given, Allowances)
-    spacing = validation.positive("mark_spacing", mark_spacing)
+    unit = pattern.strips.length_unit
+    if allowances is not None:
+        validation.instance("cut_pieces allowances", allowances, Allowances)
+    given = (allowances or Allowances()).in_unit(unit)
+    usual = MARKS / METRES.get(unit, 1.0)
+    spacing = usual if mark_spacing is None else validation.positive("mark_spacing", mark_spacing)
     given.check_names(pattern.strips.edges)
     given.check_widths(pattern.strips.edges, {name: flat.width for name, flat in pattern.cloth.items()})
     stations = stations_of(pattern, spacing)

@@ -24,6 +24,7 @@ Compensation = (
     | Mapping[str, Literal["prestress"] | float | Sequence[float] | BiaxialTests]
 )
 
+LONGEST = 1.1  # factors above it are percentages: cloth that much longer than the surface bears nothing
 LEAST, MOST = 0.8, 1.25  # ratios of cloth to surface beyond which units or signs are probably mixed up
 STEPS = 30
 SETTLED = 1e-12  # change of stretch that counts as rounding
@@ -43,7 +44,7 @@ def compensation_of(flat: Flattened, given: Compensation) -> Array:
         validation.choice("compensation", given, ("prestress",), "'prestress', factors, or BiaxialTests")
         return _by_law(flat, pieces.names)
     each = by_strip(flat.strips, given) if isinstance(given, Mapping) else dict.fromkeys(pieces.names, given)
-    odd = sorted(set(each) ^ set(pieces.names))
+    odd = [*sorted(each.keys() - set(pieces.names)), *(name for name in pieces.names if name not in each)]
     if odd:
         fault = "is no strip" if odd[0] in each else "has no compensation"
         raise ValueError(f"compensation: {odd[0]!r} {fault}; the strips are {list(pieces.names)}.")
@@ -101,6 +102,11 @@ def factors_of(what: str, given: float | Sequence[float]) -> Array:
         raise ValueError(
             f"{what} is {factors.tolist()}; give ratios of cloth to flat lengths near one, as 0.99 for 1 % shorter, "
             f"between {LEAST:g} and {MOST:g}."
+        )
+    if factors.max() > LONGEST:
+        raise ValueError(
+            f"{what} is {factors.tolist()}: cloth {100 * (factors.max() - 1):.3g} % longer than the surface; give "
+            "ratios of cloth to flat lengths, not percentages, as 0.988 for 1.2 % shorter."
         )
     return factors
 

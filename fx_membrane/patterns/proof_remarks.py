@@ -34,7 +34,11 @@ def strength_missed(proof: PatternProof) -> tuple[str, ...]:
 def remarks(proof: PatternProof) -> tuple[str, ...]:
     """Sentences on what is beyond the wanted stress error or a strength, and on causes of the former."""
     off = stress_missed(proof)
-    causes = [*_of_design(proof), *_of_width(proof)] if off else []
+    causes: list[str] = []
+    if off:
+        causes = _of_design(proof)
+        causes += [] if causes else _of_compensation(proof)
+        causes += _of_width(proof, others=bool(causes))
     return (*map(_sentence, off), *causes, *map(_sentence, strength_missed(proof)))
 
 
@@ -57,10 +61,36 @@ def _of_design(proof: PatternProof) -> list[str]:
     ]
 
 
-def _of_width(proof: PatternProof) -> list[str]:
+def _of_compensation(proof: PatternProof) -> list[str]:
+    """Sentence on the strip whose mean stress is off by more than curvature can do."""
+    names = list(proof.strips)
+    name = names[first_largest(np.array([_beyond_curvature(proof, one) for one in names]))]
+    if _beyond_curvature(proof, name) <= 1:
+        return []
+    strip, units = proof.strips[name], proof.pattern.strips
+    (warp, weft), (wanted_warp, wanted_weft) = strip.mean(strip.found), strip.mean(strip.wanted)
+    return [
+        f"The compensation of {name!r} does not fit its prestress: on average it bears {warp:.3g} and {weft:.3g} "
+        f"{units.force_unit}/{units.length_unit} along warp and weft, and the design has {wanted_warp:.3g} and "
+        f"{wanted_weft:.3g}; compensate by the prestress, or give factors or tests that belong to it."
+    ]
+
+
+def _beyond_curvature(proof: PatternProof, name: str) -> float:
+    """Error of the mean stress over the error that curvature makes at the edges of a strip of its width [-]."""
+    strip = proof.strips[name]
+    wanted = strip.mean(strip.wanted)
+    error = np.abs(strip.mean(strip.found) - wanted).max() / np.abs(wanted).mean()
+    return float(error / (proof.wanted_error * max(1.0, (strip.width / strip.widest) ** 2)))
+
+
+def _of_width(proof: PatternProof, others: bool) -> list[str]:
+    """Sentence on the widest strip for its curvature; on finer cells where there are no other causes."""
     names, unit = list(proof.strips), proof.pattern.strips.length_unit
     name = names[first_largest(np.array([proof.strips[name].width / proof.strips[name].widest for name in names]))]
     strip = proof.strips[name]
+    if strip.width <= strip.widest and others:
+        return []
     if strip.width <= strip.widest:
         return [
             "Strips are narrow enough for their curvature; move their outlines by nearest_stress_pattern, or take "

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..checks.validation import format_point
+from ..checks.values import counted
 from ..geometry.extremes import first_largest
 from ..results.screen_lines import wrapped
 from .strip_proofs import MOST
@@ -67,7 +68,7 @@ def text(proof: PatternProof, force: str | None = None, length: str | None = Non
     fit = [] if proof.pattern.fit is None else ["", str(proof.pattern.fit)]
     return "\n".join(
         [
-            f"Proof of the cutting pattern: {len(rows)} strips sewn together, in equilibrium",
+            f"Proof of the cutting pattern: {counted(len(rows), 'strip')} sewn together, in equilibrium",
             f"  stress error             mean {mean:.3g}, rms {rms:.3g}, largest {largest:.3g} % of the mean stress of "
             "the design",
             f"                           largest in {told['strip of stress error']}, cell "

@@ -13,6 +13,8 @@ from .cloth_pieces import Piece
 
 Array = NDArray[np.float64]
 
+GAP = 0.01  # usual distance between pieces [m]
+
 
 @dataclass(frozen=True, eq=False)
 class Placement:
@@ -76,7 +78,7 @@ class RollLayout:
         return 1.0 - self.cut_area / self.area
 
 
-def laid_on_roll(pieces: Mapping[str, Piece], width: float, *, gap: float = 0.01) -> RollLayout:
+def laid_on_roll(pieces: Mapping[str, Piece], width: float, *, gap: float = GAP) -> RollLayout:
     """Lay pieces and their copies on a roll, side by side in rows across it, the longest first.
 
     A piece may be turned by 180 degrees, so that tapered strips lie head to tail; the warp stays along the roll. Copies

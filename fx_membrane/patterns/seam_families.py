@@ -77,8 +77,9 @@ def seams_between(
             the least one for strips no wider across their axes, laid out flat by a conformal map.
 
     Raises:
-        ValueError: A border is no line of edges on the rim of the membrane; one is closed and the other open; both or
-            neither of strips and roll_width are given; no number of strips up to 500 suits the roll.
+        ValueError: A border is no line of edges on the rim of the membrane; one is closed and the other open; both
+            are single nodes; both or neither of strips and roll_width are given; no number of strips up to 500 suits
+            the roll.
         ImportError: potpourri3d is not installed.
 
     Example:
@@ -104,6 +105,10 @@ def seams_between(
     if len(shared) == min(len(np.unique(line.nodes)) for line in lines):
         where = validation.format_point(structure.points[shared[0]])
         raise ValueError(f"first and last are the same border at {where}; give two borders apart.")
+    if len(a.nodes) == len(b.nodes) == 1:
+        raise ValueError(
+            "first and last are single nodes, with one geodesic between them; give a border as one of them."
+        )
     if strips is not None:
         return _geodesics(surface, *_ends(a, b, validation.positive_integer("strips", strips)))
     return _for_roll(structure, surface, a, b, part, validation.positive("roll_width", roll_width))

@@ -26,6 +26,7 @@ from .names import kinds_of, no_stage_before
 from .parts import cells_of, material_of, part_of
 from .patterns import PatternPlan, plan_of
 from .schema import CaseModel
+from .structure_schema import UnitNames
 from .table import BROKEN, given, is_whole, sound
 
 
@@ -110,8 +111,9 @@ class Builder:
         """Check the cutting pattern; None if there is none, or with a fault."""
         plan = None
         if self._case.patterns is not None and self._case.patterns is not BROKEN:
+            names = self._case.units or UnitNames()
             with self.faults.at("patterns"):
-                plan = plan_of(self.faults, self._choices, outline, self._case.patterns)
+                plan = plan_of(self.faults, self._choices, outline, self._case.patterns, names.length)
         return plan
 
     def check_part(self, structure: Structure | None, name: str, dimension: int) -> None:

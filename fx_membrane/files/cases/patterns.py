@@ -24,18 +24,17 @@ from ...patterns.strip_copies import with_copies
 from ...results.limits import Limits
 from ...surfaces.planar_cuts import planar_cut
 from ...surfaces.surface_lines import geodesic
-from ..patterns.paper import paper_of
+from .allowance_tables import allowances_of
 from .changes import changes_of
 from .choices import NUMBERED, Choices, Outline
 from .compensation_tables import check_compensation, compensation_from
 from .decompensated import decompensated_of, on_strips
 from .faults import Faults, Unknown, Wrong, at_key
 from .loads import loads_of
-from .making import make
+from .pattern_values import check_values
 from .structure_schema import NodeChoice
 from .table import BROKEN, is_whole, sound
 
-POSITIVE = ("size", "transition", "roll_width", "mark_spacing", "stress_error")
 TRAIL = ("patterns",)
 
 
@@ -79,7 +78,7 @@ class PatternPlan:
     def sewn_width(self) -> float | None:
         """Width of the roll without allowances for welds; None without a roll."""
         roll = self.files.get("roll_width")
-        return None if roll is None else roll - 2 * self.allowances.seam
+        return None if roll is None else roll - 2 * self.allowances.of_seams
 
     def pattern(self, shape: Structure | Form) -> CuttingPattern:
         """Cut a shape, and flatten and compensate its strips.
@@ -120,7 +119,7 @@ def _entry(key: str, number: int) -> Iterator[None]:
         raise ValueError(f"{key}.{number}: {error}") from None
 
 
-def plan_of(faults: Faults, choices: Choices, outline: Outline, table: Any) -> PatternPlan:
+def plan_of(faults: Faults, choices: Choices, outline: Outline, table: Any, length_unit: str) -> PatternPlan:
     """Check the table of a cutting pattern.
 
     Raises:
@@ -128,14 +127,9 @@ def plan_of(faults: Faults, choices: Choices, outline: Outline, table: Any) -> P
         Unknown: Some of it, or of what it depends on, has a fault.
     """
     count = len(faults)
-    _check_numbers(faults, table)
+    check_values(faults, table)
     _check_compensation(faults, table)
-    allowances = Allowances()
-    if table.allowances is not None and table.allowances is not BROKEN:
-        with faults.at(*TRAIL, "allowances"):
-            given = {key: getattr(table.allowances, key) for key in table.allowances.model_fields_set}
-            allowances = make(faults, (*TRAIL, "allowances"), Allowances, given, {})
-    _check_roll(faults, table.roll_width, allowances)
+    allowances = allowances_of(faults, table, length_unit)
     if table.part is not None:
         with faults.at(*TRAIL):
             choices.check_part(outline.structure, table.part, 2)
@@ -171,28 +165,6 @@ def plan_of(faults: Faults, choices: Choices, outline: Outline, table: Any) -> P
         _given(table, "roll_width", "mark_spacing", "material", "date", "paper", "scale"),
         _given(table, "stress_error"),
     )
-
-
-def _check_numbers(faults: Faults, table: Any) -> None:
-    """Check the lengths, the paper and the scale."""
-    for key in POSITIVE:
-        value = getattr(table, key)
-        if value is not None and value is not BROKEN:
-            with faults.at(*TRAIL, key):
-                validation.positive(key, value)
-    if table.paper not in (None, BROKEN):
-        with faults.at(*TRAIL, "paper"):
-            paper_of(table.paper)
-    if table.scale not in (None, BROKEN):
-        with faults.at(*TRAIL, "scale"):
-            validation.positive_integer("scale", table.scale)
-
-
-def _check_roll(faults: Faults, roll: Any, allowances: Allowances) -> None:
-    """Refuse a roll that is no wider than two welds."""
-    if roll not in (None, BROKEN) and 0 < roll <= 2 * allowances.seam:
-        with faults.at(*TRAIL, "roll_width"):
-            raise ValueError(f"roll_width is {roll:g}, no more than two allowances of seams; give a wider roll")
 
 
 def _check_compensation(faults: Faults, table: Any) -> None:

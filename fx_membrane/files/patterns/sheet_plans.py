@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from math import ceil, log10
 from typing import NamedTuple
 
 import numpy as np
@@ -35,6 +36,18 @@ class Head(NamedTuple):
     unit: str
     millimetres: float
 
+    def length(self, value: float) -> str:
+        """Write a length to a millimetre, or to the unit if that is shorter."""
+        return f"{value:.{self._digits}f}"
+
+    def area(self, value: float) -> str:
+        """Write an area to 100 square centimetres, or to the square of a shorter unit."""
+        return f"{value:.{max(0, 2 * self._digits - 4)}f}"
+
+    @property
+    def _digits(self) -> int:
+        return max(0, ceil(log10(self.millimetres)))
+
 
 class Sheet(NamedTuple):
     """One sheet.
@@ -63,12 +76,12 @@ def piece_sheet(piece: Piece, head: Head, paper: Paper, wanted: int | None) -> S
         ValueError: It does not fit on the paper.
     """
     unit = head.unit
-    sides = ", ".join(f"{side.edge} {side.length:.4g}" for side in piece.sides)
+    sides = ", ".join(f"{side.edge} {head.length(side.length)}" for side in piece.sides)
     entries = [
         ("Strip", piece.name),
         ("Number", str(len(piece.copies))),
-        (f"Area sewn / cut [{unit}2]", f"{piece.sewn_area:.4g} / {piece.cut_area:.4g}"),
-        (f"Length / width [{unit}]", f"{piece.length:.4g} / {piece.width:.4g}"),
+        (f"Area sewn / cut [{unit}2]", f"{head.area(piece.sewn_area)} / {head.area(piece.cut_area)}"),
+        (f"Length / width [{unit}]", f"{head.length(piece.length)} / {head.length(piece.width)}"),
     ]
     size = piece.length, piece.width
     scale = scale_for(f"Strip {piece.name!r}", size, paper, wanted, head.millimetres)
@@ -99,7 +112,7 @@ def all_sheets(
         pages = -(-(bands[-1] + 1) // each)
         if pages == 1:
             break
-    entries = _entries(pieces, roll, head.unit)
+    entries = _entries(pieces, roll, head)
     return [
         _sheet(layout, bands - page * each, each, scale, _numbered(entries, page, pages), roll is not None)
         for page in range(pages)
@@ -141,18 +154,18 @@ def _sheet(
     return Sheet(places, (length, top + layout.width), scale, entries, edges=edges if drawn else ())
 
 
-def _entries(pieces: Mapping[str, Piece], roll: RollLayout | None, unit: str) -> list[tuple[str, str]]:
+def _entries(pieces: Mapping[str, Piece], roll: RollLayout | None, head: Head) -> list[tuple[str, str]]:
     area = sum(len(piece.copies) * piece.cut_area for piece in pieces.values())
     entries = [
         ("Strips", str(sum(len(piece.copies) for piece in pieces.values()))),
-        (f"Area cut [{unit}2]", f"{area:.4g}"),
+        (f"Area cut [{head.unit}2]", head.area(area)),
     ]
     if roll is None:
         return entries
     return [
         *entries,
-        (f"Roll width / length [{unit}]", f"{roll.width:.4g} / {roll.length:.4g}"),
-        (f"Cloth [{unit}2]", f"{roll.area:.4g}"),
+        (f"Roll width / length [{head.unit}]", f"{head.length(roll.width)} / {head.length(roll.length)}"),
+        (f"Cloth [{head.unit}2]", head.area(roll.area)),
         ("Waste", f"{100 * roll.waste:.1f} %"),
     ]
 

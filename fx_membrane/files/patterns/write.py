@@ -8,16 +8,16 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ...checks import paths, validation
+from ...geometry.length_units import METRES
 from ...patterns.allowances import Allowances
 from ...patterns.cloth_pieces import Piece, cut_pieces
 from ...patterns.flat_strips import CuttingPattern, check_pattern
-from ...patterns.roll_layout import Placement, RollLayout, laid_on_roll, one_by_one
+from ...patterns.roll_layout import GAP, Placement, RollLayout, laid_on_roll, one_by_one
 from ...runtime.processes import by_the_first
 from ...solvers.progress import Pulse
 from ..file_names import safe_name
-from ..mesh_files import METRES
 from .drawing_of_pieces import write_drawing
-from .length_units import warn_of_length_unit
+from .length_units import in_unit, warn_of_length_unit
 from .paper import Paper, paper_of
 from .proof_files import BOOK, DRAWING, SHEETS, TABLE
 from .sheet_plans import APART, Head, all_sheets, piece_sheet
@@ -56,7 +56,7 @@ def write_patterns(
     allowances: Allowances | None = None,
     *,
     roll_width: float | None = None,
-    mark_spacing: float = 0.5,
+    mark_spacing: float | None = None,
     project: str = "",
     material: str = "",
     date: str = "",
@@ -82,7 +82,7 @@ def write_patterns(
         path: The file, or the folder; folders are made.
         allowances: Widths beyond the sewing lines; None for those of `Allowances()`.
         roll_width: Width of the roll [m].
-        mark_spacing: Distance between marks along seams, nearly [m].
+        mark_spacing: Distance between marks along seams, nearly; None for 0.5 m [m].
         project: Name of the project, for title blocks.
         material: Name of the cloth, for title blocks.
         date: Date, for title blocks; empty for none.
@@ -97,7 +97,8 @@ def write_patterns(
         ImportError: shapely or ezdxf is not installed.
 
     Warns:
-        LengthUnitWarning: The longest piece is longer than 300 m, or shorter than 50 mm.
+        LengthUnitWarning: The longest piece is longer than 300 m, or shorter than 50 mm; an allowance is narrower than
+            1 mm, and not zero.
     """
     check_pattern("write_patterns", pattern)
     closed = isinstance(path, str) and path != path.rstrip("/")
@@ -112,9 +113,9 @@ def write_patterns(
     chosen = None if scale is None else validation.positive_integer("scale", scale)
     sheet = paper_of(paper)
     wide = None if roll_width is None else validation.positive("roll_width", roll_width)
-    pieces = cut_pieces(pattern, allowances, mark_spacing=mark_spacing)
+    pieces = cut_pieces(in_unit(pattern, unit), allowances, mark_spacing=mark_spacing)
     warn_of_length_unit(pieces, unit, stacklevel=3)
-    roll = None if wide is None else laid_on_roll(pieces, wide)
+    roll = None if wide is None else laid_on_roll(pieces, wide, gap=GAP / METRES[unit])
     job = Job(pieces, roll, head, sheet, chosen)
     writers = [(file, WRITERS[ending])] if ending in WRITERS else _in_folder(file, job)
     for target, _ in writers:

@@ -247,3 +247,30 @@ def test_proof_within_the_wanted_error_has_no_remarks(sail):
     proof = prove_pattern(cutting_pattern(sail), stress_error=5.0, progress=False)
     assert proof.remarks == ()
     assert proof.design_error is None
+
+
+def flat_roof():
+    points, triangles = rectangle(6.0, 4.0, 6, 4)
+    roof = Membrane(triangles, Fabric(5e5, 0.3), (2e3, 1e3), warp=(1, 0, 0))
+    structure = Structure(points, {"roof": roof}, [Support(np.unique(boundary_edges(triangles)))])
+    return cut_strips(structure, planar_cut(structure, (0, 0, 0), (0, 1, 0)))
+
+
+def test_compensation_that_does_not_fit_the_prestress_is_told():
+    """Of a flat roof nothing else can be the cause; strips narrow enough and finer cells are not mentioned."""
+    proof = prove_pattern(cutting_pattern(flat_roof(), {"strip 1": "prestress", "strip 2": 0.99}), progress=False)
+    assert len(proof.remarks) == 2
+    cause = proof.remarks[1]
+    assert "The compensation of 'strip 2' does not fit its prestress: on average it bears" in cause
+    assert "N/m along warp and weft, and the design has 2e+03 and 1e+03; compensate by the prestress" in cause
+    whole = str(prove_pattern(cutting_pattern(cut_strips(flat_roof().structure, [], "strip 1")), progress=False))
+    assert whole.startswith("Proof of the cutting pattern: 1 strip sewn together")
+
+
+def test_curvature_is_not_taken_for_compensation():
+    """Six gores are far too wide: their mean stress is off by a fifth, and their compensation fits."""
+    proof = prove_pattern(cutting_pattern(catenoid(6, 4, 12, quarter=True)), progress=False)
+    strip = proof.strips["gore 1"]
+    assert np.abs(strip.mean(strip.found) / strip.mean(strip.wanted) - 1).max() > 0.1
+    assert not any("compensation" in remark for remark in proof.remarks)
+    assert any("The curvature of 'gore 1' allows a width" in remark for remark in proof.remarks)

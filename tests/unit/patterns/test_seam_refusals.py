@@ -132,6 +132,7 @@ def test_part_and_shape():
             r"first and last are the same border at .*; give two borders",
         ),
         ([0], [0], {"strips": 3}, "first and last are the same border"),
+        ([0], [8], {"strips": 3}, "first and last are single nodes, with one geodesic between them; give a border"),
         (range(0, 63, 9), range(8, 63, 9), {"roll_width": 1e-3}, r"roll_width is 0\.001, too little for 500 strips"),
     ],
 )

@@ -1,5 +1,6 @@
 """Tables of cutting patterns in case files: ways to ask for them, and faults with their lines."""
 
+import numpy as np
 import pytest
 
 pytest.importorskip("pydantic", "2")
@@ -89,6 +90,15 @@ def test_borders_are_not_judged_beside_faults_of_their_geometry(tmp_path, old, n
             "36: patterns.roll_width: roll_width is 0.1, no more than two allowances of seams",
         ),
         ("planes = []\ncompensation = 'stress'", "37: patterns.compensation"),
+        ("planes = []\nstress_error = 5", "37: patterns.stress_error: stress_error is 5; give a share of the design"),
+        (
+            "planes = [{ point = [0, 0, 0], normal = [0, 0, 0] }]",
+            "36: patterns.planes.0.normal: normal is [0.0, 0.0, 0.0]; give a direction",
+        ),
+        (
+            "planes = []\nwarp = { 'strip 1' = [0, 0, 0] }",
+            '37: patterns.warp."strip 1": warp is [0.0, 0.0, 0.0]; give a direction',
+        ),
     ],
 )
 def test_faults_have_lines(tmp_path, table, words):
@@ -208,3 +218,32 @@ def test_fabric_is_told_with_its_article(tmp_path):
     file.write_text(file.read_text().replace('kind = "fabric"\nEt = 500\nnu = 0.3', woven))
     with pytest.raises(ValueError, match=r"material is a fabric of kind 'woven', give its warp"):
         read_case(file)
+
+
+def test_case_in_millimetres_has_usual_allowances(tmp_path):
+    """They were 0.02 and 0.05 mm, beside marks at every half millimetre."""
+    file = case(tmp_path, PATTERNS.replace('allowances = { seam = "20 mm", border = "50 mm" }\n', ""))
+    text = file.read_text().replace('length = "m"', 'length = "mm"').replace("width = 6", 'width = "6 m"')
+    file.write_text(text.replace("height = 4", 'height = "4 m"').replace("Et = 500", 'Et = "500 kN/m"'))
+    plan = read_case(file).patterns
+    assert (plan.allowances.of_seams, plan.allowances.of_borders) == (20.0, 50.0)
+    assert plan.sewn_width == 2160.0
+
+
+def test_warp_of_a_strip_is_chosen(tmp_path):
+    found = read_case(case(tmp_path, PATTERNS + 'warp = { "strip 2" = [1, 2, 0] }\n'))
+    pattern = found.patterns.pattern(found.structure)
+    along, aslant = (pattern.strips.structure.warp(f"strip {number}")[0] for number in (1, 2))
+    assert np.abs(along) == pytest.approx([1, 0, 0], abs=1e-9)
+    assert aslant == pytest.approx(np.array([1, 2, 0]) / np.sqrt(5), abs=1e-9)
+    turned, straight = pattern.cloth["strip 2"], pattern.cloth["strip 1"]
+    assert straight.length == pytest.approx(6 * pattern.compensation["strip 1"][0], rel=1e-9)
+    assert turned.length == pytest.approx(10 / np.sqrt(5) * pattern.compensation["strip 2"][0], rel=1e-6)
+
+
+def test_case_for_a_pattern_alone_is_sound(tmp_path):
+    file = case(tmp_path)
+    file.write_text(file.read_text().replace('[[stages]]\nname = "rest"\n', ""))
+    code, words = said("check", file)
+    assert code == 0
+    assert "neither form_finding nor [[stages]]; `fx-membrane patterns` makes its cutting pattern" in words

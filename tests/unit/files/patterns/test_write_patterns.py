@@ -5,12 +5,15 @@ import re
 import shutil
 import subprocess
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from cone_gores import cone_gores
 from fx_membrane import Allowances, LengthUnitWarning, cut_pieces, laid_on_roll, write_patterns
+from fx_membrane.files.patterns.sheet_plans import Head
+from fx_membrane.geometry.length_units import METRES
 
 pytest.importorskip("shapely", "2")
 ALLOWANCES = Allowances(seam=0.03, border=0.08)
@@ -224,3 +227,32 @@ def test_unit_that_no_roof_has_is_doubted(pattern, tmp_path, unit):
     with pytest.warns(LengthUnitWarning, match=rf"'gore 1' is {length:.4g} {unit} long.*length_unit") as told:
         write_patterns(pattern, tmp_path / "cone.csv", length_unit=unit)
     assert told[0].filename == __file__
+
+
+def test_usual_allowances_and_marks_have_the_unit_of_the_pattern(pattern, tmp_path):
+    """A pattern in millimetres had welds of 0.02 mm, and ten thousands of marks."""
+    points = 1000 * pattern.strips.structure.points
+    scaled = replace(
+        pattern,
+        strips=replace(pattern.strips, structure=replace(pattern.strips.structure, points=points), length_unit="mm"),
+        flat={name: replace(flat, points=1000 * flat.points) for name, flat in pattern.flat.items()},
+        cloth={name: replace(flat, points=1000 * flat.points) for name, flat in pattern.cloth.items()},
+    )
+    metres, millimetres = cut_pieces(pattern)["gore 1"], cut_pieces(scaled)["gore 1"]
+    assert [side.allowance for side in millimetres.sides] == [50.0, 20.0, 50.0, 20.0]
+    np.testing.assert_allclose(millimetres.cut, 1000 * metres.cut, rtol=1e-9, atol=1e-6)
+    assert len(millimetres.marks) == len(metres.marks)
+    partly = cut_pieces(scaled, Allowances(seam=30.0))["gore 1"]
+    assert [side.allowance for side in partly.sides] == [50.0, 30.0, 50.0, 30.0]
+    with pytest.warns(LengthUnitWarning, match=r"allowance of .* is 0.02 mm, too narrow for a weld or a hem; give"):
+        write_patterns(scaled, tmp_path / "cone.csv", Allowances(seam=0.02))
+
+
+@pytest.mark.parametrize(
+    ("unit", "length", "area"),
+    [("m", "12.746", "123.46"), ("mm", "13", "123"), ("ft", "12.746", "123.46"), ("cm", "12.7", "123")],
+)
+def test_lengths_on_sheets_are_told_to_a_millimetre(unit, length, area):
+    """Four digits left 10 mm of a strip of 12 m, and wrote 1.08e+07 mm2."""
+    head = Head("", "", "", unit, 1000 * METRES[unit])
+    assert (head.length(12.7456), head.area(123.456)) == (length, area)
