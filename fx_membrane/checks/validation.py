@@ -95,7 +95,7 @@ def fraction(name: str, value: Any) -> float:
     """Check a number above zero and at most one."""
     result = positive(name, value)
     if result > 1:
-        raise ValueError(f"{name} is {short_repr(value)}; it must be at most 1.")
+        raise ValueError(f"{name} is {short_repr(value)}; it must be at most 1, as 0.05 for 5 %.")
     return result
 
 

@@ -164,7 +164,7 @@ def prove_pattern(
     limits = _strengths(strength, strips)
     if roll_width is not None:
         roll_width = validation.positive("prove_pattern roll_width", roll_width)
-    share = validation.positive("prove_pattern stress_error", stress_error)
+    share = validation.fraction("prove_pattern stress_error", stress_error)
     stage = Stage(
         "assembly",
         on_strips("prove_pattern loads", strips, loads),

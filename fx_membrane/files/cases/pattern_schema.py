@@ -43,8 +43,9 @@ class PatternsModel(Model):
     "prestress", factors or biaxial tests, `{ stress = [[1, 1], [3, 3]], elongation = [[0.002, 0.006],
     [0.006, 0.010]] }`, for all strips or each by name, see `cutting_pattern`. Without it, in `decompensate`, are edges
     by name, cables for the edges along them, and corners by name or number. With `nearest_stress` outlines then move
-    until the stress after assembly is nearest to the prestress, see `nearest_stress_pattern`. Loads and changes act in
-    the proof, see `prove_pattern`; a `stress_error` that more than 5 % of the area exceed is a limit exceeded.
+    until the stress after assembly is nearest to the prestress, see `nearest_stress_pattern`. With `copies` strips that
+    are alike to the `copy_tolerance` are cut once, see `with_copies`. Loads and changes act in the proof, see
+    `prove_pattern`; a `stress_error` that more than 5 % of the area exceed is a limit exceeded.
     """
 
     part: str | None = None
@@ -56,6 +57,7 @@ class PatternsModel(Model):
     names: list[str] | None = None
     warp: dict[str, Direction] = {}
     copies: Truth = False
+    copy_tolerance: Length | None = None
     nearest_stress: Truth = False
     compensation: Compensation = "prestress"
     decompensate: list[Node] = []

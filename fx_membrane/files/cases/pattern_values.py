@@ -9,7 +9,7 @@ from ..patterns.paper import paper_of
 from .faults import Faults
 from .table import BROKEN, is_whole, sound
 
-POSITIVE = ("size", "transition", "roll_width", "mark_spacing", "stress_error")
+POSITIVE = ("size", "transition", "roll_width", "mark_spacing", "copy_tolerance")
 TRAIL = ("patterns",)
 
 
@@ -20,11 +20,12 @@ def check_values(faults: Faults, table: Any) -> None:
         if value is not None and value is not BROKEN:
             with faults.at(*TRAIL, key):
                 validation.positive(key, value)
-    if table.stress_error not in (None, BROKEN) and table.stress_error > 1:
+    if table.stress_error not in (None, BROKEN):
         with faults.at(*TRAIL, "stress_error"):
-            raise ValueError(
-                f"stress_error is {table.stress_error:g}; give a share of the design stress, as 0.05 for 5 %"
-            )
+            validation.fraction("stress_error", table.stress_error)
+    if table.copy_tolerance not in (None, BROKEN) and table.copies is False:
+        with faults.at(*TRAIL, "copy_tolerance"):
+            raise ValueError("no copies are asked for; give copies = true as well, or leave it out")
     _check_directions(faults, table)
     if table.paper not in (None, BROKEN):
         with faults.at(*TRAIL, "paper"):

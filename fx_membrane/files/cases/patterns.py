@@ -52,6 +52,7 @@ class PatternPlan:
         changes: Changes that act with them, as of gas.
         allowances: Widths beyond the sewing lines.
         copies: Cut strips of equal shape once.
+        copy_tolerance: Largest difference of places of copies; None for that of `with_copies`.
         nearest_stress: Move outlines until the stress after assembly is nearest to that of the design.
         strips: Further arguments of `cut_strips`.
         cloth: Further arguments of `cutting_pattern`.
@@ -68,6 +69,7 @@ class PatternPlan:
     changes: Sequence[Any]
     allowances: Allowances
     copies: bool = False
+    copy_tolerance: float | None = None
     nearest_stress: bool = False
     strips: dict[str, Any] = field(default_factory=dict)
     cloth: dict[str, Any] = field(default_factory=dict)
@@ -98,7 +100,9 @@ class PatternPlan:
             with _entry("between", number):
                 seams += seams_between(shape, first, last, count, self.part, roll_width=roll)
         strips = cut_strips(shape, seams, self.part, **self.strips)
-        return cutting_pattern(with_copies(strips) if self.copies else strips, **on_strips(strips, self.cloth))
+        return cutting_pattern(
+            with_copies(strips, self.copy_tolerance) if self.copies else strips, **on_strips(strips, self.cloth)
+        )
 
     def strength_of(self, pattern: CuttingPattern, limits: Limits) -> dict[str, float]:
         """Find the strengths of strips among the limits, by their names or those of the membranes they are cut from."""
@@ -159,6 +163,7 @@ def plan_of(faults: Faults, choices: Choices, outline: Outline, table: Any, leng
         changes,
         allowances,
         table.copies,
+        table.copy_tolerance,
         table.nearest_stress,
         _given(table, "size", "names", "warp"),
         _given(table, "transition") | kept | {"compensation": compensation_from(table.compensation)},

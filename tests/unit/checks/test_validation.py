@@ -230,5 +230,6 @@ def test_missing_modulus_is_refused_under_a_public_name(kind):
 
 def test_rounding_of_places_is_told_as_zero():
     assert validation.format_point(np.array([-8.8e-17, 1e-3, 0.5])) == "(0, 0.001, 0.5)"
-    assert validation.format_point(np.array([1e-17, 0.0, -2e-17])) == "(1e-17, 0, -2e-17)"
+    assert validation.format_point(np.array([1e-17, 0.0, -2e-17])) == "(0, 0, 0)"  # all of it is rounding
+    assert validation.format_point(np.array([2e-9, 0.0, -1e-8])) == "(2e-09, 0, -1e-08)"
     assert validation.format_point(np.zeros(3)) == "(0, 0, 0)"

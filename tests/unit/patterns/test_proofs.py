@@ -243,17 +243,17 @@ def test_wider_strips_than_curvature_allows_are_told(unbalanced):
     assert any(words in remark for remark in unbalanced.remarks)
 
 
-def test_proof_within_the_wanted_error_has_no_remarks(sail):
-    proof = prove_pattern(cutting_pattern(sail), stress_error=5.0, progress=False)
-    assert proof.remarks == ()
-    assert proof.design_error is None
-
-
 def flat_roof():
     points, triangles = rectangle(6.0, 4.0, 6, 4)
     roof = Membrane(triangles, Fabric(5e5, 0.3), (2e3, 1e3), warp=(1, 0, 0))
     structure = Structure(points, {"roof": roof}, [Support(np.unique(boundary_edges(triangles)))])
     return cut_strips(structure, planar_cut(structure, (0, 0, 0), (0, 1, 0)))
+
+
+def test_proof_within_the_wanted_error_has_no_remarks():
+    proof = prove_pattern(cutting_pattern(flat_roof()), stress_error=1e-6, progress=False)
+    assert proof.remarks == ()
+    assert proof.design_error is None
 
 
 def test_compensation_that_does_not_fit_the_prestress_is_told():

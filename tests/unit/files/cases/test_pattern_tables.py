@@ -90,7 +90,15 @@ def test_borders_are_not_judged_beside_faults_of_their_geometry(tmp_path, old, n
             "36: patterns.roll_width: roll_width is 0.1, no more than two allowances of seams",
         ),
         ("planes = []\ncompensation = 'stress'", "37: patterns.compensation"),
-        ("planes = []\nstress_error = 5", "37: patterns.stress_error: stress_error is 5; give a share of the design"),
+        (
+            "planes = []\nstress_error = 5",
+            "37: patterns.stress_error: stress_error is 5.0; it must be at most 1, as 0.05",
+        ),
+        (
+            "planes = []\ncopy_tolerance = 0.01",
+            "37: patterns.copy_tolerance: no copies are asked for; give copies = true",
+        ),
+        ("planes = []\ncopies = true\ncopy_tolerance = 0", "38: patterns.copy_tolerance: copy_tolerance is 0"),
         (
             "planes = [{ point = [0, 0, 0], normal = [0, 0, 0] }]",
             "36: patterns.planes.0.normal: normal is [0.0, 0.0, 0.0]; give a direction",
@@ -247,3 +255,10 @@ def test_case_for_a_pattern_alone_is_sound(tmp_path):
     code, words = said("check", file)
     assert code == 0
     assert "neither form_finding nor [[stages]]; `fx-membrane patterns` makes its cutting pattern" in words
+
+
+@pytest.mark.parametrize(("tolerance", "copies"), [("", {}), ('\ncopy_tolerance = "150 mm"', {"strip 2": "strip 1"})])
+def test_strips_alike_within_the_tolerance_are_cut_once(tmp_path, tolerance, copies):
+    planes = "planes = [{ point = [0, 0.05, 0], normal = [0, 1, 0] }]\ncopies = true"
+    found = read_case(case(tmp_path, f"\n[patterns]\n{planes}{tolerance}\n"))
+    assert found.patterns.pattern(found.structure).strips.copies == copies
