@@ -57,7 +57,11 @@ def established(structure: Structure, points: Array, asked: Asked | None = None)
     """
     asked = asked or Asked(structure, {})
     stresses = stresses_in(structure, points)
-    found = [weak_edges(asked.structure, points, stresses, forces_in(asked.structure), asked.densities).words]
+    found = [
+        weak_edges(
+            asked.structure, points, stresses, forces_in(asked.structure), asked.densities, found=asked.found
+        ).words
+    ]
     found += [far_ring(structure, points, stresses), free_edge(asked.structure, points), lone_point(structure, points)]
     return causes(*found, fold(structure, points))
 
