@@ -86,7 +86,8 @@ class Discretization:
         first_block: First block that this process owns.
         owned_nodes: Nodes whose values this process holds, in the order of its part of a PETSc vector.
         rows: First row of each process in the PETSc system, and the number of all rows.
-        local_nodes: Nodes that the meshes of this process touch, ascending.
+        local_nodes: Nodes that the meshes of this process touch, in the order of their blocks: on one process, that of
+            a PETSc vector.
         parts: Meshes of the parts of which this process has cells.
         state: Number that changes with the displacement or the reference positions of a mesh of this process.
     """
@@ -115,14 +116,14 @@ class Discretization:
         touched = np.zeros(len(structure.points), dtype=bool)
         for name, share in shares.items():
             touched[structure.parts[name].cells[share]] = True
-        self.local_nodes = np.flatnonzero(touched)
+        self.local_nodes = used[ordered[touched[used[ordered]]]]
         self.parts = {name: self._part_mesh(name, share) for name, share in shares.items() if len(share)}
 
         self.state = 0
         self._displacement = np.zeros((len(self.local_nodes), 3))  # that of the meshes
         self._spare: list[PETSc.Vec] = []
-        self._blocks = self.block_of_node[self.local_nodes].astype(PETSc.IntType)
-        where = PETSc.IS().createBlock(3, self._blocks, comm=MPI.COMM_SELF)
+        blocks = self.block_of_node[self.local_nodes].astype(PETSc.IntType)
+        where = PETSc.IS().createBlock(3, blocks, comm=MPI.COMM_SELF)
         self._local_values = PETSc.Vec().createSeq(3 * len(self.local_nodes), comm=MPI.COMM_SELF)
         vector = self.create_vector()
         self.rows: list[int] = vector.getOwnershipRanges().tolist()
@@ -140,7 +141,7 @@ class Discretization:
         mesh = _dolfinx.create_mesh(self.structure.points[nodes], cells)
         V = _dolfinx.functionspace(mesh, "Lagrange", 1, 3)
         nodes = nodes[_dolfinx.node_order(V)]
-        rows = np.asarray(np.searchsorted(self.local_nodes, nodes))
+        rows = np.asarray(np.searchsorted(self.block_of_node[self.local_nodes], self.block_of_node[nodes]))
         last = np.empty(len(self.local_nodes), dtype=np.intp)
         last[rows] = np.arange(len(rows))  # of a node that comes several times, the last place alone
         return PartMesh(
@@ -248,12 +249,12 @@ class Discretization:
         self._displacement[:] = values
         self.state += 1
         for mesh in self.parts.values():
-            mesh.u.x.array[:] = values.take(mesh.node_rows, axis=0).ravel()
+            values.take(mesh.node_rows, axis=0, out=mesh.u.x.array.reshape(-1, 3), mode="clip")
 
     def _of_local_nodes(self, vector: PETSc.Vec) -> NDArray[np.float64]:
         """Values at the nodes of the meshes of this process, shape (local nodes, 3)."""
         if self.comm.size == 1:  # nothing to send
-            return np.asarray(vector.array_r.reshape(-1, 3).take(self._blocks, axis=0))
+            return np.asarray(vector.array_r.reshape(-1, 3))
         self._scatter.scatter(vector, self._local_values, PETSc.InsertMode.INSERT, PETSc.ScatterMode.FORWARD)
         return np.asarray(self._local_values.array_r.reshape(-1, 3))
 
@@ -265,17 +266,18 @@ class Discretization:
 
     def scatter_add(self, shares: Iterator[tuple[PartMesh, NDArray[np.float64]]], vector: PETSc.Vec) -> None:
         """Add nodal vectors of meshes, in the order of their dofs, to a PETSc vector."""
-        sums = self._local_values.array.reshape(-1, 3)
-        sums[:] = 0
+        alone = self.comm.size == 1
+        sums = (vector if alone else self._local_values).array.reshape(-1, 3)
+        if not alone:
+            sums[:] = 0
         for mesh, values in shares:
             here = values.reshape(-1, 3)
             seam = mesh.node_rows[mesh.seam]
-            sums[mesh.node_rows] += here  # of a node that comes several times, the last value alone
+            # Of a node that comes several times, the last value alone.
+            sums[mesh.node_rows] = sums.take(mesh.node_rows, axis=0) + here
             if len(seam):  # only a mesh of several strips
                 np.add.at(sums, seam, here[mesh.seam])
-        if self.comm.size == 1:
-            vector.array.reshape(-1, 3)[self._blocks] += sums
-        else:
+        if not alone:
             self._scatter.scatter(self._local_values, vector, PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
 
 
