@@ -8,9 +8,9 @@ sin(phi) = (c / r)^(1/k) with the neck c. The height between neck and radius r i
 
 which is c arcosh(r / c), a catenoid, for k = 1. Radii a and b reach the maximum over c of h(c, a) + h(c, b).
 
-A base that is no circle counts as the circle whose log of the radius is the mean of that of the base over the angle.
-Far from the ring a film is nearly harmonic. Its conformal radius, the mean over harmonic measure, is less: a square of
-side 2 a has 1.079 a, and the mean over the angle is 1.116 a. So a ring that is found too far has no film.
+A base that is no circle counts as one, by the mean of log r over the angle. Far from the ring a film is nearly
+harmonic. Its conformal radius, the mean over harmonic measure, is less: a square of side 2 a has 1.079 a, and the mean
+over the angle is 1.116 a. So a ring that is found too far has no film.
 """
 
 from __future__ import annotations
