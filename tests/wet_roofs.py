@@ -8,6 +8,7 @@ from fx_membrane import (
     Cable,
     DistributedLoad,
     Fabric,
+    LoadedProblem,
     Membrane,
     Stage,
     Structure,
@@ -29,6 +30,15 @@ def ridged_roof():
     return Structure(points, {"roof": Membrane(triangles, Fabric(2e5, 0.3), 2e3)}, [Support(np.union1d(rim, ridge))])
 
 
+def roof_on_a_low_point():
+    """Roof, 4 x 4, whose middle is held 12 cm below the rim."""
+    points, triangles = rectangle(4.0, 4.0, 8, 8)
+    middle = int(np.argmin(np.abs(points).sum(axis=1)))
+    points[middle, 2] = -0.12
+    rim = np.unique(boundary_edges(triangles))
+    return Structure(points, {"roof": Membrane(triangles, Fabric(4e5, 0.3), 1.5e3)}, [Support([*rim, middle])])
+
+
 def terraced_roof():
     """Soft roof of three bays, one lower than the other, within a higher rim, with cables between them that sag."""
     points, triangles = rectangle(6.0, 2.0, 24, 6)
@@ -45,3 +55,33 @@ def terraced_roof():
         line = np.flatnonzero(np.isclose(along, place))
         parts[f"ridge {place}"] = Cable(polyline(line[np.argsort(points[line, 1])]), 1e6, 4e3)
     return Structure(points, parts, [Support(rim)])
+
+
+def tangent_rates(loaded: LoadedProblem, displacement, held, largest: float):
+    """Observed orders of the distance between residuals and their tangent with its one-sided borders.
+
+    Args:
+        loaded: The problem.
+        displacement: The state, shape (n, 3) [m].
+        held: Components that do not move, shape (n, 3).
+        largest: Largest distance from the state [m].
+    """
+    numbering = loaded.discretization
+    x = numbering.to_petsc(displacement)
+    way = numbering.to_petsc(np.where(held, 0.0, np.random.default_rng(1).normal(size=displacement.shape)))
+    change = numbering.create_vector()
+    loaded.tangent(x).mult(way, change)
+    borders = loaded.borders(x, one_sided=True)
+    for column, row, compliance in zip(borders.vectors, borders.rows, borders.compliances, strict=True):
+        change.axpy(row.dot(way) / compliance, column)
+    borders.free()
+    errors = []
+    for h in largest / 2.0 ** np.arange(4):
+        moved = x.copy()
+        moved.axpy(h, way)
+        rest = loaded.residual(moved)
+        rest.axpy(-1.0, loaded.residual(x))
+        rest.axpy(-h, change)
+        loaded.constraints.zero_constrained(rest)
+        errors.append(rest.norm())
+    return np.log2(np.divide(errors[:-1], errors[1:]))

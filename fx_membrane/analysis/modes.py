@@ -78,15 +78,15 @@ class Stability:
     work of every small displacement (R. Hill, J. Mech. Phys. Solids 6 (1958) 236-249), and the state does not diverge.
     Flutter shows in `natural_frequencies` only.
 
-    Water at an outlet that is held keeps its level, as if it were fed. At an outlet that moves, water runs off where
+    Water at an outlet that is held keeps its level, as if it were fed; a level sheet off which all rain has run is dry.
+    At an outlet that moves, water runs off where
     that sinks, and keeps its volume where it rises. Each has a tangent of its own, the first one unsymmetric. The worse
     of the two counts, by the real parts of its eigenvalues.
 
     The `compression_stiffness` of wrinkled and slack cells is set aside: slack cells that buckle from node to node are
     no instability. Nodes at which all cells are slack then have no stiffness; they are left out if the others are
     enough. A remaining motion without stiffness is a mechanism of the structure. If slack parts push, the state is no
-    equilibrium
-    without them, and its eigenvalues mean little: see `held_by_slack`.
+    equilibrium without them, and its eigenvalues mean little: see `held_by_slack`.
 
     Attributes:
         stiffnesses: Ascending, shape (count,) [N/m]; 0 for none up to rounding. Real parts of complex ones.

@@ -35,6 +35,10 @@ class Fan(NamedTuple):
         """Size of the energy [J]."""
         return abs(self.pressure * volume)
 
+    def force_size(self, volume: float) -> float:
+        """Size of the pressure [Pa]."""
+        return abs(self.pressure)
+
 
 class Enclosed(NamedTuple):
     """A given amount of gas.
@@ -97,6 +101,10 @@ class Enclosed(NamedTuple):
         """Size of the works of gas and air around, which nearly cancel, and of the rounding of the volume [J]."""
         work = (self._absolute(max(volume, self.least)) + self.around) * abs(volume - self.reference)
         return work + abs(self.force(volume) * volume)
+
+    def force_size(self, volume: float) -> float:
+        """Size of the pressures of gas and air around, which nearly cancel, and of their change by the volume [Pa]."""
+        return self._absolute(max(volume, self.least)) + self.around + self.stiffness(volume) * abs(volume)
 
     def _absolute(self, volume: float) -> float:
         if volume <= 0:

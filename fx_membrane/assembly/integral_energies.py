@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from .held_components import Constraints
-from .one_integral import FollowingEnergy, GivenIntegral, IntegralEnergy
+from .one_integral import EnergyOfIntegral, FollowingEnergy, GivenIntegral, IntegralEnergy
 
 Array = NDArray[np.float64]
 
@@ -110,6 +110,12 @@ class IntegralEnergies:
     def size(self, x: PETSc.Vec) -> float:
         """Size of the terms that the energies are sums of: their differences are known to its rounding [J]."""
         return sum(energy.size(x) for energy in self.acting)
+
+    def add_force_sizes(self, x: PETSc.Vec, sizes: NDArray[np.float64]) -> None:
+        """Add the sizes of the terms of the forces of all laws to those of the components of this process [N]."""
+        for energy in self.acting:
+            if isinstance(energy, EnergyOfIntegral):
+                energy.add_force_sizes(x, sizes)
 
     def add_gradient(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
         """Add the derivatives to a residual [N]."""

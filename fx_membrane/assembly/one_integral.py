@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol, runtime_checkable
 
+import numpy as np
+from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from .discretization import Discretization
@@ -37,6 +39,9 @@ class Law(Protocol):
 
     def size(self, value: float) -> float:
         """Size of the terms that the energy is a sum of, as rounding sees them [J]."""
+
+    def force_size(self, value: float) -> float:
+        """Size of the terms that the force phi' is a sum of, and of its change by the whole integral."""
 
 
 class IntegralEnergy(Protocol):
@@ -118,6 +123,12 @@ class EnergyOfIntegral:
         """Size of the terms of the energy [J]."""
         return self.law.size(self.integral.value(x))
 
+    def add_force_sizes(self, x: PETSc.Vec, sizes: NDArray[np.float64]) -> None:
+        """Add the sizes of the terms of the forces to those of the components of this process [N]."""
+        with self.discretization.work(1) as (gradient,):
+            self.integral.gradient(x, gradient)
+            sizes += self.law.force_size(self.integral.value(x)) * np.abs(gradient.array_r)
+
     def add_gradient(self, x: PETSc.Vec, b: PETSc.Vec) -> None:
         """Add the derivative of the energy to a residual [N]."""
         with self.discretization.work(1) as (gradient,):
@@ -180,3 +191,6 @@ class _Augmented(NamedTuple):
 
     def size(self, value: float) -> float:
         return (abs(self.multiplier) + self.penalty * abs(value - self.target)) * (abs(value) + abs(self.target))
+
+    def force_size(self, value: float) -> float:
+        return abs(self.multiplier) + self.penalty * (abs(value) + abs(self.target))

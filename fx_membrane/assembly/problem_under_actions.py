@@ -277,7 +277,9 @@ class LoadedProblem(LoadedStructure):
     def beyond_rounding(self, x: PETSc.Vec, b: PETSc.Vec) -> float:
         """Norm (2-norm) of a constrained residual in the state x beyond the rounding of each entry [N]."""
         displacement = float(x.norm(PETSc.NormType.NORM_INFINITY))
-        rounding = self.magnitudes.scales.rounding(displacement)
+        sizes = np.zeros(b.local_size)
+        self.integrals.add_force_sizes(x, sizes)
+        rounding = self.magnitudes.scales.rounding(displacement) + UNIT * sizes
         rounding[self.constraints.rows] = UNIT * self.magnitudes.stiffness * displacement
         return self._norm(np.maximum(np.abs(b.array_r) - rounding, 0.0))
 

@@ -53,12 +53,13 @@ class Filling:
     Attributes:
         found: The hollows.
         flows: The flows until now.
+        capacity: Volume below a level of the cells of some hollows [m3].
 
     Args:
         found: The hollows.
         volumes: Water in each, shape (hollows,) [m3].
         height: Heights of all nodes, shape (n,) [m].
-        capacity: Volume below a level of the cells of some hollows [m3].
+        capacity: As the attribute.
         rounding: Volume that is rounding [m3].
         joined: Pairs of hollows whose water is one.
 
@@ -77,7 +78,7 @@ class Filling:
         joined: Iterable[tuple[int, int]] = (),
     ):
         self.found, self.flows = found, list[Flow]()
-        self._height, self._capacity, self._rounding = height, capacity, rounding
+        self._height, self.capacity, self._rounding = height, capacity, rounding
         self._pool_of = list(range(len(volumes)))
         self._members: list[tuple[int, ...]] = [(number,) for number in self._pool_of]
         self._water = [float(volume) for volume in volumes]
@@ -155,7 +156,7 @@ class Filling:
             for a, b, node in self.found.ways.tolist():  # a is a hollow
                 left, right = self._pool_of[a], OUTSIDE if b == OUTSIDE else self._pool_of[b]
                 if left != right and pool in (left, right):
-                    most = self._capacity(self._members[pool], float(self._height[node]))
+                    most = self.capacity(self._members[pool], float(self._height[node]))
                     self._limits[pool] = most, node, b if left == pool else a
                     break
         return self._limits[pool]

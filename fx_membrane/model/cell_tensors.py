@@ -45,6 +45,12 @@ def once(tensors: NDArray[np.float64]) -> NDArray[np.float64]:
     return tensors[:1] if tensors.strides[0] == 0 else tensors
 
 
+def are_isotropic(tensors: NDArray[np.float64]) -> bool:
+    """Return True if tensors (n, 2, 2) are multiples of the identity, which have no direction."""
+    tensors = once(tensors)
+    return np.array_equal(tensors, tensors[:, :1, :1] * np.eye(2))
+
+
 def check_symmetry(what: str, tensors: NDArray[np.float64]) -> None:
     """Refuse tensors (n, d, d) that are not symmetric."""
     tensors = once(tensors)

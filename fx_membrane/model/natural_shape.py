@@ -15,7 +15,8 @@ from . import cell_tensors
 
 Array = NDArray[np.float64]
 
-MOST = 2.0  # largest ratio of natural and reference lengths: beyond, units or cells are mixed up
+MOST = 2.0  # ratio of natural and reference lengths from which on units or cells are mixed up
+ROUNDING = 1e-12  # of a ratio
 
 
 def store(part: Any) -> None:
@@ -34,10 +35,11 @@ def check(what: str, tensors: Array) -> None:
     tensors = cell_tensors.once(tensors)
     values = np.linalg.svd(tensors, compute_uv=False)
     inverted = (np.linalg.det(tensors) <= 0) | (np.trace(tensors, axis1=1, axis2=2) <= 0)  # or turned round
-    bad = np.flatnonzero(inverted | (values[:, 0] > MOST) | (values[:, -1] < 1 / MOST))
+    large, small = values[:, 0] > MOST - ROUNDING, values[:, -1] < 1 / MOST + ROUNDING
+    bad = np.flatnonzero(inverted | large | small)
     if len(bad):
         cell = int(bad[0])
-        ratio = values[cell, 0] if values[cell, 0] > MOST else values[cell, -1]
+        ratio = values[cell, 0] if large[cell] else values[cell, -1]
         fault = "is inverted" if inverted[cell] else f"is {ratio:.3g} times as long as in the reference shape"
         raise ValueError(
             f"{what}: cell {cell} {fault} without stress, by {validation.short_repr(tensors[cell].tolist())}; give "

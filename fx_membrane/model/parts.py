@@ -94,8 +94,11 @@ class Membrane(ByValue):
         tensors = self.prestress_tensors()
         if not self.carries_compression:
             laws.check_prestress("Membrane prestress", self.material, cell_tensors.once(tensors))
-        given = map(cell_tensors.once, (tensors, self.natural_tensors()))
-        directed = not all(np.array_equal(a, a[:, :1, :1] * np.eye(2)) for a in given)
+        directed = [
+            name
+            for name, given in (("prestress", tensors), ("natural_stretch", self.natural_tensors()))
+            if not cell_tensors.are_isotropic(given)
+        ]
         if self.warp is not None:
             warp = validation.finite("Membrane warp", self.warp)
             validation.keep(self, warp=warp)
@@ -104,7 +107,7 @@ class Membrane(ByValue):
         elif directed or laws.is_directed(self.material):
             what = f"material is {validation.short_repr(self.material)}"
             if not laws.is_directed(self.material):
-                what = f"prestress is {validation.short_repr(self.prestress)}"
+                what = f"{directed[0]} is {validation.short_repr(getattr(self, directed[0]))}"
             raise ValueError(
                 f"Membrane {what}, which has a warp and a weft; give the warp as a vector, warp=(x, y, z)."
             )

@@ -34,7 +34,8 @@ class Pond(ByValue):
     Rain collects in the basins of the current shape: hollows, each with a level of its own. A basin receives the rain
     on the cells that drain into it; rain elsewhere runs off. A basin that is full spills over its rim, at its present
     height, into the next one or over the edge. Two basins merge where their water meets. Mergers are found at the ends
-    of load increments; then the same load factor is solved again. `StageResult.water_events` has all of these events.
+    of load increments; then the same load factor is solved again. Water that ran over before that is lost, so that a
+    basin may end some micrometres below its rim. `StageResult.water_events` has all of these events.
     Hollows less deep than a thousandth of the deepest one belong to their neighbour. A membrane without hollows, as a
     level sheet, is one basin up to the lowest node of its rim.
 

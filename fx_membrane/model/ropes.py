@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
+from ..checks.array_entries import equal_rows
 from ..geometry.grids import polyline
 from ..geometry.sizes import measures
 from . import natural_shape
@@ -39,8 +40,8 @@ class Rope(AxialPart):
         natural_stretch: Unstressed length over that in the reference shape, instead of unstressed_length [-].
 
     Raises:
-        ValueError: The path has less than two nodes, or visits one twice in a row; a number is not positive; more than
-            one of prestress, unstressed_length and force are given.
+        ValueError: The path has less than two nodes, visits one twice in a row, or runs twice between the same two; a
+            number is not positive; more than one of prestress, unstressed_length and force are given.
 
     Example:
         >>> points = [(0, 0, 0), (4, 0, -3), (10, 0, 2)]
@@ -82,6 +83,10 @@ class Rope(AxialPart):
         again = np.flatnonzero(path[1:] == path[:-1])
         if len(again):
             raise ValueError(f"Rope nodes visit node {path[again[0]]} twice in a row; leave one of the two out.")
+        equal = equal_rows(np.sort(polyline(path), axis=1))
+        if equal:
+            a, b = path[equal[0] : equal[0] + 2]
+            raise ValueError(f"Rope nodes run twice between nodes {a} and {b}; give the second run nodes beside them.")
         validation.keep(self, nodes=path)
         validation.store(self, validation.positive, "axial_stiffness")
         validation.store(self, validation.not_negative, "prestress", "mass")
@@ -139,7 +144,7 @@ def natural_stretch_of(name: str, rope: Rope, points: NDArray[np.float64]) -> fl
             f"Part {name!r} has the unstressed_length {rope.unstressed_length:g}, and a natural_stretch that makes it "
             f"{rope.natural_stretch * length:g}; give one of the two."
         )
-    if not 1 / natural_shape.MOST <= ratio <= natural_shape.MOST:
+    if not 1 / natural_shape.MOST < ratio < natural_shape.MOST:
         raise ValueError(
             f"Part {name!r} has the unstressed_length {rope.unstressed_length:g}, and its path is {length:g} long in "
             "the reference shape; give a shape of less than double and more than half of that length."

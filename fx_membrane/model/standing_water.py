@@ -99,6 +99,7 @@ def renewed(
     compared = Comparison(found, pools, flows, old.basins, np.array(came), tiny, position[:, 2])
     events = (*compared.mergers(), *compared.partings(), *compared.spills(gone))
     moved = compared.moved(standing) or compared.uneven(solved.levels, 1e-10 * structure.size)
+    moved |= compared.spread(solved.levels, standing, state.capacity)
     return Renewal(water, events, moved or bool((gone > STILL_OVER_TINY * tiny).any()))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -154,14 +154,32 @@ class Comparison:
         change = [abs(pool.volume - standing[list(pool.hollows)].sum()) for pool in self.pools]
         return bool(max(change, default=0.0) > STILL_OVER_TINY * self.tiny)
 
-    def uneven(self, levels: Sequence[float], rounding: float) -> bool:
-        """Return True if basins of different levels have merged."""
-        for number in range(len(self.pools)):
-            found = [levels[k] for k, pools in enumerate(self.pools_of_old) if number in pools]
-            finite = [level for level in found if np.isfinite(level)]
-            if finite and max(finite) - min(finite) > rounding:
+    def spread(
+        self, levels: Sequence[float], standing: Array, capacity: Callable[[tuple[int, ...], float], float]
+    ) -> bool:
+        """Return True if cells that no old basin had are below the level of a pool: its water runs there.
+
+        Args:
+            levels: Levels of the old basins [m].
+            standing: Water in each hollow [m3].
+            capacity: Volume of hollows below a level [m3].
+        """
+        for pool, found in zip(self.pools, self._levels(levels), strict=True):
+            below = capacity(pool.hollows, max(found)) if found else 0.0
+            if below > standing[list(pool.hollows)].sum() + STILL_OVER_TINY * self.tiny:
                 return True
         return False
+
+    def uneven(self, levels: Sequence[float], rounding: float) -> bool:
+        """Return True if basins of different levels have merged."""
+        return any(max(found) - min(found) > rounding for found in self._levels(levels) if found)
+
+    def _levels(self, levels: Sequence[float]) -> list[list[float]]:
+        """Levels of the old basins with water in each pool."""
+        return [
+            [levels[k] for k, pools in enumerate(self.pools_of_old) if number in pools and np.isfinite(levels[k])]
+            for number in range(len(self.pools))
+        ]
 
     def _lowest(self, pool: Pool) -> int:
         """Lowest node of a pool."""

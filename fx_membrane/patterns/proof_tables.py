@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import textwrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..checks.validation import format_point
 from ..geometry.extremes import first_largest
+from ..results.screen_lines import wrapped
 from .strip_proofs import MOST
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ def text(proof: PatternProof, force: str | None = None, length: str | None = Non
             f"{shift}",
             f"  flattening energy        {told['flattening energy']:.6g} {energy}",
             f"  largest seam difference  {told['seam difference']:.2g} of the length, cloth on both sides",
-            *(line for words in told["remarks"] for line in _wrapped(words)),
+            *(wrapped(words, 0, 2, WIDE) for words in told["remarks"]),
             "",
             f"Cloth [{length}], change of area by flattening and stress error [%], and the place of the largest",
             f"widest: for a stress error of {100 * proof.wanted_error:g} % at the edges, by the curvature of "
@@ -114,12 +114,7 @@ def _too_wide(rows: list[dict[str, Any]], roll: float | None, length: str) -> li
     if not wide:
         return []
     names = ", ".join(name.replace(" ", "\0") for name in wide)  # a name stays in one line
-    return _wrapped(f"Wider than the roll without allowances, {roll:.4g} {length}: {names}")
-
-
-def _wrapped(words: str) -> list[str]:
-    """Lines of a sentence, with names whose spaces are null characters in one line."""
-    return [line.replace("\0", " ") for line in textwrap.wrap(words, WIDE, subsequent_indent="  ")]
+    return wrapped(f"Wider than the roll without allowances, {roll:.4g} {length}: {names}", 0, 2, WIDE).splitlines()
 
 
 def _stresses(row: dict[str, Any], wide: int) -> str:

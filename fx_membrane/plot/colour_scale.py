@@ -40,8 +40,21 @@ def colours(
     return Colours("viridis", low, high, BANDS), field
 
 
-def colour_bar(figure: Any, axes: Any, shown: Colours, limited: bool, name: str = "") -> None:
-    """Draw the scale of the colours below a picture, with a name where there are several."""
+def beyond(values: NDArray[np.float64], ends: tuple[float, float]) -> tuple[bool, bool]:
+    """Tell if values lie below the ends of a scale, and if they lie above; rounding beside its range does not count."""
+    room = ROUNDING * (ends[1] - ends[0])
+    return bool(values.min() < ends[0] - room), bool(values.max() > ends[1] + room)
+
+
+def colour_bar(figure: Any, axes: Any, shown: Colours, outside: tuple[bool, bool], name: str = "") -> None:
+    """Draw the scale of the colours below a picture, with a name where there are several.
+
+    Args:
+        figure, axes: The figure, and the picture in it.
+        shown: The colours.
+        outside: True for an end beyond which there are values, the lower one first.
+        name: Name of the scale.
+    """
     import matplotlib.cm  # noqa: PLC0415
     import matplotlib.colors  # noqa: PLC0415
 
@@ -53,8 +66,8 @@ def colour_bar(figure: Any, axes: Any, shown: Colours, limited: bool, name: str 
     mappable = matplotlib.cm.ScalarMappable(norm, shades)
     fraction = max(0.05, LONG / 20.0 / max(figure.get_figheight() - 0.8, 1.0))  # a flat picture has a long one, too
     bar = figure.colorbar(mappable, ax=axes, location="bottom", fraction=fraction, pad=0.02, shrink=0.8, ticks=ticks)
-    if limited:
-        texts = [f"≤ {texts[0]}", *texts[1:-1], f"≥ {texts[-1]}"]
+    below, above = outside
+    texts = ["≤ " * below + texts[0], *texts[1:-1], "≥ " * above + texts[-1]]
     bar.ax.set_xticklabels(texts, color=INK)
     bar.ax.tick_params(which="both", length=0)
     bar.outline.set_visible(False)

@@ -57,8 +57,8 @@ def contours(
         mirror: "x", "y" or "z" adds the mirror image about that coordinate's zero, for half models.
         antisymmetric: Titles of the fields whose sign changes in the mirror image, such as the displacement across it.
         ranges: Minimum and maximum of the colours for the titles of some fields, {"title": (low, high)}; values beyond
-            have the colour of that end, and the numbers at the ends are written with <= and >=. By default the colours
-            go from the minimum to the maximum. One peak can leave the rest in one colour.
+            have the colour of that end, and its number is written with <= or >=. By default the colours go from the
+            minimum to the maximum. One peak can leave the rest in one colour.
         smoothed: Titles of fields of cells to be drawn with their means at the nodes, which are less than the peaks;
             "(smoothed)" is added to these titles.
         lines: Lines on the membranes: "stress I" and "stress II" for principal stress trajectories, "warp", "wrinkles"

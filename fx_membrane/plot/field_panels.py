@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from ..checks import validation
-from .colour_scale import colours
+from .colour_scale import beyond, colours
 from .fields import Checked, Field, checked, checked_range, joined, smooth
 from .panels import Panel
 from .subjects import Shown
@@ -74,8 +76,12 @@ def panels_of(every: Sequence[Mapping[str, Checked]], options: Options) -> list[
         odd, limits = title in options.antisymmetric, options.ranges.get(title)
         together = {str(number): joined(fields[title]) for number, fields in enumerate(every)}
         shades, _ = colours(together, symmetric=odd, limits=limits)
+        outside = (False, False)
+        if limits is not None:
+            drawn = joined(together)
+            outside = beyond(np.concatenate([drawn, -drawn]) if odd else drawn, limits)
         name = f"{title} (smoothed)" if title in options.smoothed else title
         for panels, fields in zip(found, every, strict=True):
             _, numbers = colours(fields[title], symmetric=odd, limits=limits)
-            panels.append(Panel(name, numbers, shades, limits is not None, antisymmetric=odd))
+            panels.append(Panel(name, numbers, shades, outside, antisymmetric=odd))
     return found

@@ -63,14 +63,14 @@ class Panel:
         title: Title.
         numbers: Numbers of cells, corners or nodes; None for the colour of fabric.
         colours: Colours of the numbers.
-        limited: True if values lie beyond the colours.
+        outside: True for an end of the colours beyond which there are values, the lower one first.
         antisymmetric: True if the sign changes in the mirror image.
     """
 
     title: str
     numbers: Any = None
     colours: Colours | None = None
-    limited: bool = False
+    outside: tuple[bool, bool] = (False, False)
     antisymmetric: bool = field(default=False, kw_only=True)
 
 
@@ -190,11 +190,11 @@ def draw_panels(
             _legend(axes, same.kinds, plain=panel.colours is None)
         if panel.colours is not None:
             name = panel.title if bars is not None else ""
-            colour_bar(figure, axes, panel.colours, panel.limited, name)
+            colour_bar(figure, axes, panel.colours, panel.outside, name)
         if same.bars is not None:
             masts = any(part.is_strut for part in shown.structure.parts.values())
             kinds = "cables and masts" if masts else "cables"
-            colour_bar(figure, axes, same.bars, False, f"Force of {kinds}{in_brackets(look.force_unit)}")
+            colour_bar(figure, axes, same.bars, (False, False), f"Force of {kinds}{in_brackets(look.force_unit)}")
 
 
 def _legend(axes: Any, kinds: Sequence[str], plain: bool) -> None:

@@ -147,7 +147,10 @@ def _prestrain(part: Part) -> NDArray[np.float64]:
     if part.shares_tension:  # the first shape of a rope of given length is a guess
         return _elastic(part, part.prestress_tensors())
     H = inverse_less_identity(once(part.natural_tensors()) - np.eye(part.dimension))
-    return _elastic(part, part.prestress_tensors()) + natural_strain(H)
+    natural = natural_strain(H)
+    if not part.carries_compression:  # a larger natural shape is slack, and its law is not used
+        natural = natural - _compression(natural)
+    return _elastic(part, part.prestress_tensors()) + natural
 
 
 def _meant(part: Part, limit: float) -> str:

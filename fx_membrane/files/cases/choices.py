@@ -45,10 +45,11 @@ class Choices:
 
     Args:
         drawing: Content of the geometry; None if that has a fault.
-        kinds: Dimension of each part that the file has, None for an unknown one; None if parts have a fault. Those
-            with faults may be missing in the structure.
+        kinds: See the attribute.
 
     Attributes:
+        kinds: Dimension of each part that the file has, None for an unknown one; None if parts have a fault. Those
+            with faults may be missing in the structure.
         rows: Node of the structure for each point of the drawing, -1 for a point of no part, shape (points,).
         drawn: False if the geometry has a fault.
         groups, chambers: Names that the geometry and the file have, in spite of faults; None if they are not known.
@@ -57,7 +58,7 @@ class Choices:
     """
 
     def __init__(self, drawing: Drawing | None, kinds: Mapping[str, int | None] | None):
-        self.drawn, self._kinds = drawing is not None, kinds
+        self.drawn, self.kinds = drawing is not None, kinds
         self.groups: Collection[str] | None = None
         self.chambers: Collection[str] | None = None
         self.drawing = drawing = drawing or Drawing("the geometry", "group", np.zeros((0, 3)))
@@ -239,11 +240,11 @@ class Choices:
             Unknown: It has one, with a fault.
         """
         keys = (key,) if key else ()
-        if name is BROKEN or self._kinds is None:
+        if name is BROKEN or self.kinds is None:
             raise Unknown
-        if name not in self._kinds:
-            raise Wrong(f"there is no part {name!r}{nearest(name, self._kinds)}", *keys)
-        if wanted and self._kinds[name] not in (None, wanted):
+        if name not in self.kinds:
+            raise Wrong(f"there is no part {name!r}{nearest(name, self.kinds)}", *keys)
+        if wanted and self.kinds[name] not in (None, wanted):
             raise Wrong(f"part {name!r} is {'no membrane' if wanted == 2 else 'no cable or mast'}; name one", *keys)
         if structure is None or name not in structure.parts:
             if structure is not None and self.whole and self.formed:

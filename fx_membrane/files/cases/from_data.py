@@ -53,6 +53,8 @@ def assembled(file: Path, text: str, data: Mapping[str, Any], partial: bool) -> 
         The case, None with faults or of partial data; the faults.
     """
     units, faults = _units(data)
+    if partial:
+        units = units or Units()  # theirs may be among the lines that could not be read
     tables, found = _validated(data, units)
     faults += found
     if partial or tables is None:
@@ -141,20 +143,22 @@ def _validated(data: Mapping[str, Any], units: Units | None) -> tuple[CaseModel 
     except ValidationError as error:
         told = {fault.path for fault in faults}
         more = faults_of_validation(error, guessed, keys(), keys_at)
-        faults += [fault for fault in more if fault.path not in told and not _guesswork(fault, faults)]
+        faults += [fault for fault in more if fault.path not in told and not _guesswork(fault, faults, data)]
     tables = CaseModel.model_validate(
         {**guessed, "format": 1, "units": None}, context={"units": units or Units(), "lenient": True}
     )
     return tables.model_copy(update={"units": _names(data)}), faults
 
 
-def _guesswork(fault: Fault, known: Sequence[Fault]) -> bool:
+def _guesswork(fault: Fault, known: Sequence[Fault], data: Mapping[str, Any]) -> bool:
     """Tell if a fault may come from the kind that was guessed for a table: keys that it lacks, or has too many."""
     kinds = [entry for entry in known if entry.path[-1:] in (("kind",), ("method",))]
     unlike = {entry.path[:-1] for entry in kinds if "may be meant" not in entry.words}
-    tables = {entry.path[:-1] for entry in kinds} | {entry.path for entry in known if entry.missing}
-    owner = fault.path[:-1]
-    return (fault.missing and owner in tables) or (owner in unlike and "no key of that name" in fault.words)
+    without_kind = {entry.path for entry in known if entry.missing}
+    owner, key = fault.path[:-1], fault.path[-1]
+    if "no key of that name" in fault.words:  # a table without a kind may have the keys of any
+        return owner in unlike or (owner in without_kind and key in keys_at(data, owner))
+    return fault.missing and owner in without_kind.union(entry.path[:-1] for entry in kinds)
 
 
 def _names(data: Mapping[str, Any]) -> UnitNames | None:

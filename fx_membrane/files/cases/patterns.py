@@ -263,11 +263,10 @@ def _border(choices: Choices, outline: Outline, border: Any, key: str) -> Any:
     if border is BROKEN:
         raise Unknown
     if isinstance(border, str):
-        structure = outline.structure
-        if structure is not None and border not in structure.parts and choices.drawn:
+        if choices.kinds is not None and border not in choices.kinds:  # a part with a fault is no group
             with at_key(key):
                 return choices.nodes(outline, NodeChoice(group=border)).tolist()
-        choices.check_part(structure, border, 1, key)
+        choices.check_part(outline.structure, border, 1, key)
         return border
     if outline.renumbered:
         raise Wrong(NUMBERED, key)

@@ -36,6 +36,7 @@ ENDINGS = (".html", ".pdf")
 TITLE = "Structural analysis"
 SIZE = 15.0  # of numbers in pictures, which a page shows at half their size [points]
 WORD = 18  # letters of a word, after which it may be broken
+UNIT = re.compile(r"(?<![\w<;/])[^\W\d]\w{0,5}/\w{1,6}(?![\w/])")
 
 
 @by_the_first
@@ -163,11 +164,12 @@ def _template() -> Any:
 
 
 def _soft(text: str) -> Any:
-    """HTML of a text in which words too long for a column may be broken, as names of users."""
+    """HTML of a text in which long words, as names of users, may be broken, but no unit, as kN/m."""
     import markupsafe  # noqa: PLC0415  (comes with jinja2)
 
     pieces = re.sub(rf"(\S{{{WORD}}})(?=\S)", "\\1\0", text).split("\0")
-    return markupsafe.Markup("<wbr>").join(pieces)
+    found = str(markupsafe.Markup("<wbr>").join(pieces))
+    return markupsafe.Markup(UNIT.sub(r'<span class="unit">\g<0></span>', found))
 
 
 def _pdf(page: str, folder: Path) -> bytes:

@@ -40,6 +40,9 @@ class Spring:
     def size(self, value):
         return abs(self.energy(value))
 
+    def force_size(self, value):
+        return self.k * (abs(value) + abs(self.rest)) + abs(self.p)
+
 
 def volume(problem):
     return Volume(problem.discretization, outward(problem.structure), *NO_RIMS)

@@ -41,11 +41,16 @@ def test_natural_tensors(stretch, tensor):
         (lambda: membrane([[0, 1.0], [1.0, 0]]), r"^Membrane natural_stretch: cell 0 is inverted .*\[1.0, 0.0\]\].*"),
         (lambda: membrane(-1.0), r"^Membrane natural_stretch: cell 0 is inverted .*-1\.0"),
         (lambda: membrane(2.01), r"^Membrane natural_stretch: cell 0 is 2\.01 times as long .* between 0\.5 and 2\.$"),
+        (lambda: membrane(2.0), r"^Membrane natural_stretch: cell 0 is 2 times as long .* between 0\.5 and 2\.$"),
+        (lambda: membrane((0.5, 1.0)), r"^Membrane natural_stretch: cell 0 is 0\.5 times as long"),
         (lambda: membrane([1.0, 1.0, 0.49]), r"^Membrane natural_stretch has shape \(3,\); give a number, a "),
         (lambda: membrane([[1.0], [1.0], [0.49]]), r"natural_stretch: cell 2 is 0\.49 times as long .* between 0\.5"),
         (lambda: membrane(np.ones((3, 3))), r"^Membrane natural_stretch has shape \(3, 3\)"),
         (lambda: membrane(np.nan), r"^Membrane natural_stretch .*nan"),
-        (lambda: membrane((0.99, 0.98), warp=None), r"warp"),
+        (
+            lambda: membrane((0.99, 0.98), warp=None),
+            r"^Membrane natural_stretch is \[0\.99, 0\.98\], which has a warp and a weft; give the warp as a vector",
+        ),
         (lambda: Cable([[0, 1]], 1e6, natural_stretch=0.0), r"^Cable natural_stretch: cell 0 is "),
         (lambda: Cable([[0, 1]], 1e6, natural_stretch=-0.9), r"^Cable natural_stretch: cell 0 is inverted"),
         (lambda: Mast([[0, 1]], 1e6, natural_stretch=3.0), r"^Mast natural_stretch: cell 0 is 3 times as long"),
@@ -98,6 +103,10 @@ def test_natural_stretch_of_flat_triangles():
         (
             (SQUARE, [[0, 1, 2], [0, 2, 3]], 3 * FLAT, (1, 0, 0)),
             r"^natural_stretch size beside .*: cell 0 is 3 times",
+        ),
+        (
+            (SQUARE, [[0, 1, 2], [0, 2, 3]], 2 * SQUARE[[[0, 1, 2], [0, 2, 3]]][:, :, :2], (1, 0, 0)),
+            r"^natural_stretch size beside .*: cell 0 is 2 times",
         ),
     ],
 )

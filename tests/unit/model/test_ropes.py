@@ -39,6 +39,8 @@ STRUCTURE = Structure(
     [
         ({"nodes": [3]}, "two"),
         ({"nodes": [0, 4, 4, 2]}, "node 4 twice in a row"),
+        ({"nodes": [0, 1, 0, 2]}, "twice between nodes 0 and 1"),
+        ({"nodes": [5, 3, 4, 5, 3]}, "twice between nodes 5 and 3"),
         ({"axial_stiffness": 0.0}, "axial_stiffness"),
         ({"unstressed_length": 0.0}, "unstressed_length"),
         ({"unstressed_length": -2.0}, "unstressed_length"),
@@ -62,6 +64,7 @@ def test_bad_rope_is_refused_in_a_sentence(data, words):
         (Rope([0, 1, 7], 1e6), "node 7"),
         (Rope([0, 1, -1], 1e6), "node -1"),
         (Rope([0, 1, 2], 1e6, unstressed_length=80.0), "unstressed_length 80"),
+        (Rope([0, 1, 2], 1e6, unstressed_length=16.0), "unstressed_length 16"),
         (Rope([0, 1, 2], 1e6, unstressed_length=7.0, natural_stretch=1.1), "one of the two"),
     ],
 )

@@ -7,6 +7,7 @@ import pytest
 
 from fx_membrane import Cable, Structure, Support, polyline
 from fx_membrane.plot.colour_scale import STATES, _texts, colour_bar
+from fx_membrane.plot.field_panels import Options, panels_of
 from fx_membrane.plot.figures import empty
 from fx_membrane.plot.marks import COLOURED, PLAIN, border
 from fx_membrane.plot.panels import Look, setting
@@ -27,6 +28,27 @@ from fx_membrane.plot.subjects import shown
 )
 def test_numbers_can_be_told_apart(low, high, texts):
     assert _texts(np.linspace(low, high, 5)) == texts
+
+
+@pytest.mark.parametrize(
+    ("values", "antisymmetric", "ends"),
+    [
+        ((0, 1), (), ("0", "1")),
+        ((0, 2), (), ("0", "≥ 1")),
+        ((-1, 1), (), ("≤ 0", "1")),
+        ((-1, 2), (), ("≤ 0", "≥ 1")),
+        ((0, 1), ("x",), ("≤ 0", "1")),
+        ((-1e-12, 1 + 1e-12), (), ("0", "1")),
+    ],
+)
+def test_ends_of_a_colour_bar_tell_if_values_lie_beyond_them(values, antisymmetric, ends):
+    pytest.importorskip("matplotlib")
+    options = Options(antisymmetric, {"x": (0.0, 1.0)}, ())
+    panel = panels_of([{"x": np.array(values, dtype=float)}], options)[0][0]
+    figure = empty(6.4, 4.8)
+    colour_bar(figure, figure.subplots(), panel.colours, panel.outside)
+    texts = [label.get_text() for label in figure.axes[1].get_xticklabels()]
+    assert (texts[0], texts[-1]) == ends
 
 
 def forces(*values):
@@ -103,7 +125,7 @@ def test_numbers_of_a_colour_bar_are_apart(size, high, wide):
         axes = figure.subplots()
         axes.imshow(np.zeros((10, int(64 / wide))))
         axes.axis("off")
-        colour_bar(figure, axes, Colours("viridis", 0.0, high, 16), limited=False)
+        colour_bar(figure, axes, Colours("viridis", 0.0, high, 16), outside=(False, False))
         backend.FigureCanvasAgg(figure).draw()
         boxes = [label.get_window_extent() for label in figure.axes[1].get_xticklabels()]
     assert len(boxes) in (3, 5)

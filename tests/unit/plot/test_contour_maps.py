@@ -97,7 +97,7 @@ def test_values_beyond_limits_have_the_colour_of_the_end(result, tmp_path, drawi
     cells = result.structure.parts["south"].cells
     smooth = POINTS[cells].mean(axis=1)[:, 0]
     first = np.arange(len(cells)) == 0
-    fields = {"peak": np.where(first, 1e3, smooth), "end": np.where(first, 2.0, smooth)}
+    fields = {"peak": np.where(first, 1e3, smooth), "end": np.where(first, 2.1, smooth)}
     for name, values in fields.items():
         for limits in ({}, {"x": (-1.0, 2.0)}):
             path = tmp_path / f"{name} {len(limits)}.png"

@@ -1,5 +1,7 @@
 """Results, remarks and reports of states with natural shapes and prestress factors."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -120,6 +122,18 @@ def test_advice_on_slack_parts_knows_their_tension_by_a_natural_length():
 def test_large_natural_stretch_is_told():
     with pytest.warns(LargeStrainWarning, match=r"Part 'stay' is prestressed by 7\.81 %"):
         Analysis(Structure(LINE, line(natural_stretch=0.93).parts, [Support([0, 1])])).run([Stage("s")])
+
+
+@pytest.mark.parametrize(("stiffness", "words"), [(1e-4, ""), (1.0, "prestressed by -8.68 %")])
+def test_large_natural_excess_is_told_of_parts_that_carry_compression(stiffness, words):
+    """A slack cable is free of stress, however far its first shape is from its own length."""
+    made = line(natural_stretch=1.1, compression_stiffness=stiffness)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        Analysis(Structure(LINE, made.parts, [Support([0, 1])])).run([Stage("s")])
+    strains = [str(one.message) for one in told if one.category is LargeStrainWarning]
+    assert bool(strains) == bool(words)
+    assert words in "".join(strains)
 
 
 def test_report_counts_what_is_left_of_the_prestress():

@@ -77,8 +77,10 @@ function edgesOf(part, at) {
   return { trace: { type: "scatter3d", mode: "lines", ...cornersOf(edges, at, true), line }, owner: { part, edges, step: 3 } };
 }
 
+// Directions in which all nodes are held, as those across a strip, have no marks: they would hide its colours.
 function supportsOf(at) {
-  const held = Int32Array.from(nodes.keys()).filter((node) => supports[node]);
+  const everywhere = supports.reduce((all, held) => all & held, 7);
+  const held = Int32Array.from(nodes.keys()).filter((node) => supports[node] & ~everywhere);
   const xyz = AXES.map((_, axis) => Float64Array.from(held, (node) => at[3 * node + axis]));
   const width = held.length > 500 ? 1.5 : held.length > 50 ? 2 : 3.5;
   const marker = { color: scene.colours.ink, size: width, symbol: Array.from(held, (n) => (supports[n] === 7 ? "square" : "diamond")) };

@@ -94,6 +94,11 @@ def test_a_wrong_kind_does_not_hide_the_other_keys(tmp_path):
         ('kind = "plan"', 'kind = "temperature"', {"stages.1.loads.0.kind": "is not one of"}),
         ('kind = "cable"\nedges_of = "roof"', 'kind = "bungee"', {'parts."edge, left".kind': "is not one of"}),
         ('kind = "fabric"', 'kind = "steel"\nfy = 235', {"materials.pvc.kind": "is not one of"}),
+        (
+            'kind = "grid"\nwidth = "4 m"\nheight = 4.0\ncolumns = 4\nrows = 4',
+            'width = "4 m"',
+            {"geometry": "'kind' is missing"},
+        ),
         ("nu = 0.3", "nu = 0.3\ncolumns = 3", {"materials.pvc.columns": "it belongs to another table"}),
         ('folder = "out"', 'colour = "red"', {"output.colour": "pictures"}),
         ('folder = "out"', "[limits]\nutilisation = 1", {"limits.utilisation": "limits.stress and limits.force"}),

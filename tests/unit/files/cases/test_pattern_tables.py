@@ -24,6 +24,26 @@ def test_strip_wider_than_the_roll_is_refused_by_name(tmp_path):
     assert "roof.toml: patterns: The width of the roll is 1.5, and 2 of 2 pieces are wider: 'strip 1' with 2.0" in words
 
 
+BETWEEN = '\n[patterns]\nbetween = [{ first = "rim", last = "edge", strips = 4 }]\n'
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "fault"),
+    [
+        ('kind = "grid"', 'kind = "file"\nfile = "gone.obj"', "geometry.file: There is no file"),
+        ("nu = 0.3", "nu = 3", "materials.pvc.nu: nu is 3.0"),
+    ],
+)
+def test_borders_are_not_judged_beside_faults_of_their_geometry(tmp_path, old, new, fault):
+    """A border may be a group of the geometry that cannot be read, or a part that has a fault."""
+    file = case(tmp_path, BETWEEN)
+    file.write_text(file.read_text().replace(old, new, 1))
+    with pytest.raises(ValueError, match="roof") as caught:
+        read_case(file)
+    assert fault in str(caught.value)
+    assert "there is no part" not in str(caught.value)
+
+
 @pytest.mark.parametrize(
     ("table", "words"),
     [

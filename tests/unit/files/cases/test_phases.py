@@ -77,6 +77,11 @@ def test_lines_that_are_no_toml_are_told_with_the_faults_of_the_others(tmp_path)
     assert [(line, key) for line, key, _ in found] == [(10, "file"), (15, "file"), (7, "geometry.width")]
 
 
+def test_texts_with_units_have_no_fault_where_the_line_of_the_units_cannot_be_read(tmp_path):
+    found = faults(tmp_path, ('units = { force = "kN", length = "m" }', 'units = { force = "kN", length = "m"'))
+    assert [(line, key) for line, key, _ in found] == [(3, "file")]
+
+
 def test_a_line_in_the_middle_of_a_list_is_one_fault(tmp_path):
     text = "format = 1\nx = [\n 1,\n two,\n 3,\n]\n"
     assert [(line, key) for line, key, _ in faults(tmp_path, text=text)][:1] == [(4, "file")]

@@ -1,5 +1,7 @@
 """Reports with long numbers: whole on the pages of a PDF, and without exponents."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -54,6 +56,8 @@ def test_pages_of_a_pdf_show_every_word_whole(tmp_path):
     text = "\n".join(shown)
     assert "Stable" in text
     assert "PASS" in shown
+    assert [words for words in shown if re.search(r"[a-z]/$", words)] == []  # of a unit
+    assert any(words.endswith(" m deep") for words in shown)
     row = content(found, "Roof", "N", "m")["stages"][0]
     vectors = [row["certificate"]["loads"], *row["sums"].values()]
     numbers = [entry[end] for entry in row["extremes"] for end in ("least", "largest")]

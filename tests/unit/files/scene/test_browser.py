@@ -10,7 +10,7 @@ import pytest
 
 import chromium
 from chromium import FRAMES
-from fx_membrane import write_scene
+from fx_membrane import Fabric, Membrane, Structure, Support, rectangle, write_scene
 from scene_models import EVIL, results
 
 pytest.importorskip("plotly")
@@ -173,6 +173,20 @@ def test_parts_and_marks_are_shown_and_hidden(page):
     for switch in ("#parts input", "#supports", "#loads", "#reactions", "#axes", "#common"):
         page.change(f"document.querySelector('{switch}').click()")
     assert page.run(names) == every
+
+
+def test_directions_in_which_all_nodes_are_held_have_no_marks(tmp_path):
+    """A strip that is plane across, as a roof in the rain, was covered by the marks of all its nodes."""
+    points, triangles = rectangle(4.0, 0.1, 20, 1)
+    ends = np.flatnonzero(np.abs(points[:, 0]) == 2)
+    strip = Structure(
+        points, {"roof": Membrane(triangles, Fabric(5e5, 0.3), 1e3)}, [Support(ends, "xz"), Support(range(42), "y")]
+    )
+    write_scene(strip, tmp_path / "strip.html")
+    with chromium.page(tmp_path / "profile") as page:
+        page.open((tmp_path / "strip.html").as_uri())
+        marked = page.run("Array.from(drawn.find(({trace}) => trace.uid === 'supports').owner.held)")
+    assert marked == ends.tolist()
 
 
 def test_pointer_tells_the_values_of_cell_and_node(page, found):
