@@ -26,6 +26,7 @@ from .shape_change import STOPPED, change_of_shape, check_collapse
 Array = NDArray[np.float64]
 
 ABANDONED = "The form is that of step"
+LOST = 1.0  # difference of the stress over the prestress, above which cells may be too slender for its digits
 
 
 def natural_steps(
@@ -67,6 +68,12 @@ def natural_steps(
         form = replace(form, steps=steps)
         nearest = sorted([*nearest, form], key=lambda each: each.steps[-1].stress_error)[:KEPT]
     assert form is not None
+    if form.steps[-1].stress_error > LOST:
+        shapes = [form, *nearest]
+        good = shapes[last_good([each.structure for each in shapes], balance.loads, MPI.COMM_SELF)]
+        if good is not form:
+            told = f"Step {len(steps)} found one of slender cells, whose stress has lost its digits. {_reason(balance)}"
+            return good, " ".join([abandoned(len(good.steps), told.strip()), *form.remarks])
     trouble = balance.motions.turned(form.points) or failed_mast(balance.structure, balance.motions, form)
     return form, f"The form is in equilibrium, but {continued(trouble)}" if trouble else ""
 

@@ -11,7 +11,7 @@ from ..geometry.topology import boundary_edges
 from ..model.parts import Part
 from ..model.structure import Structure
 from .reasons.asked_structure import Asked
-from .reasons.no_form import cause, established
+from .reasons.no_form import cause, established, possible
 from .reasons.sewn_surfaces import cells_of
 from .reasons.tangents import line_tangents, unit
 from .reasons.unheld import lone_head
@@ -110,10 +110,7 @@ def collapse(
                     f"{name!r}, of the length {length:.4g} and the force {force[cell]:g}, has a free end; no form was "
                     f"found that balances the forces there; {HOLD}"
                 )
-    reason = cause(structure, structure.points, asked) or (
-        "There is none where edge cables are too weak: force over stress of the fabric is below half their span. "
-        "Other reasons are rings too far apart, fabric held at one point, or an edge without cable and support."
-    )
+    reason = cause(structure, structure.points, asked, points) or possible(structure)
     where = "" if points is None else _where(structure, points)
     remedy = "Change the prestress or the supports."
     return f"{STOPPED} {step}: the shape collapses{where}. {reason} {remedy}"

@@ -55,7 +55,7 @@ from .reasons.asked_structure import as_asked
 from .reasons.axis_balance import remarks_of
 from .reasons.distance_from_wish import distance
 from .reasons.few_supports import check_supports_of_form
-from .reasons.nearest_reasons import has_weak_edges, is_beyond_reach, is_far_at_edges, reason_of
+from .reasons.nearest_reasons import has_far_too_weak_edges, has_weak_edges, is_beyond_reach, is_far_at_edges, reason_of
 from .reasons.unheld import check_edges
 from .same_input import refuse_different_input
 from .unsettled_form import warn_of_doubt
@@ -219,6 +219,7 @@ def _nearest(problem: NearestProblem, pulse: Pulse, tolerance: float, most: int)
     doubted = has_weak_edges(problem)
     cells = sum(len(block.cells) for block in problem.membranes.values())
     ways = min(WAYS, max(FEWEST, DOUBTED // max(cells, 1))) if doubted else WAYS
+    ways = FEWEST if has_far_too_weak_edges(problem) else ways
     start = even_state(problem)
     found = _by_way(problem, start, "an even stress", pulse, tolerance, most, ways)
     if found[2] and near is not None and not (doubted or is_beyond_reach(problem)):

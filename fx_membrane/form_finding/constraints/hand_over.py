@@ -67,9 +67,21 @@ def handed_over(
     patterns = np.unique(extra[extra.any(axis=1)], axis=0)
     added = [Support(np.flatnonzero((extra == row).all(axis=1)), "".join(np.array(AXES)[row])) for row in patterns]
     made_of = replace(structure, points=points, parts=parts, supports=[*structure.supports, *added])
-    told = [words(points) for body in motions.bodies for words in (body.turned, body.grown)]
+    told = [
+        words
+        for body in motions.bodies
+        for words in (body.turned(points), body.grown(points, _has_cable(structure, body, forces)))
+    ]
     remarks = (*filter(None, told), *all_held(structure))
     return Form(points, forces, reactions, steps, converged, made_of, remarks=remarks)
+
+
+def _has_cable(structure: Structure, body: Body, forces: Mapping[str, Array]) -> bool:
+    """Return True for a body with a cable in tension along it."""
+    return any(
+        not part.is_strut and bool((forces[name][np.isin(part.cells, body.nodes).all(axis=1)] > 0).any())
+        for name, part in structure.bars.items()
+    )
 
 
 def failed_mast(structure: Structure, motions: Motions, form: Form) -> str:

@@ -84,15 +84,18 @@ class Body:
             "masts_and_stays. Or give supports that guide it, or start it nearer to its place in the form."
         )
 
-    def grown(self, points: Array) -> str:
-        """Tell of a ring of free radius that has grown much, in words; empty if it has not."""
+    def grown(self, points: Array, has_cable: bool) -> str:
+        """Tell of a ring of free radius, with a tight cable or without, that has grown much; empty if it has not."""
         now, then = self._frames(points)
         growth = float(np.linalg.norm(now[0]) / np.linalg.norm(then[0]))
         if not self.is_ring or self.scale is not None or growth <= GROWN:
             return ""
+        words = f"{self.label} has grown to {growth:.3g} times its radius at the start"
+        if has_cable:
+            return f"{words}: its cable balances the membrane at one radius only. Give the radius to hold it nearer."
         return (
-            f"{self.label} has grown to {growth:.3g} times its radius at the start, as nothing within it holds it: in "
-            "further steps it may grow without bound. Give its radius, or a cable with a force along it."
+            f"{words}, as nothing within it holds it: in further steps it may grow without bound. Give its radius, or "
+            "a cable with a force along it."
         )
 
 

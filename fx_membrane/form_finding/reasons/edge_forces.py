@@ -134,7 +134,7 @@ class WeakEdges:
         among = sorted(conflict.edges, key=lambda k: -self.needs[k])
         mine, weak = [self.edges[k] for k in among], [k for k in among if k in self.weak]
         names = " and ".join(dict.fromkeys(repr(edge.part) for edge in mine))
-        have = " and ".join(edge.shown(edge.given) for edge in mine)
+        have = " and ".join("a force to be found" if edge.is_found else edge.shown(edge.given) for edge in mine)
         spans = " and ".join(f"{edge.span:.4g}" for edge in mine)
         need = " and ".join(self.edges[k].shown(self.needs[k]) for k in weak)
         middles = " and ".join(format_point(edge.middle) for edge in mine)
@@ -184,6 +184,7 @@ def weak_edges(
     forces: Mapping[str, Array],
     densities: Mapping[str, Array] = MappingProxyType({}),
     told: Mapping[str, Array] = MappingProxyType({}),
+    found: Mapping[str, NDArray[np.bool_]] = MappingProxyType({}),
 ) -> WeakEdges:
     """Find the edge cables that are too weak.
 
@@ -194,9 +195,10 @@ def weak_edges(
         forces: By cable, its force, shape (cells,) [N].
         densities: By cable, the force density of the cells that are given by it, zero of others, shape (cells,) [N/m].
         told: By cable, force to tell instead of that, which is its horizontal part, shape (cells,) [N].
+        found: By cable, its cells whose force is found, for a given geometry, shape (cells,).
     """
     rim, seams = rims_of(structure, points, stresses)
-    edges = edges_of(structure, points, rim, forces, densities, told)
+    edges = edges_of(structure, points, rim, forces, densities, told, found)
     conflicts = conflicts_of(points, edges, *held_segments(structure, rim, edges))
     edges += [edge._replace(is_seam=True) for edge in edges_of(structure, points, seams, forces, densities, told)]
     needs, met = least_forces(edges, conflicts)

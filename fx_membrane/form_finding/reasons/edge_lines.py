@@ -37,6 +37,7 @@ class Edge(NamedTuple):
         by_density: True for a cable of given force density.
         is_seam: True between two membranes, whose difference pulls.
         slope: Force over the one given here, which is horizontal where a plan counts [-].
+        is_found: True for a cable whose force is found, for a given geometry; `given` is then an ample one.
         group: Number of the edges of a part with one force, which they keep together.
     """
 
@@ -51,6 +52,7 @@ class Edge(NamedTuple):
     by_density: bool = False
     is_seam: bool = False
     slope: float = 1.0
+    is_found: bool = False
     group: int = 0
 
     @property
@@ -126,11 +128,13 @@ def edges_of(
     forces: Mapping[str, Array],
     densities: Mapping[str, Array] = MappingProxyType({}),
     told: Mapping[str, Array] = MappingProxyType({}),
+    found: Mapping[str, NDArray[np.bool_]] = MappingProxyType({}),
 ) -> list[Edge]:
     """Edges with cables of these forces, by name, shape (cells,) [N]; none for closed cables.
 
     Messages tell the forces of `told` instead, of which these are the horizontal parts. A line has a force density
-    where its cells have one in `densities`, by name, shape (cells,) [N/m], else its force.
+    where its cells have one in `densities`, by name, shape (cells,) [N/m], else its force. Its force is one that is
+    found where `found` says so, by name, shape (cells,).
     """
     if not len(rim.segments):
         return []
@@ -140,7 +144,7 @@ def edges_of(
     stops = structure.supported.any(axis=1) | (count != 2)
     keys = keys_of(rim.segments, len(points))
     order = np.argsort(keys)
-    keys, found = keys[order], []
+    keys, edges = keys[order], []
     for name, force in forces.items():
         cells = structure.parts[name].cells
         key = keys_of(cells, len(points))
@@ -154,8 +158,9 @@ def edges_of(
                 given = float(1 / np.mean(1 / density) if by_density else force[line.cells].mean())
                 edge = _edge(name, line, points, rim.pulls[at], given, rim.surfaces[at[0]])
                 slope = 1.0 if by_density or name not in told else float(told[name][line.cells].mean() / given)
-                found.append(edge._replace(by_density=by_density, slope=slope))
-    return _grouped(found)
+                is_found = name in found and bool(found[name][line.cells].any())
+                edges.append(edge._replace(by_density=by_density, slope=slope, is_found=is_found))
+    return _grouped(edges)
 
 
 def _grouped(edges: list[Edge]) -> list[Edge]:

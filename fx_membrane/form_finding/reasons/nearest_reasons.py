@@ -109,6 +109,12 @@ def has_weak_edges(problem: NearestProblem) -> bool:
     return bool(_weak_edges(problem).words)
 
 
+def has_far_too_weak_edges(problem: NearestProblem) -> bool:
+    """Return True if cables lack so much by the rules that no search is worth its time."""
+    weak = _weak_edges(problem)
+    return bool(weak.words) and weak.largest > GUIDED
+
+
 def is_beyond_reach(problem: NearestProblem) -> bool:
     """Return True if a ring is so far from its base that a form would depend on the mesh."""
     return bool(far_ring(problem.structure, problem.structure.points, wished(problem), BEYOND))
@@ -124,7 +130,7 @@ def _weak_edges(problem: NearestProblem) -> WeakEdges:
     """Edge cables with the forces that constraints ask for, under the wish in the first mesh."""
     asked = Asked(problem.structure, {}) if problem.balance is None else as_asked(problem.structure, problem.balance)
     points, forces = problem.structure.points, forces_in(asked.structure)
-    return weak_edges(asked.structure, points, wished(problem), forces, asked.densities)
+    return weak_edges(asked.structure, points, wished(problem), forces, asked.densities, found=asked.found)
 
 
 def _established(

@@ -12,7 +12,8 @@ from ...model.structure import Structure
 from .asked_structure import Asked
 from .edge_forces import weak_edges
 from .folds import fold
-from .ring_reach import far_ring
+from .necks import neck
+from .ring_reach import far_ring, has_ring
 from .unheld import free_edge, lone_point
 
 Array = NDArray[np.float64]
@@ -20,13 +21,30 @@ Array = NDArray[np.float64]
 UNEQUAL = 1.05  # ratio of principal stresses, above which they count as unequal
 
 
-def cause(structure: Structure, points: Array, asked: Asked | None = None) -> str:
-    """Tell of the causes that rules establish, or else of unequal stress; see `established`.
+def cause(structure: Structure, points: Array, asked: Asked | None = None, collapsed: Array | None = None) -> str:
+    """Tell of the causes that rules establish, or else of a neck, or of unequal stress; see `established`.
+
+    Args:
+        structure: The structure.
+        points: Its first shape, shape (n, 3) [m].
+        asked: The same with what its constraints ask for.
+        collapsed: The shape that it collapses to, shape (n, 3) [m]; it tells of a neck.
 
     Returns:
         Sentences; empty without any, which does not mean that there is a form.
     """
-    return established(structure, points, asked) or _unequal(structure)
+    narrow = "" if collapsed is None or not np.isfinite(collapsed).all() else neck(structure, collapsed)
+    return established(structure, points, asked) or narrow or _unequal(structure)
+
+
+def possible(structure: Structure) -> str:
+    """Tell of reasons for a collapse that the structure may have, where no rule establishes one."""
+    reasons = ["loads too large for the stress, or along the surface"]
+    if any(not part.is_strut for part in structure.bars.values()):
+        reasons.append("cables too weak, as edges whose force over stress of the fabric is below half their span")
+    if any(has_ring(structure, part.cells) for part in structure.membranes.values()):
+        reasons.append("rings too far apart")
+    return f"No rule establishes the reason; possible ones: {'; '.join(reasons)}."
 
 
 def established(structure: Structure, points: Array, asked: Asked | None = None) -> str:
@@ -39,7 +57,11 @@ def established(structure: Structure, points: Array, asked: Asked | None = None)
     """
     asked = asked or Asked(structure, {})
     stresses = stresses_in(structure, points)
-    found = [weak_edges(asked.structure, points, stresses, forces_in(asked.structure), asked.densities).words]
+    found = [
+        weak_edges(
+            asked.structure, points, stresses, forces_in(asked.structure), asked.densities, found=asked.found
+        ).words
+    ]
     found += [far_ring(structure, points, stresses), free_edge(asked.structure, points), lone_point(structure, points)]
     return causes(*found, fold(structure, points))
 

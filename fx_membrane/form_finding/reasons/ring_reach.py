@@ -7,6 +7,10 @@ sin(phi) = (c / r)^(1/k) with the neck c. The height between neck and radius r i
     h(c, r) = c k int_0^U cosh(u)^(k - 1) du,  cosh(U) = (r / c)^(1/k)
 
 which is c arcosh(r / c), a catenoid, for k = 1. Radii a and b reach the maximum over c of h(c, a) + h(c, b).
+
+A base that is no circle counts as one, by the mean of log r over the angle. Far from the ring a film is nearly
+harmonic. Its conformal radius, the mean over harmonic measure, is less: a square of side 2 a has 1.079 a, and the mean
+over the angle is 1.116 a. So a ring that is found too far has no film.
 """
 
 from __future__ import annotations
@@ -84,10 +88,10 @@ def far_ring(structure: Structure, points: Array, stresses: Mapping[str, Array],
         if not len(base) and rings:
             base = rings.pop().nodes
         for ring in rings:
-            away = points[base] - ring.centre
-            rise = float(np.abs(away @ ring.axis).min())
-            width = float(lengths(away - np.outer(away @ ring.axis, ring.axis)).max())
-            high = reach(ring.radius, max(width, ring.radius), ring.ratio)
+            rise = float(np.abs((points[base] - ring.centre) @ ring.axis).min())
+            edges = boundary_edges(cells)
+            width = _width(points, base, edges[np.isin(edges, base).all(axis=1)], ring)
+            high = reach(ring.radius, width, ring.ratio)
             if rise > beyond * high:
                 equal = f"{ring.ratio:.3g}" == "1"
                 told = "equal stress" if equal else f"a ratio of {ring.ratio:.3g} of the stress"
@@ -98,6 +102,21 @@ def far_ring(structure: Structure, points: Array, stresses: Mapping[str, Array],
                     f"about {high:.3g}"
                 )
     return ""
+
+
+def _width(points: Array, base: NDArray[np.int64], edges: NDArray[np.int64], ring: Ring) -> float:
+    """Radius of the circle that stands for a base, of nodes (b,) and held edges (k, 2), around a ring [m].
+
+    In directions without a held edge, as between corners with edge cables, its farthest node counts.
+    """
+    plane = np.linalg.svd(ring.axis[None])[2][1:]
+    farthest = max(float(lengths((points[base] - ring.centre) @ plane.T).max()), ring.radius)
+    first, last = np.moveaxis((points[edges] - ring.centre) @ plane.T, 1, 0)
+    angles = np.abs(np.arctan2(first[:, 0] * last[:, 1] - first[:, 1] * last[:, 0], (first * last).sum(axis=1)))
+    logs = [np.log(np.maximum(lengths(place), ring.radius)) for place in (first, last)]  # of nodes, on the curve
+    open_angle = max(2 * np.pi - float(angles.sum()), 0.0)
+    total = angles @ np.mean(logs, axis=0) + open_angle * np.log(farthest)
+    return float(np.exp(total / (angles.sum() + open_angle)))
 
 
 def has_ring(structure: Structure, triangles: NDArray[np.int64]) -> bool:

@@ -24,6 +24,7 @@ from fx_membrane import (
     updated_reference,
 )
 from fx_membrane.form_finding.balance.constrained_balance import ConstrainedBalance
+from fx_membrane.form_finding.constraints.cable_lines import lines_of
 from fx_membrane.form_finding.reasons.asked_structure import as_asked
 from fx_membrane.form_finding.reasons.no_form import cause
 
@@ -152,3 +153,14 @@ def beside_an_edge(x):
 def test_function_of_place_that_is_unfit_on_the_way_is_told(given, words):
     told = told_by("prescribed", lambda: plan((3e3, 2e3) if "warp" in given else 2e3, 20e3, n=6), **given)
     assert re.search(rf"'film', cell \d+ at {AT}: .*{words}", told)
+
+
+def test_force_that_is_found_is_told_without_a_number():
+    """Two edges of four have a given sag; the weak ones beside them are told with their own force."""
+    structure = canopy(force=9e3)
+    cells = structure.parts["edge"].cells
+    lines = lines_of(cells, np.arange(len(cells)), structure.supported.all(axis=1))
+    sagging = [CableSag("edge", 0.5, line.cells) for line in lines if np.ptp(structure.points[line.nodes, 1]) > 6]
+    balance = ConstrainedBalance(structure, (), sagging, np.eye(3), "force", lambda *_: "")
+    words = cause(structure, structure.points, as_asked(structure, balance))
+    assert re.search(r"have (9000 and a force to be found|a force to be found and 9000) over spans", words), words

@@ -7,10 +7,11 @@ import pytest
 
 from constrained import canopy, cone
 from fx_membrane import CableForce, Pressure, Support
+from fx_membrane.form_finding import wished_stress
 from fx_membrane.form_finding.balance.constrained_balance import ConstrainedBalance
 from fx_membrane.form_finding.nearest_stress.start import even_state
 from fx_membrane.form_finding.nearest_stress.state import NearestProblem
-from fx_membrane.form_finding.reasons.nearest_reasons import UNKNOWN, UNTRIED, reason_of
+from fx_membrane.form_finding.reasons.nearest_reasons import UNKNOWN, UNTRIED, has_far_too_weak_edges, reason_of
 from fx_membrane.form_finding.wishes import wishes_of
 
 UNEQUAL = (4e3, 1e3)
@@ -105,3 +106,23 @@ def test_fold_is_told_after_all_trials(found):
     words = told(problem, lambda other, at_once: found)
     assert ("loads are too large" in words) == found
     assert ("'film' folds over itself between cells" in words) == (not found)
+
+
+def test_search_is_short_where_edges_have_less_than_half_of_their_need(monkeypatch):
+    """The rule of arcs asks for 18.9 kN here; in space a fifth less may do."""
+    assert not has_far_too_weak_edges(problem_of(canopy(4, force=15e3)))
+    assert has_far_too_weak_edges(problem_of(canopy(4, force=9e3)))
+    tried = []
+
+    def failed(problem, start, state, share, *rest):
+        tried.append(share)
+
+    def lost(problem, pulse):
+        raise RuntimeError("no shape near the wish.")
+
+    monkeypatch.setattr(wished_stress, "_reached", failed)
+    monkeypatch.setattr(wished_stress, "near_state", lost)
+    for force, count in ((15e3, 4), (9e3, wished_stress.FEWEST)):  # 25 % of the way, halved down to 2 %
+        tried.clear()
+        wished_stress._nearest(problem_of(canopy(4, force=force)), lambda words: None, 1e-6, 100)
+        assert len(tried) == count

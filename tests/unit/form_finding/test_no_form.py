@@ -27,7 +27,7 @@ from fx_membrane import (
     rectangle,
     updated_reference,
 )
-from fx_membrane.form_finding.reasons.no_form import cause
+from fx_membrane.form_finding.reasons.no_form import cause, possible
 from fx_membrane.form_finding.reasons.ring_reach import reach
 from fx_membrane.geometry.sizes import normals
 
@@ -263,3 +263,14 @@ def test_weak_edges_are_named_under_loads_that_grow():
     message = r"grow with the form.*edge cables are too weak"
     with pytest.raises(RuntimeError, match=message):
         updated_reference(canopy(force=3e3), [Pressure(1500.0, "film")], constraints=[CableForce("edge", 3e3)])
+
+
+def test_reasons_that_are_possible_are_those_of_the_structure():
+    """A film within a held edge has neither cables nor rings."""
+    points, triangles = rectangle(4.0, 4.0, 4, 4)
+    rim = Support(np.unique(boundary_edges(triangles)))
+    film = {"film": Membrane(triangles, FABRIC, 2.0)}
+    assert not re.search("cable|ring", possible(Structure(points, film, [rim])))
+    tied = {**film, "tie": Cable([[6, 7]], 2e4, 3.0)}
+    assert re.search("cables too weak", possible(Structure(points, tied, [rim])))
+    assert re.search("rings too far", possible(rings(1.0)))

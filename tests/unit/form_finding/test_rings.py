@@ -1,5 +1,6 @@
 """Rings and rigid bodies: shape, forces, hand-over to masts or supports."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -20,9 +21,11 @@ from fx_membrane import (
     Support,
     boundary_edges,
     natural_force_density,
+    polyline,
     projected_stress,
     rectangle,
 )
+from fx_membrane.form_finding.constraints.motions import motions_of
 from models import rotation
 
 pytestmark = pytest.mark.filterwarnings("ignore::fx_membrane.UnsettledFormWarning")
@@ -156,3 +159,16 @@ def test_every_process_has_the_same_form():
     form = natural_force_density(structure, iterations=2, constraints=[Ring(ring, 1.2)])
     for points in MPI.COMM_WORLD.allgather(form.points):
         assert np.array_equal(points, form.points)
+
+
+def test_ring_with_a_cable_in_tension_is_not_told_to_have_none():
+    structure, ring = cone()
+    (body,) = motions_of(structure, [Ring(ring)]).bodies
+    wide = structure.points * [2, 2, 1]
+    assert re.search("nothing within it holds it.* or a cable with a force along it", body.grown(wide, has_cable=False))
+    words = body.grown(wide, has_cable=True)
+    assert "has grown to 2 times" in words
+    assert "nothing within" not in words
+    parts = {**structure.parts, "hoop": Cable(polyline([*ring, ring[0]]), 1e7, prestress=1.8e3)}
+    form = natural_force_density(replace(structure, parts=parts), iterations=2, constraints=[Ring(ring)])
+    assert not any("nothing within" in words for words in form.remarks)

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
+from constrained import cone, moved
 from fx_membrane import (
     Fabric,
     Membrane,
+    Slide,
     Structure,
     Support,
     boundary_edges,
@@ -61,3 +63,15 @@ def test_nearest_shape_at_rest_is_the_last_good_one():
     assert last_good([*shapes, still], [], MPI.COMM_WORLD) == 3
     assert last_good([still, *shapes], [], MPI.COMM_WORLD) == 0
     assert last_good(shapes, [], MPI.COMM_WORLD) == 1  # that which moves least
+
+
+@pytest.mark.mpi_once
+def test_form_whose_cells_slide_to_nothing_is_that_of_a_step_before():
+    """Half of the rim slides inwards until cells are slender, none below the limits of a collapse."""
+    structure, ring = cone(6, radius=0.7)
+    rim = np.flatnonzero(structure.supported.all(axis=1))
+    slides = [Slide(rim[1::2], direction=structure.points[rim[1::2]] * [1, 1, 0] + [0, 0, 1])]
+    parts = {"film": structure.parts["film"]}
+    free = Structure(structure.points, parts, [Support(ring), Support(rim[::2])])
+    for iterations in range(1, 8):
+        assert moved(natural_force_density(free, iterations=iterations, constraints=slides)) < 1e-12
