@@ -7,9 +7,9 @@ numbers, `Gil (40)`, are those of A. J. Gil, Computers & Structures 84 (2006) 10
 each, which names it in full; the hand-derived kernel has those that `ufl.derivative` yields.
 """
 
-# Number in the paper: its meaning, and the function or method, which help("...") and pydoc show.
 from __future__ import annotations
 
+# Number in the paper: its meaning, and the function or method, which help("...") and pydoc show.
 EQUATIONS = {
     "(12)": ("deformation gradient", "fx_membrane.forms.kinematics.deformation_gradient"),
     "(15)": ("linear part of the strain", "fx_membrane.forms.kinematics.green_lagrange"),

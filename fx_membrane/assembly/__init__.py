@@ -2,4 +2,4 @@
 
 from __future__ import annotations
 
-from ..runtime import petsc as _petsc  # noqa: F401  (before any module imports PETSc)
+from .. import _dolfinx  # noqa: F401  (before dolfinx: it keeps warnings and signals as they are)

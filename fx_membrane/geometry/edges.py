@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from dolfinx import mesh
 from numpy.typing import ArrayLike, NDArray
 
-from .. import _dolfinx
+from .. import _dolfinx  # before dolfinx: it keeps warnings as they are
+
+# isort: split
+from dolfinx import mesh
+
 from ..checks import validation
 from ..checks.calls import unfit
 
