@@ -79,9 +79,8 @@ class Stability:
     Flutter shows in `natural_frequencies` only.
 
     Water at an outlet that is held keeps its level, as if it were fed; a level sheet off which all rain has run is dry.
-    At an outlet that moves, water runs off where
-    that sinks, and keeps its volume where it rises. Each has a tangent of its own, the first one unsymmetric. The worse
-    of the two counts, by the real parts of its eigenvalues.
+    At an outlet that moves, water runs off where that sinks, and keeps its volume where it rises. Each has a tangent of
+    its own, the first one unsymmetric. The worse of the two counts, by the real parts of its eigenvalues.
 
     The `compression_stiffness` of wrinkled and slack cells is set aside: slack cells that buckle from node to node are
     no instability. Nodes at which all cells are slack then have no stiffness; they are left out if the others are
