@@ -22,7 +22,7 @@ UNEQUAL = 1.05  # ratio of principal stresses, above which they count as unequal
 
 
 def cause(structure: Structure, points: Array, asked: Asked | None = None, collapsed: Array | None = None) -> str:
-    """Tell of the causes that rules establish, or else of a neck, or of unequal stress; see `established`.
+    """Tell of the causes that rules establish, or else of unequal stress and of a neck; see `established`.
 
     Args:
         structure: The structure.
@@ -34,7 +34,7 @@ def cause(structure: Structure, points: Array, asked: Asked | None = None, colla
         Sentences; empty without any, which does not mean that there is a form.
     """
     narrow = "" if collapsed is None or not np.isfinite(collapsed).all() else neck(structure, collapsed)
-    return established(structure, points, asked) or narrow or _unequal(structure)
+    return established(structure, points, asked) or " ".join(filter(None, (_unequal(structure), narrow)))
 
 
 def possible(structure: Structure) -> str:
