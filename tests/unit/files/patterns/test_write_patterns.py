@@ -70,7 +70,8 @@ def test_names_of_users_are_texts_in_every_file(tmp_path):
     pattern = cone_gores(3, names="=$Süd%%c^J <{}>\n")
     write_patterns(pattern, tmp_path / "out", project="=SUM(A1) & <b>")
     space = ezdxf.readfile(tmp_path / "out" / "patterns.dxf").modelspace()
-    assert "=$Süd%%c^J <1>" in {entity.plain_text() for entity in space.query("TEXT")}
+    # Three per cent signs are one, and a caret before a space is one; plain_text of ezdxf 1.4.1 reads a diameter there.
+    assert "=$Süd%%%%%%c^ J <1>" in {entity.dxf.text for entity in space.query("TEXT")}
     assert (tmp_path / "out" / "strips.csv").read_text("utf-8-sig").splitlines()[1].startswith("\"'=$Süd")
     sheet = next((tmp_path / "out" / "sheets").glob("01-*.svg"))
     assert sheet.name == "01-sud-c-j-1.svg"
