@@ -24,6 +24,7 @@ from fx_membrane import (
     Stage,
     Structure,
     Support,
+    TemperatureChange,
     rectangle,
     report,
 )
@@ -109,6 +110,15 @@ def test_no_prestress_is_lost_where_none_was_given():
     Analysis(line()).run([Stage("s", displacements=CLOSER)])
     Analysis(line(natural_stretch=1.001)).run([Stage("s", displacements=CLOSER)])
     Analysis(line(prestress=1e3)).run([Stage("s", displacements=CLOSER, changes=[PrestressFactor(0.0, "stay")])])
+
+
+@pytest.mark.filterwarnings("error")
+def test_masts_that_cool_or_are_short_lose_no_prestress():
+    for data, changes in (({}, [TemperatureChange(-15.0, "mast", 1.1e-5)]), ({"natural_stretch": 0.9998}, [])):
+        structure = Structure(LINE, {"mast": Mast([[0, 1]], 1e6, **data)}, [Support(0)])
+        state = Analysis(structure).run([Stage("s", displacements=CLOSER, changes=changes)])["s"]
+        assert state.mast("mast").force[0] < 0
+        assert state.remarks == ()
 
 
 def test_advice_on_slack_parts_knows_their_tension_by_a_natural_length():
