@@ -23,6 +23,7 @@ from .. import _dolfinx
 from ..geometry.topology import distinct, node_graph
 from ..model.parts import Part
 from ..model.structure import Structure
+from ..runtime.freed_memory import free_unreachable_meshes
 from ..runtime.processes import gathered
 from .partition import bisect, number_nodes
 
@@ -138,6 +139,7 @@ class Discretization:
         strip = (number - number.min()) * strips // (np.ptp(number) + 1)
         own_nodes, cells = distinct(strip[:, None] * count + part.cells[share], strips * count)
         nodes = own_nodes % count
+        free_unreachable_meshes()
         mesh = _dolfinx.create_mesh(self.structure.points[nodes], cells)
         V = _dolfinx.functionspace(mesh, "Lagrange", 1, 3)
         nodes = nodes[_dolfinx.node_order(V)]

@@ -174,13 +174,18 @@ class Course:
         """Return the function that takes a step of a structure, with a problem and a solver of its own."""
         problem = Problem(of, self.comm, elastic=False)
         solve, record = Newton(line_search=False).prepare(problem), StateEvaluator(problem)
-        return lambda points, number: _step(
-            record, lambda loaded, x: solve(loaded, x, self.monitor), self.stage, points, number
-        )
+        pulse, stage = (
+            self.pulse,
+            self.stage,
+        )  # without `self`, which keeps this function: meshes would outlive a circle
 
-    def monitor(self, number: int, entry: Iteration) -> None:
-        """Tell an iteration."""
-        self.pulse(f"step {len(self.steps) + 1}, iteration {number}, residual {entry.residual:.1e}")
+        def step(points: NDArray[np.float64], number: int) -> StageResult:
+            def monitor(iteration: int, entry: Iteration) -> None:
+                pulse(f"step {number}, iteration {iteration}, residual {entry.residual:.1e}")
+
+            return _step(record, lambda loaded, x: solve(loaded, x, monitor), stage, points, number)
+
+        return step
 
     def fits(self, points: NDArray[np.float64], state: StageResult) -> bool:
         """Return True if the stress of a state is that prescribed."""

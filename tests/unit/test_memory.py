@@ -19,14 +19,19 @@ from fx_membrane import (
     Membrane,
     Newton,
     PointLoad,
+    Problem,
+    RigidBody,
     Stage,
     Structure,
     Support,
     boundary_edges,
     rectangle,
+    updated_reference,
 )
 from fx_membrane.assembly.discretization import Discretization
+from fx_membrane.runtime.freed_memory import MESHES
 from fx_membrane.solvers import factorization
+from masted_sails import sail_on_masts
 
 
 @pytest.mark.mpi
@@ -60,6 +65,38 @@ def test_solver_is_released_without_the_garbage_collector():
         assert [reference() for reference in dropped] == [None, None]
     finally:
         gc.enable()
+
+
+def test_form_finding_leaves_no_mesh_to_the_garbage_collector():
+    """MPICH has 2048 communicators, each mesh takes some, and the search for places of mast heads makes many meshes."""
+    structure, masts = sail_on_masts(1.1)
+    kept = len(discretizations())
+    gc.disable()
+    try:
+        updated_reference(structure, constraints=[RigidBody(mast) for mast in masts])
+        assert len(discretizations()) == kept
+    finally:
+        gc.enable()
+
+
+def test_meshes_in_circles_are_freed_while_others_are_made():
+    """An error that is caught keeps the frames of its traceback, and a mesh in them, in a circle."""
+    points, triangles = rectangle(1.0, 1.0, 2, 2)
+    structure = Structure(points, {"fabric": Membrane(triangles, Fabric(1e3, 0.3))}, [Support(0)])
+    kept = len(discretizations())
+    gc.disable()
+    try:
+        for _ in range(2 * MESHES + 1):
+            circle = [Problem(structure)]
+            circle.append(circle)
+        assert len(discretizations()) <= kept + MESHES
+    finally:
+        gc.enable()
+
+
+def discretizations():
+    """Meshes that are alive."""
+    return [each for each in gc.get_objects() if isinstance(each, Discretization)]
 
 
 @pytest.mark.mpi

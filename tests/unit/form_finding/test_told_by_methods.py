@@ -32,7 +32,7 @@ from fx_membrane import (
 )
 from fx_membrane.form_finding.constraints import bodies
 from fx_membrane.form_finding.constraints.motions import motions_of
-from masted_sails import head
+from masted_sails import head, sail_on_masts
 
 METHODS = [projected_stress, natural_force_density, updated_reference, prescribed_stress]
 
@@ -136,27 +136,6 @@ def test_length_out_of_reach_is_told_with_the_length_found():
     structure = canopy(force=25e3)
     with pytest.raises(RuntimeError, match=r"no force gives the line of cable 'edge' .* the length 40: it is \d"):
         natural_force_density(structure, constraints=[CableLength("edge", 40.0)])
-
-
-def sail_on_masts(tilt=1.0, pull=25e3, push=0.0):
-    """Two low corners, two heads on tilted masts, each with two stays; all supports in one plane."""
-    flat, triangles = rectangle(2.0, 2.0, 6, 6)
-    x, y = flat[:, 0], flat[:, 1]
-    points = 6 * np.stack([x * (1 - 0.1 * (1 - y**2)), y * (1 - 0.1 * (1 - x**2)), (1 + x * y) / 3], axis=1)
-    corners = np.flatnonzero(np.abs(x * y) == 1)
-    heads, low = corners[points[corners, 2] > 1], corners[points[corners, 2] < 1]
-    n, away = len(points), points[heads] * [1, 1, 0] / np.hypot(*points[heads, :2].T)[:, None]
-    side, base = away[:, [1, 0, 2]] * [-1, 1, 1], points[heads] * [1, 1, 0]
-    feet = np.concatenate([base - tilt * away, base + 5 * away + 3 * side, base + 5 * away - 3 * side])
-    masts = np.stack([n + np.arange(2), heads], axis=1)
-    parts = {
-        "film": Membrane(triangles, Fabric(6e5, 0.3), 2e3),
-        "edge": Cable(boundary_edges(triangles), 2e7, 25e3),
-        "stays": Cable(np.stack([n + 2 + np.arange(4), np.tile(heads, 2)], axis=1), 2e7, pull),
-        "masts": Mast(masts, 1e8, push),
-    }
-    points = np.concatenate([points, feet])
-    return Structure(points, parts, [Support(low), Support(range(n, n + 6))]), masts
 
 
 @pytest.mark.parametrize("tilt", [0.0])
