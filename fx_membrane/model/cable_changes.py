@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
+from ..checks.values import with_article
 from ..geometry.sizes import lengths, measures
 from .by_value import ByValue
 from .materials import Axial
@@ -107,17 +108,17 @@ class FixedLength(ByValue):
 
 def check_cable_change(structure: Structure, stage: str, change: Any) -> None:
     """Refuse a change of a membrane, a given force of masts, or one of some cells of a rope."""
-    part, kind = structure.parts[change.part], type(change).__name__
+    part, kind = structure.parts[change.part], with_article(type(change).__name__)
     if change.part not in structure.bars or (part.is_strut and not isinstance(change, UnstressedLength)):
         found = type(part).__name__
-        raise ValueError(f"{stage} has a {kind} of {change.part!r}, a {found}; it acts on cables and ropes.")
+        raise ValueError(f"{stage} has {kind} of {change.part!r}, a {found}; it acts on cables and ropes.")
     if part.shares_tension and change.cells is not None and len(np.asarray(change.cells)) < len(part.cells):
         raise ValueError(
-            f"{stage} has a {kind} of some cells of {change.part!r}, a Rope, which has one tension; leave cells out."
+            f"{stage} has {kind} of some cells of {change.part!r}, a Rope, which has one tension; leave cells out."
         )
     if not isinstance(change, UnstressedLength) and part.material != Axial(part.material.stiffness):
         law = type(part.material).__name__
-        raise ValueError(f"{stage} has a {kind} of {change.part!r} with the law {law}; it takes cables of Axial only.")
+        raise ValueError(f"{stage} has {kind} of {change.part!r} with the law {law}; it takes cables of Axial only.")
 
 
 def tensions_after(change: Any, count: int, tensions: Array | None) -> Array:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
+from ..checks.values import with_article
 from ..geometry.sizes import measures
 from . import cell_tensors, natural_shape
 from .by_value import ByValue
@@ -156,15 +157,14 @@ Change = (
 
 def check_change(structure: Structure, stage: str, change: Change) -> None:
     """Refuse a change of an unknown part or cell, or of one that it cannot act on."""
-    kind = type(change).__name__
+    kind = with_article(type(change).__name__)
     if change.part not in structure.parts:
         raise ValueError(
-            f"{stage} has a {kind} of part {change.part!r}, which does not exist; the parts are "
-            f"{list(structure.parts)}."
+            f"{stage} has {kind} of part {change.part!r}, which does not exist; the parts are {list(structure.parts)}."
         )
     part = structure.parts[change.part]
     if change.cells is not None:
-        what = f"{stage}: a {kind} of part {change.part!r}"
+        what = f"{stage}: {kind} of part {change.part!r}"
         validation.in_range(what, np.asarray(change.cells), len(part.cells), "cell")
     if isinstance(change, LengthChange) and change.part in structure.membranes:
         raise ValueError(
@@ -178,7 +178,7 @@ def check_change(structure: Structure, stage: str, change: Change) -> None:
     directed = np.ndim(getattr(change, "stretch", getattr(change, "expansion", 0.0))) > 0
     if directed and not part.has_warp:
         raise ValueError(
-            f"{stage} has a {kind} of {change.part!r} along warp and weft, which it does not have; give one number, or "
+            f"{stage} has {kind} of {change.part!r} along warp and weft, which it does not have; give one number, or "
             "the membrane a warp."
         )
 
@@ -206,20 +206,21 @@ def natural_after(structure: Structure, change: Change, natural: Array) -> Array
     elif isinstance(change, TemperatureChange):
         strain = cell_tensors.of_membrane(kind, change.difference * np.asarray(change.expansion), 1)[0]
         d = part.dimension
-        stretch = _expanded(natural[chosen], part.natural_tensors()[chosen], strain[:d, :d])
+        cells = np.arange(len(part.cells))[chosen]
+        stretch = _expanded(change.part, cells, natural[chosen], part.natural_tensors()[chosen], strain[:d, :d])
     else:
         assert isinstance(change, NaturalStretch)
         stretch = cell_tensors.of_membrane(kind, change.stretch, 1)[0][: part.dimension, : part.dimension]
     after = natural.copy()
     after[chosen] = stretch @ natural[chosen]
-    natural_shape.check(f"Part {change.part!r} after a {kind}", after)
+    natural_shape.check(f"Part {change.part!r} after {with_article(kind)}", after)
     return after
 
 
-def _expanded(natural: Array, first: Array, strain: Array) -> Array:
-    """Stretch of natural shapes A, shape (cells, d, d), by which they grow by a strain, (d, d), from those of the part.
+def _expanded(part: str, cells: NDArray[np.int64], natural: Array, first: Array, strain: Array) -> Array:
+    """Stretch of natural shapes A, shape (cells, d, d), by which they grow by a strain, (d, d), from the first ones.
 
-    The metric A^-T A^-1 loses twice the strain, that with respect to the natural shape of the part: changes add up. The
+    The metric A^-T A^-1 loses twice the strain, that with respect to the first natural shape: changes add up. The
     warp of the natural shape keeps its direction.
     """
     inverse, own = np.linalg.inv(natural), np.linalg.inv(first)
@@ -228,8 +229,8 @@ def _expanded(natural: Array, first: Array, strain: Array) -> Array:
     gone = np.flatnonzero(np.linalg.eigvalsh(left)[:, 0] <= 0)
     if len(gone):
         raise ValueError(
-            f"TemperatureChange leaves cell {gone[0]} without a stress-free size, by the strain "
-            f"{np.abs(strain).max():.3g}; check the expansion [1/K] and the difference [K]."
+            f"TemperatureChange leaves cell {cells[gone[0]]} of part {part!r} without a stress-free size, by the "
+            f"strain {np.abs(strain).max():.3g}; check the expansion [1/K] and the difference [K]."
         )
     before, after = np.linalg.cholesky(metric), np.linalg.cholesky(left)
     return np.linalg.solve(after.transpose(0, 2, 1), before.transpose(0, 2, 1))

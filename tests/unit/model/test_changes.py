@@ -93,8 +93,8 @@ def test_temperatures_add_up():
 
 
 def test_temperature_beyond_the_natural_size_is_refused():
-    with pytest.raises(ValueError, match=r"^TemperatureChange leaves cell 0 without a stress-free size"):
-        natural_after(ROOF, TemperatureChange(1.0, "edge", 0.3), np.full((16, 1, 1), 1.9))
+    with pytest.raises(ValueError, match=r"^TemperatureChange leaves cell 3 of part 'edge' without a stress-free"):
+        natural_after(ROOF, TemperatureChange(1.0, "edge", 0.3, [3]), np.full((16, 1, 1), 1.9))
 
 
 def test_changes_are_compared_by_value():
