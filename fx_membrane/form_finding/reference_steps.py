@@ -174,10 +174,8 @@ class Course:
         """Return the function that takes a step of a structure, with a problem and a solver of its own."""
         problem = Problem(of, self.comm, elastic=False)
         solve, record = Newton(line_search=False).prepare(problem), StateEvaluator(problem)
-        pulse, stage = (
-            self.pulse,
-            self.stage,
-        )  # without `self`, which keeps this function: meshes would outlive a circle
+        # Without `self`, which keeps the function: a circle of them would keep the meshes.
+        pulse, stage = self.pulse, self.stage
 
         def step(points: NDArray[np.float64], number: int) -> StageResult:
             def monitor(iteration: int, entry: Iteration) -> None:

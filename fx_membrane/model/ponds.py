@@ -29,8 +29,8 @@ class Pond(ByValue):
     """Water on a membrane in the current shape; its weight acts as pressure on the wet area.
 
     Water of a given level or volume has one level, and stands wherever the membrane is below it. A volume fills up to
-    the lowest node of the rim, at its height at the start of the stage; the rest is lost. A later
-    stage with the pond gives all of the volume again.
+    the lowest node of the rim, at its height at the start of the stage; the rest is lost. A later stage with
+    the pond gives all of the volume again.
 
     Rain collects in the basins of the current shape: hollows, each with a level of its own. A basin receives the rain
     on the cells that drain into it; rain elsewhere runs off. A basin that is full spills over its rim, at its present
