@@ -19,9 +19,12 @@ def pytest_ignore_collect(collection_path, config):
 
 
 def pytest_collection_modifyitems(items):
-    """Mark `mpi` the first case of each `mpi_once`, and `further` all cases of a `study` but the first."""
-    begun = set()
+    """Mark `first` one test of each file, `mpi` one case of each `mpi_once`, `further` all but one of a `study`."""
+    begun, files = set(), set()
     for item in items:
+        if item.path not in files:
+            item.add_marker(pytest.mark.first)
+        files.add(item.path)
         if item.get_closest_marker("mpi_once") and first_of(item, begun, "mpi_once"):
             item.add_marker(pytest.mark.mpi)
         if item.get_closest_marker("study") and not first_of(item, begun, "study"):

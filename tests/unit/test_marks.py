@@ -13,6 +13,7 @@ class Case:
 
     def __init__(self, method, force, varied):
         self.nodeid, self.params = f"test_edge[{method}-{force}]", {"method": method, "force": force}
+        self.path = Path(f"test_{method}.py")
         self.callspec, self.marks = self, {"study": pytest.mark.study(*varied)}
 
     def get_closest_marker(self, name):
@@ -37,6 +38,12 @@ def test_first_case_of_a_study_is_not_marked_further(conftest, varied, first):
     cases = [Case(method, force, varied) for method in range(2) for force in range(3)]
     conftest.pytest_collection_modifyitems(cases)
     assert [tuple(case.params.values()) for case in cases if "further" not in case.marks] == first
+
+
+def test_first_test_of_each_file_is_marked(conftest):
+    cases = [Case(method, force, ()) for method in (0, 1, 0) for force in range(3)]
+    conftest.pytest_collection_modifyitems(cases)
+    assert [number for number, case in enumerate(cases) if "first" in case.marks] == [0, 3]
 
 
 def test_names_in_marks_are_arguments(request):
