@@ -23,7 +23,7 @@ from .. import _dolfinx
 from ..geometry.topology import distinct, node_graph
 from ..model.parts import Part
 from ..model.structure import Structure
-from ..runtime.freed_memory import free_unreachable_meshes
+from ..runtime.freed_memory import count_mesh
 from ..runtime.processes import gathered
 from .partition import bisect, number_nodes
 
@@ -139,14 +139,13 @@ class Discretization:
         strip = (number - number.min()) * strips // (np.ptp(number) + 1)
         own_nodes, cells = distinct(strip[:, None] * count + part.cells[share], strips * count)
         nodes = own_nodes % count
-        free_unreachable_meshes()
         mesh = _dolfinx.create_mesh(self.structure.points[nodes], cells)
         V = _dolfinx.functionspace(mesh, "Lagrange", 1, 3)
         nodes = nodes[_dolfinx.node_order(V)]
         rows = np.asarray(np.searchsorted(self.block_of_node[self.local_nodes], self.block_of_node[nodes]))
         last = np.empty(len(self.local_nodes), dtype=np.intp)
         last[rows] = np.arange(len(rows))  # of a node that comes several times, the last place alone
-        return PartMesh(
+        made = PartMesh(
             name=name,
             part=part,
             mesh=mesh,
@@ -156,6 +155,8 @@ class Discretization:
             u=fem.Function(V),
             lgmap=PETSc.LGMap().create(self.block_of_node[nodes].astype(PETSc.IntType), bsize=3, comm=MPI.COMM_SELF),
         )
+        count_mesh(made)
+        return made
 
     # PETSc objects
 

@@ -9,12 +9,14 @@ from __future__ import annotations
 import ctypes
 import gc
 from contextlib import suppress
-from itertools import count
+from typing import Any
+from weakref import WeakSet
 
 LARGE = 1_000_000  # rows of a process; below, fetching the memory again takes more time than its return is worth
-MESHES = 64  # made from one collection to the next; each takes about 13 communicators, of which MPICH has 2048
+MESHES = 64  # added to those alive from one collection to the next; each takes 13 communicators, MPICH has 2048
 
-_made = count(1)
+_alive: WeakSet[Any] = WeakSet()
+_limit = [MESHES]  # of meshes alive, at which unreachable ones are looked for
 
 
 def return_freed_memory(rows: int) -> None:
@@ -24,10 +26,13 @@ def return_freed_memory(rows: int) -> None:
             ctypes.CDLL(None).malloc_trim(0)
 
 
-def free_unreachable_meshes() -> None:
-    """Free meshes in circles of references, as of caught errors, for each 64th mesh; call before one is made.
+def count_mesh(mesh: object) -> None:
+    """Count a mesh as alive until nothing refers to it; free those in circles, as of caught errors, if many are alive.
 
     The garbage collector counts objects of Python, not communicators: MPICH ends a process that asks for too many.
     """
-    if next(_made) % MESHES == 0:
+    _alive.add(mesh)
+    if len(_alive) >= _limit[0]:
         gc.collect()
+        _limit[0] = len(_alive) + MESHES
+    _limit[0] = min(_limit[0], len(_alive) + MESHES)

@@ -73,7 +73,7 @@ def test_form_finding_leaves_no_mesh_to_the_garbage_collector(monkeypatch):
     gc.collect()
     kept = len(discretizations())
     gc.disable()
-    monkeypatch.setattr(gc, "collect", lambda: 0)  # at each 64th mesh
+    monkeypatch.setattr(gc, "collect", lambda: 0)  # where many meshes are alive
     try:
         updated_reference(structure, constraints=[RigidBody(mast) for mast in masts])
         assert len(discretizations()) == kept
