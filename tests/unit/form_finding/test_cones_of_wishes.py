@@ -15,7 +15,6 @@ from wished_films import canopy, state_of, tent
 pytestmark = pytest.mark.filterwarnings("ignore::fx_membrane.LargeStrainWarning")
 
 
-@pytest.mark.mpi
 def test_edge_cable_too_weak_for_its_span_is_named_with_the_force_that_would_do():
     with pytest.warns(UnsettledFormWarning, match=r"'edge' .* have 6000 and 6000 over spans of 8\.54.* as arcs"):
         form = prescribed_stress(canopy(prestress=2e3, force=6e3))
