@@ -119,11 +119,11 @@ def test_demo(name, pictures, tmp_path, monkeypatch, capsys):
     if pictures != (HAS_PYVISTA and MPI.COMM_WORLD.size == 1):
         pytest.skip("runs with pictures on one process, without on several")
     monkeypatch.chdir(tmp_path)
-    short = name == "solvers" and MPI.COMM_WORLD.size > 1  # thousands of steps, each of many messages
-    options = [] if pictures else ["--no-pictures", "--square-alone"] if short else ["--no-pictures"]
+    small = MPI.COMM_WORLD.size > 1  # without the pavilion for all solvers: thousands of steps, each of many messages
+    options = ["--small"] * small + ["--no-pictures"] * (not pictures)
     monkeypatch.setattr(sys, "argv", [name, *options])
     found = run(name)
-    compare(name, found["numbers"], lambda group: not (short and "pavilion" in group))
+    compare(name, found["numbers"], lambda group: not (small and name == "solvers" and "pavilion" in group))
     printed = capsys.readouterr().out
     first = os.environ.get("OMPI_COMM_WORLD_RANK", os.environ.get("PMI_RANK", "0")) == "0"
     assert ("Check passed" in printed) == first
