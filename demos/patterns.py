@@ -30,7 +30,8 @@ say = print if MPI.COMM_WORLD.rank == 0 else (lambda *_, **__: None)
 
 # %%
 seams = seams_between(form, ring, "edge cables", strips=24, part="fabric")
-strips = with_copies(cut_strips(form, seams, "fabric", size=0.4))
+size = 0.8 if "--small" in sys.argv else 0.4
+strips = with_copies(cut_strips(form, seams, "fabric", size=size))
 say(f"{len(strips.names)} strips, {len(strips.names) - len(strips.copies)} of them of unlike shape")
 
 # %% [markdown]

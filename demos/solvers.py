@@ -29,8 +29,8 @@ solvers = {
     "conjugate gradients, FR": ConjugateGradient("FR"),
     "  PR, by the diagonal": ConjugateGradient("PR", preconditioner="jacobi"),
     "  PR, by the first tangent": ConjugateGradient("PR", preconditioner="tangent"),
-    "steepest descent": SteepestDescent(max_iterations=1000),
-    "  by the diagonal": SteepestDescent(preconditioner="jacobi", max_iterations=1000),
+    "steepest descent": SteepestDescent(max_iterations=300),
+    "  by the diagonal": SteepestDescent(preconditioner="jacobi", max_iterations=300),
 }
 
 # %% [markdown]
@@ -54,6 +54,8 @@ def square(prestress):
 push = Stage("point load", [PointLoad(middle, (0, 0, -10.0))])
 assert push.increments == pull.increments == 1
 cases = {"square": (square(80.0), push, "kip", "kip in"), "pavilion": (pavilion, pull, "kN", "kN m")}
+if "--small" in sys.argv:  # the pavilion takes most of the time
+    del cases["pavilion"]
 
 # %% [markdown]
 # ## All solvers on both
@@ -124,18 +126,18 @@ for prestress in (80.0, 8.0, 0.8, 0.08, 0.008, 0.0):
 # converge too, but the first overshoots, and on the pavilion they take half as many again. Conjugate gradients need two
 # to five times as many steps as there are unknowns. The diagonal of the tangent as preconditioner reduces that to a
 # third or less. The first tangent reduces it further, at the price of a back-substitution each. Steepest descent needs
-# 1000 steps for the accuracy of fewer than 100 of theirs. The diagonal makes it converge on the square, but not on the
+# 300 steps for the accuracy of fewer than 30 of theirs. The diagonal makes it converge on the square, but not on the
 # pavilion.
 
 # %%
 unknowns = {"square": 27, "pavilion": 719}
 assert max(errors.values()) < 1e-6, errors
-for case, count in unknowns.items():
+for case in cases:
     newton, plain, pr, fr, diagonal, tangent, steepest, scaled = (counts[case, name] for name in solvers)
     assert newton < plain < 20 < tangent < diagonal < pr / 2
-    assert max(pr, fr) < 6 * count
+    assert max(pr, fr) < 6 * unknowns[case]
     assert 2 * diagonal < scaled <= steepest == np.inf
-    assert behind[case] < 100
+    assert behind[case] < 30
     assert 1.7 < orders[case] < 2.3
 assert max(searched.values()) < 10
 assert list(full.values()) == sorted(full.values())

@@ -8,6 +8,7 @@ import runpy
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 from unittest import mock
 
 import matplotlib.image
@@ -55,15 +56,18 @@ STORED = Path(__file__).parent / "demo_numbers.json"
 def run(name):
     """Run a demo as by `python demos/name.py`, with its folder on the path; return its variables."""
     with mock.patch.object(sys, "path", [str(DEMOS), *sys.path]):
-        return runpy.run_path(str(DEMOS / f"{name}.py"), run_name="__main__")
+        found = runpy.run_path(str(DEMOS / f"{name}.py"), run_name="__main__")
+    if name == "cone":  # the patterns begin with its form; an import would run all of it again
+        sys.modules[name] = SimpleNamespace(**found)  # type: ignore[assignment]
+    return found
 
 
-def compare(name, numbers):
+def compare(name, numbers, chosen):
     """Check for the same numbers, to 1e-10 of the largest in a group, in every version, on any processes.
 
     To store numbers again after an intended change, run this file as a script.
     """
-    stored = json.loads(STORED.read_text())[name]
+    stored = {group: values for group, values in json.loads(STORED.read_text())[name].items() if chosen(group)}
     assert numbers.keys() == stored.keys()
     for group, values in numbers.items():
         expected = np.array(stored[group])
@@ -115,9 +119,11 @@ def test_demo(name, pictures, tmp_path, monkeypatch, capsys):
     if pictures != (HAS_PYVISTA and MPI.COMM_WORLD.size == 1):
         pytest.skip("runs with pictures on one process, without on several")
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "argv", [name] if pictures else [name, "--no-pictures"])
+    small = MPI.COMM_WORLD.size > 1  # without the pavilion for all solvers: thousands of steps, each of many messages
+    options = ["--small"] * small + ["--no-pictures"] * (not pictures)
+    monkeypatch.setattr(sys, "argv", [name, *options])
     found = run(name)
-    compare(name, found["numbers"])
+    compare(name, found["numbers"], lambda group: not (small and name == "solvers" and "pavilion" in group))
     printed = capsys.readouterr().out
     first = os.environ.get("OMPI_COMM_WORLD_RANK", os.environ.get("PMI_RANK", "0")) == "0"
     assert ("Check passed" in printed) == first

@@ -174,14 +174,16 @@ def _rise(below: Array, above: Array, gap: float) -> float:
 
 def _over(lines: Array, spans: Array, extreme: np.ufunc) -> Array:
     """Highest or lowest line at both ends of spans that end at all points of lines, shape (spans, 2)."""
-    empty = -np.inf if extreme is np.maximum else np.inf
-    found = np.full(spans.shape, empty)
-    for (x0, y0), (x1, y1) in lines:  # of a few hundred
-        if x0 != x1:
-            low, high = min(x0, x1), max(x0, x1)
-            inside = (spans[:, 0] >= low) & (spans[:, 1] <= high)
-            heights = y0 + (spans[inside] - x0) * ((y1 - y0) / (x1 - x0))
-            found[inside] = extreme(found[inside], heights)
+    found = np.full(spans.shape, -np.inf if extreme is np.maximum else np.inf)
+    (x0, y0), (x1, y1) = lines[lines[:, 0, 0] != lines[:, 1, 0]].transpose(1, 2, 0)
+    first = np.searchsorted(spans[:, 0], np.minimum(x0, x1))
+    counts = np.searchsorted(spans[:, 1], np.maximum(x0, x1), side="right") - first
+    line = np.repeat(np.arange(len(x0)), counts)
+    span = np.arange(len(line)) + np.repeat(first - np.cumsum(counts) + counts, counts)
+    line, span = (each[np.argsort(span, kind="stable")] for each in (line, span))
+    heights = y0[line, None] + (spans[span] - x0[line, None]) * ((y1 - y0) / (x1 - x0))[line, None]
+    starts = np.flatnonzero(np.diff(span, prepend=-1))
+    found[span[starts]] = extreme.reduceat(heights, starts, axis=0)
     return found
 
 

@@ -143,7 +143,7 @@ def is_factored(ksp):
     return True
 
 
-BOUND = 1.0  # MB; forms left 2.1 behind and conjugate gradients 31, when PETSc kept vectors that Python drops
+BOUND = 1.0  # MB; all kinds but stability leave 1.4 to 5 behind when PETSc keeps vectors that Python drops
 
 
 @pytest.mark.parametrize("processes", [1, 2])

@@ -72,7 +72,7 @@ def push(*force, after=None):
             for case in [(1e-4, 30), (1e-4, 100), (1e-3, 10), (1e-3, 1000)]
             for prestress in (0.0, 100.0)
         ),
-        (1e-4, 3000, 0.0),  # the mast falls; guys on one side keep no prestress, so that with it it falls the same way
+        (1e-4, 2e4, 0.0),  # the mast falls; guys on one side keep no prestress, so that with it it falls the same way
     ],
 )
 def test_mast_that_is_pushed_towards_its_only_guys_is_reported(kept, load, prestress):
@@ -100,7 +100,7 @@ def test_mast_that_falls_is_said_to_fall():
 
 def test_mast_that_leans_towards_its_guys_falls():
     with pytest.warns(UnstableStateWarning, match=HELD_BY_SLACK):
-        Analysis(guyed(head=(-1.0, 0, 4))).run([push(0, 0, -500)])
+        Analysis(guyed(head=(-1.0, 0, 4))).run([push(0, 0, -20_000)])
 
 
 def test_motion_is_that_of_the_stage():
@@ -262,12 +262,12 @@ def test_sheet_that_is_let_in_has_lost_its_prestress():
 
 
 def test_remarks_are_the_same_from_a_checkpoint_and_on_a_path(tmp_path):
-    stages = [push(-3000, 0, 0)]
+    stages = [push(-20_000, 0, 0)]
     whole = Analysis(guyed()).run(stages, tmp_path / "push")["push"]
     with pytest.warns(UnstableStateWarning, match=HELD_BY_SLACK):
         again = Analysis(guyed()).run(stages, tmp_path / "push")["push"]
     assert again.remarks == whole.remarks != ()
     assert any(increment.outcome is Outcome.FALLEN for increment in again.increments)
-    path = equilibrium_path(guyed(), Stage("push", [PointLoad(1, (-100.0, 0, 0))], increments=10))
+    path = equilibrium_path(guyed(), Stage("push", [PointLoad(1, (-100.0, 0, 0))], increments=4))
     with pytest.warns(UnstableStateWarning, match=CARRY):
         assert CARRY in path.state(-1).remarks[0]

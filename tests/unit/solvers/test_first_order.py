@@ -55,11 +55,12 @@ CASES = {
 
 
 def choose(case, solver):
-    """On several processes: the case with few steps, by one formula of conjugate gradients and by steepest descent.
+    """On several processes: a case of a membrane and one of cables, both with few steps.
 
-    Steepest descent without a preconditioner, of thousands of steps, runs there in `demos/solvers.py`.
+    Steepest descent without a preconditioner, of hundreds of steps, runs there in `demos/solvers.py`.
     """
-    again = case == "prescribed displacements" and name(solver) in {*(f"PR {kind}" for kind in KINDS), *DESCENTS}
+    kinds = {*(f"PR {kind}" for kind in KINDS), *DESCENTS}
+    again = name(solver) in {"prescribed displacements": kinds, "slack": {"PR jacobi"}}.get(case, ())
     return pytest.param(case, solver, id=f"{case}, {name(solver)}", marks=[pytest.mark.mpi] if again else [])
 
 
