@@ -4,14 +4,13 @@ import os
 import signal
 
 import pytest
-from click.testing import CliRunner
 
 from roof_case import ROOF
 
 pytest.importorskip("pydantic", "2")
 pytest.importorskip("pint")
 
-from fx_membrane.cli import main
+from by_command import said
 from fx_membrane.files.cases import case
 
 IDLE = ROOF.split("[[stages]]", maxsplit=1)[0]
@@ -35,12 +34,6 @@ nodes = [0, 1, 2]
 [[stages]]
 name = "prestress"
 """
-
-
-def said(*arguments):
-    """Exit code and text of a command."""
-    ended = CliRunner().invoke(main, [str(argument) for argument in arguments])
-    return ended.exit_code, ended.output
 
 
 @pytest.mark.parametrize(
