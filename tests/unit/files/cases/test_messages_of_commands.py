@@ -104,6 +104,13 @@ def test_folder_that_no_system_allows_is_told_by_check(folder, words, tmp_path):
     assert words is None or ("a.toml:77: output.folder: " in told and words in told)
 
 
+def test_file_without_the_ending_of_a_mesh_file_is_told_by_its_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.txt").touch()
+    code, told = said("convert", "a.txt", "b.obj")
+    assert (code, told.split(";")[0]) == (2, "'a.txt' has no ending of a mesh file")
+
+
 def test_unit_of_a_file_without_one_is_told_once(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "a.obj").write_text("v -2 -2 0\nv 2 -2 0\nv 2 2 0\no grid\nf 1 2 3\n")
