@@ -82,12 +82,19 @@ SLOW = (
 )
 
 
+@pytest.fixture(scope="module")
+def archive(tmp_path_factory):
+    file = tmp_path_factory.mktemp("archive") / "results"
+    save_results(RESULTS, file)
+    return file.read_bytes()
+
+
 @pytest.fixture(autouse=True)
-def _in_a_folder_of_its_own(tmp_path, monkeypatch):
+def _in_a_folder_of_its_own(archive, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    Path("results").write_bytes(archive)
     Path("roof.obj").write_text("v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\n")
     Path("net.json").write_text('{"node": {"0": {}}}')
-    save_results(RESULTS, "results")
 
 
 def names(function):

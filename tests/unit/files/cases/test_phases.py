@@ -119,3 +119,5 @@ def test_lists_of_a_wrong_length_are_told_by_their_key(tmp_path):
         ("stages.1.loads.0.load", "the list has 2 values; give 3"),
         ("stages.1.loads.3.load", "[1, 2, 3, 4]: give 3 values, not 4"),
     ]
+    told = {key: words for _, key, words in faults(tmp_path, ('group = "grid"', "cells = [[0]]"))}
+    assert told["parts.roof.cells"].endswith(" in rows of 3, one row at least, not lists in lists, of lengths 1, 1.")
