@@ -1,6 +1,7 @@
 """Scene, moving picture and reports that a case asks for."""
 
 import logging
+import logging.handlers
 from contextlib import redirect_stderr
 from io import StringIO
 
@@ -26,15 +27,14 @@ def drawn(tmp_path_factory):
     """Folder of a run, its words on stderr, and warnings of weasyprint."""
     folder = tmp_path_factory.mktemp("roof")
     (folder / "roof.toml").write_text(ROOF + OUTPUTS, encoding="utf-8")
-    warned = list[str]()
-    handler = logging.Handler(logging.WARNING)
-    handler.emit = lambda record: warned.append(record.getMessage())
+    handler = logging.handlers.BufferingHandler(1000)
+    handler.setLevel(logging.WARNING)
     logging.getLogger("weasyprint").addHandler(handler)
     with pytest.MonkeyPatch.context() as patch, redirect_stderr(StringIO()) as words:
         patch.setattr(windows, "LONGER", 200)
         run_case(read_case(folder / "roof.toml"))
     logging.getLogger("weasyprint").removeHandler(handler)
-    return folder / "out", words.getvalue(), warned
+    return folder / "out", words.getvalue(), [record.getMessage() for record in handler.buffer]
 
 
 def test_report_links_into_the_scene(drawn):
