@@ -4,6 +4,7 @@ import dataclasses
 import subprocess
 import sys
 import zipfile
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -147,5 +148,6 @@ def test_chapter_is_drawn_by_one_process(proof, tmp_path_factory, empty_pictures
     pytest.importorskip("jinja2")
     folder = MPI.COMM_WORLD.bcast(str(tmp_path_factory.mktemp("report")))
     write_report(assembly(proof), f"{folder}/roof.html", patterns=proof)
+    assert Path(f"{folder}/roof.html").exists()
     with pytest.raises(ValueError, match="folder"):
         save_results(proof, folder)

@@ -13,7 +13,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mpi4py import MPI
 
 from by_command import leave_out_pictures, said
 from fx_membrane import (
@@ -244,13 +243,6 @@ def test_refusals(results, tmp_path):
             write_report(results, path)
     with pytest.raises(ValueError, match="no stage"):
         write_report(StageResults(), tmp_path / "r.html")
-
-
-@pytest.mark.mpi
-def test_first_process_writes(results, tmp_path_factory):
-    folder = MPI.COMM_WORLD.bcast(tmp_path_factory.mktemp("report"))
-    write_report(results, folder / "r.html", pictures=False)
-    assert (folder / "r.html").exists()
 
 
 def test_units_of_the_results_are_taken_where_none_are_given(results, tmp_path):
