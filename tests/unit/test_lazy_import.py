@@ -44,10 +44,11 @@ def test_process_stays_as_it_was(first, threads):
     """
     given = f"os.environ['OMP_NUM_THREADS'] = '{threads}'" if threads else "os.environ.pop('OMP_NUM_THREADS', 0)"
     script = (
-        f"import logging, os, signal, warnings; {given}; signal.signal(signal.SIGPIPE, lambda *_: None); "
-        "handler = signal.getsignal(signal.SIGPIPE); shown = warnings.showwarning; before = dict(os.environ); "
+        f"import logging, os, signal, warnings; {given}; heard = []; "
+        "signal.signal(signal.SIGPIPE, lambda *_: heard.append(True)); "
+        "shown = warnings.showwarning; before = dict(os.environ); "
         f"import fx_membrane; {first}; print(warnings.showwarning is shown); fx_membrane.Analysis; "
-        "print(warnings.showwarning is shown); print(signal.getsignal(signal.SIGPIPE) is handler); "
+        "print(warnings.showwarning is shown); signal.raise_signal(signal.SIGPIPE); print(*heard); "
         "logging.captureWarnings(True); print(warnings.showwarning is shown); "
         "print(*(f'{name}={value}' for name, value in os.environ.items() if before.get(name) != value))"
     )
