@@ -1,8 +1,4 @@
-"""Case file of a flat roof with a cutting pattern, and the command."""
-
-from click.testing import CliRunner
-
-from fx_membrane.cli import main
+"""Case file of a flat roof with a cutting pattern."""
 
 SHEET = """\
 format = 1
@@ -46,12 +42,6 @@ roll_width = "2.2 m"
 material = "PVC"
 allowances = { seam = "20 mm", border = "50 mm" }
 """
-
-
-def said(*arguments):
-    """Exit code and text of a command."""
-    ended = CliRunner().invoke(main, [str(argument) for argument in arguments])
-    return ended.exit_code, ended.output
 
 
 def case(folder, patterns=PATTERNS):

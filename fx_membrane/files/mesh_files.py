@@ -103,7 +103,7 @@ def drawing_of(file: Path, weld: float | None, unit: str | None) -> Drawing:
     """
     ending = file.suffix.lower()
     if ending not in READERS:
-        raise ValueError(f"source is {str(file)!r}; give a file that ends in {', '.join(READERS)}.")
+        raise ValueError(f"{str(file)!r} has no ending of a mesh file; give a file that ends in {', '.join(READERS)}.")
     if not file.is_file():
         raise ValueError(f"There is no file {str(file)!r}; correct the name.")
     try:

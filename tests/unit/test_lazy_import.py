@@ -29,58 +29,47 @@ def test_command_shows_its_help_without_dolfinx():
     assert output(script) == ["True", "False"]
 
 
-def test_signal_handlers_stay_those_of_the_process():
-    """PETSc sets its own handler for closed pipes."""
-    script = (
-        "import signal; before = signal.signal(signal.SIGPIPE, lambda *_: None), signal.getsignal(signal.SIGPIPE); "
-        "import fx_membrane; fx_membrane.Analysis; print(signal.getsignal(signal.SIGPIPE) is before[1])"
-    )
-    assert output(script) == ["True"]
-
-
 @pytest.mark.parametrize(
-    "first", ["fx_membrane.Analysis", "fx_membrane.edges_where", "import fx_membrane.analysis.convergence_error"]
-)
-def test_warnings_are_shown_as_before(first):
-    """ffcx 0.5 sends them to the log; any module may be the first to import it, as that of the command."""
-    script = (
-        f"import logging, warnings; before = warnings.showwarning; import fx_membrane; {first}; "
-        "print(warnings.showwarning is before); logging.captureWarnings(True); "
-        "print(warnings.showwarning is before)"
-    )
-    assert output(script) == ["True", "False"]
-
-
-def test_one_environment_variable_is_set_unless_the_user_did():
-    script = (
-        "import os; {} before = dict(os.environ); import fx_membrane; fx_membrane.Analysis; "
-        "print(*(f'{{name}}={{value}}' for name, value in os.environ.items() if before.get(name) != value))"
-    )
-    mpi = ("OMPI_", "PMIX_", "PRTE_", "OPAL_", "ORTE_")  # set by the MPI library
-    assert [
-        entry for entry in output(script.format("os.environ.pop('OMP_NUM_THREADS', 0);")) if not entry.startswith(mpi)
-    ] == ["OMP_NUM_THREADS=1"]
-    assert not [
-        entry for entry in output(script.format("os.environ['OMP_NUM_THREADS'] = '2';")) if not entry.startswith(mpi)
-    ]
-
-
-@pytest.mark.parametrize(
-    ("before", "expected"),
+    ("first", "threads"),
     [
-        ("env.pop('DISPLAY', 0)", "vtkOSOpenGLRenderWindow"),
-        ("env.pop('DISPLAY', 0); env[CHOICE] = 'vtkEGLRenderWindow'", "vtkEGLRenderWindow"),
-        ("env['DISPLAY'] = ':0'", "None"),
+        ("fx_membrane.Analysis", None),
+        ("import fx_membrane.analysis.convergence_error", "2"),
+        ("fx_membrane.edges_where", "2"),
     ],
 )
-def test_pictures_set_a_window_where_there_is_no_screen(before, expected):
-    """README names both variables that are set."""
+def test_process_stays_as_it_was(first, threads):
+    """Shown warnings, which ffcx 0.5 logs; a handler, where PETSc sets its own for closed pipes; the environment.
+
+    Any module may be the first to import ffcx, as that of the command. One variable is set unless the user did.
+    """
+    given = f"os.environ['OMP_NUM_THREADS'] = '{threads}'" if threads else "os.environ.pop('OMP_NUM_THREADS', 0)"
     script = (
-        f"import os; env, CHOICE = os.environ, 'VTK_DEFAULT_OPENGL_WINDOW'; env.pop(CHOICE, 0); {before}; "
-        "given = env.get(CHOICE); import fx_membrane; print(env.get(CHOICE) == given); "
-        "fx_membrane.plot; print(env.get(CHOICE))"
+        f"import logging, os, signal, warnings; {given}; heard = []; "
+        "signal.signal(signal.SIGPIPE, lambda *_: heard.append(True)); "
+        "shown = warnings.showwarning; before = dict(os.environ); "
+        f"import fx_membrane; {first}; print(warnings.showwarning is shown); fx_membrane.Analysis; "
+        "print(warnings.showwarning is shown); signal.raise_signal(signal.SIGPIPE); print(*heard); "
+        "logging.captureWarnings(True); print(warnings.showwarning is shown); "
+        "print(*(f'{name}={value}' for name, value in os.environ.items() if before.get(name) != value))"
     )
-    assert output(script) == ["True", expected]
+    mpi = ("OMPI_", "PMIX_", "PRTE_", "OPAL_", "ORTE_")  # set by the MPI library
+    *found, logged = (told := output(script))[:4]
+    assert (found, logged) == (["True"] * 3, "False")
+    changed = [entry for entry in told[4:] if not entry.startswith(mpi)]
+    assert changed == ([] if threads else ["OMP_NUM_THREADS=1"])
+
+
+def test_pictures_set_a_window_where_there_is_no_screen():
+    """README names both variables that are set; the second and third time the module is loaded again."""
+    script = (
+        "import importlib, os; env, CHOICE = os.environ, 'VTK_DEFAULT_OPENGL_WINDOW'\n"
+        "env.pop(CHOICE, 0); env.pop('DISPLAY', 0)\n"
+        "import fx_membrane; print(CHOICE in env); fx_membrane.plot; print(env[CHOICE])\n"
+        "from fx_membrane.plot import screen\n"
+        "env[CHOICE] = 'vtkEGLRenderWindow'; importlib.reload(screen); print(env[CHOICE])\n"
+        "env.pop(CHOICE); env['DISPLAY'] = ':0'; importlib.reload(screen); print(env.get(CHOICE))\n"
+    )
+    assert output(script) == ["False", "vtkOSOpenGLRenderWindow", "vtkEGLRenderWindow", "None"]
     readme = (Path(fx_membrane.__file__).parent.parent / "README.md").read_text()
     assert "`VTK_DEFAULT_OPENGL_WINDOW`" in readme
     assert "`OMP_NUM_THREADS`" in readme

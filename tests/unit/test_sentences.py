@@ -5,7 +5,9 @@ import io
 import re
 import tokenize
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
@@ -107,18 +109,33 @@ def prose(path: Path) -> Iterator[str]:
             lines.append(text)
 
 
+class Source(NamedTuple):
+    """Comments, docstrings and messages of a module."""
+
+    comments: list[str]
+    docs: list[ast.Constant]
+    messages: list[str]
+
+
+@cache
+def source(path: Path) -> Source:
+    """Read a module once: several tests ask about it."""
+    text = path.read_text()
+    tree = ast.parse(text)
+    told = [] if "tests" in path.relative_to(ROOT).parts else list(messages(tree))
+    return Source(list(comments(text)), list(documented(tree)), told)
+
+
 def texts(path: Path) -> Iterator[str]:
     """Texts of a file that a reader reads."""
     if path.suffix == ".md":
         yield from prose(path)
         return
-    source = path.read_text()
-    tree = ast.parse(source)
-    yield from comments(source)
-    for doc in documented(tree):
+    found = source(path)
+    yield from found.comments
+    for doc in found.docs:
         yield from paragraphs(ast.get_docstring(ast.Module([ast.Expr(doc)], [])) or "")
-    if "tests" not in path.relative_to(ROOT).parts:
-        yield from messages(tree)
+    yield from found.messages
 
 
 @pytest.mark.parametrize("paths", [SOURCES, TEXTS], ids=["sources", "texts"])
@@ -137,7 +154,7 @@ def test_texts_begin_with_a_noun_or_a_verb():
     riddles = [
         f"{path.relative_to(ROOT)}: {text}"
         for path in SOURCES
-        for text in [*comments(path.read_text()), *(str(doc.value) for doc in documented(ast.parse(path.read_text())))]
+        for text in [*source(path).comments, *(str(doc.value) for doc in source(path).docs)]
         if re.match(r"\s*(What|Whether|Which|Why)\b(?!.*\?)", text)
     ]
     assert not riddles

@@ -1,4 +1,4 @@
-"""Code in the how-tos of the site runs as it stands, in a fresh folder."""
+"""Code in the how-tos of the site runs as it stands, in a fresh folder; pictures of proofs are left out."""
 
 import importlib
 import re
@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import pytest
 
 import fx_membrane
+from by_command import leave_out_pictures
 
 PAGES = Path(__file__).parents[2] / ".ci" / "site" / "how-to"
 CELL = re.compile(r"```\{code-cell\} ipython3\n(.*?)```", re.DOTALL)
@@ -21,6 +22,7 @@ NOTEBOOK_ONLY = re.compile(r"^(from IPython.*|Image\(.*)$", re.MULTILINE)
 )
 def test_cells_of_a_page(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    leave_out_pictures(monkeypatch)
     code = "\n".join(CELL.findall(page.read_text()))
     exec(compile(NOTEBOOK_ONLY.sub("", code), page.name, "exec"), {"__name__": "page"})
 

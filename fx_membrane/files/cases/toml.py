@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any
 
 HEAD = re.compile(r"\s*(\[\[?)\s*([\w.-]+)")
+WHOLE_HEAD = re.compile(r"\s*\[\[?[^\[\],]+\]\]?\s*(?:#.*)?")
+MARK = re.compile(r"""(?P<passed>"(?:[^"\\]|\\.)*"|'[^']*'|#.*)|(?P<opened>[\[{])|[\]}]""")
 MOST = 20  # unreadable lines that are passed over; more make no case file
 
 
@@ -42,7 +44,7 @@ def parsed(file: Path, text: str) -> tuple[dict[str, Any], str, list[str]]:
                 return {}, "", faults
             lines[number - 1], passed = head, number - 1
             continue
-        lines[number - 1], passed = "", number
+        passed = _without_statement(lines, number - 1)
     return {}, "", faults[:1]
 
 
@@ -50,6 +52,27 @@ def _head(line: str) -> str:
     """Head of a table with the brackets that it lacks; empty if its name is not plain."""
     found = HEAD.match(line)
     return f"{found[1]}{found[2]}{']' * len(found[1])}" if found else ""
+
+
+def _without_statement(lines: list[str], row: int) -> int:
+    """Empty a line, and those below it up to the bracket that closes one of its own; return the number of the last.
+
+    Inline tables over several lines are no TOML, and the lines in them look like keys of the table around.
+    """
+    depth = 0
+    for last in range(row, len(lines)):
+        if last > row and WHOLE_HEAD.fullmatch(lines[last]):
+            break
+        for mark in MARK.finditer(lines[last]):
+            if mark["passed"] is None:
+                depth += 1 if mark["opened"] else -1
+            if depth == 0 and last > row and mark[0] in ("]", "}"):
+                lines[row : last + 1] = [""] * (last - row) + [lines[last][mark.end() :]]
+                return last + 1
+        if depth <= 0:
+            break
+    lines[row] = ""
+    return row + 1
 
 
 def _place(error: tomllib.TOMLDecodeError) -> tuple[int | None, str]:

@@ -34,6 +34,7 @@ PHRASES = (
     (re.compile(r"give \(n, 3\), one row x, y, z for each node"), "give rows [x, y, z], one for each node"),
     (re.compile(r"of shape \(n, (\d)\) with n >= 1"), r"in rows of \1, one row at least"),
     (re.compile(r", of shape \(n, (\d)\)"), r", in rows of \1"),
+    (re.compile(r"(?<=, not )\S+ of shape \((\d+(?:, \d+)+)\)"), r"lists in lists, of lengths \1"),
     (
         re.compile(r"one of direction=\(x, y, z\), normal=\(x, y, z\)"),
         "one of direction = [x, y, z], normal = [x, y, z]",

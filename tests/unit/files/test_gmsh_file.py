@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mpi4py import MPI
 
 from fx_membrane import Cable, Fabric, Membrane, structure_from_gmsh
 from fx_membrane.files import gmsh_file, gmsh_reader
@@ -49,27 +50,21 @@ assert "gmsh" not in sys.modules
 REFUSED = """
 import sys
 from fx_membrane import structure_from_gmsh
-for name in sys.argv[1:]:
-    try:
-        structure_from_gmsh(name, {"fabric": list})
-    except ValueError as error:
-        print(str(error).split(",")[0])
-"""
-NO_MODEL = """
-from fx_membrane import structure_from_gmsh
 
-def read():
-    try:
-        structure_from_gmsh(None, {"fabric": list})
-    except ValueError as error:
-        print(str(error).split(",")[0])
+def read(*names):
+    for name in names:
+        try:
+            structure_from_gmsh(name, {"fabric": list})
+        except ValueError as error:
+            print(str(error).split(",")[0])
 
-read()
+read(None, *sys.argv[1:])
 import gmsh
-read()
+read(None)
 gmsh.initialize()
+read(*sys.argv[1:])
 gmsh.finalize()
-read()
+read(None)
 """
 
 
@@ -99,18 +94,21 @@ def good(meshes, tmp_path, monkeypatch):
     return Path(shutil.copy(meshes / "4.1-0.msh", tmp_path / "roof.msh"))
 
 
-def test_mesh_in_a_fresh_process(good):
-    read = python(READ, good)
+def test_mesh_in_a_fresh_process_that_reads_no_configuration_of_the_user(good, tmp_path):
+    (tmp_path / ".gmshrc").write_text(script(tmp_path))
+    read = python(READ, good, cwd=tmp_path, env={**os.environ, "HOME": str(tmp_path), "GMSH_HOME": str(tmp_path)})
     assert read.returncode == 0, read.stderr
     nodes, held, segments = map(int, read.stdout.split())
     assert nodes > 15
     assert held == segments + 1  # the opposite side, of the same length
+    assert not (tmp_path / "ran").exists()
 
 
 @pytest.mark.mpi
 def test_all_formats_give_the_same(meshes):
+    formats = FORMATS if MPI.COMM_WORLD.size == 1 else FORMATS[::4]  # each is a process of gmsh
     first, *others = (
-        structure_from_gmsh(meshes / f"{version}-{binary}.msh", PARTS, {"fixed": "xyz"}) for version, binary in FORMATS
+        structure_from_gmsh(meshes / f"{version}-{binary}.msh", PARTS, {"fixed": "xyz"}) for version, binary in formats
     )
     assert first.supported.any()
     for other in others:
@@ -120,14 +118,16 @@ def test_all_formats_give_the_same(meshes):
             np.testing.assert_array_equal(other.parts[name].cells, first.parts[name].cells)
 
 
-@pytest.mark.parametrize("before", ["", "import gmsh; gmsh.initialize()"])
-def test_script_is_not_run(before, tmp_path):
+def test_script_is_not_run_and_no_model_is_told(tmp_path):
+    """Before gmsh is loaded, while it is initialized, and after it has ended."""
     names = ["roof.msh", "roof.geo", "roof.msh.opt", "roof.opt", "roof.py"]
     for name in names:
         (tmp_path / name).write_text(script(tmp_path))
-    read = python(before + REFUSED, *names, cwd=tmp_path)
-    told = read.stdout.splitlines()
-    assert all(line.startswith(name) and "$MeshFormat" in line for line, name in zip(told, names, strict=True))
+    told = python(REFUSED, *names, cwd=tmp_path).stdout.splitlines()
+    asked = [None, *names, None, *names, None]
+    for line, source in zip(told, asked, strict=True):
+        wanted = (source, "$MeshFormat") if source else ("No gmsh model is open", "gmsh.initialize()")
+        assert all(words in line for words in wanted)
     assert sorted(file.name for file in tmp_path.iterdir()) == sorted(names)
 
 
@@ -148,13 +148,6 @@ def test_script_with_a_good_mesh_is_not_run(where, good):
     assert {file.name for file in Path().iterdir()} <= {good.name, beside.name}
 
 
-def test_configuration_of_the_user_is_not_read(good, tmp_path):
-    (tmp_path / ".gmshrc").write_text(script(tmp_path))
-    read = python(READ, good, cwd=tmp_path, env={**os.environ, "HOME": str(tmp_path), "GMSH_HOME": str(tmp_path)})
-    assert read.returncode == 0, read.stderr
-    assert not (tmp_path / "ran").exists()
-
-
 def test_what_the_user_has_open_stays(good):
     import gmsh  # noqa: PLC0415
 
@@ -168,12 +161,6 @@ def test_what_the_user_has_open_stays(good):
         assert gmsh.option.getNumber("General.Terminal") == 1
     finally:
         gmsh.finalize()
-
-
-def test_no_model_is_open():
-    words = python(NO_MODEL).stdout.splitlines()
-    assert len(words) == 3
-    assert all("No gmsh model is open" in line and "gmsh.initialize()" in line for line in words)
 
 
 @pytest.mark.mpi_once

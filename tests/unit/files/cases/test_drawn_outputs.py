@@ -1,5 +1,10 @@
 """Scene, moving picture and reports that a case asks for."""
 
+import logging
+import logging.handlers
+from contextlib import redirect_stderr
+from io import StringIO
+
 import PIL.Image
 import PIL.ImageSequence
 import pytest
@@ -18,31 +23,38 @@ report = ["html", "pdf"]
 
 
 @pytest.fixture(scope="module")
-def said(tmp_path_factory):
+def drawn(tmp_path_factory):
+    """Folder of a run, its words on stderr, and warnings of weasyprint."""
     folder = tmp_path_factory.mktemp("roof")
     (folder / "roof.toml").write_text(ROOF + OUTPUTS, encoding="utf-8")
-    with pytest.MonkeyPatch.context() as patch:
+    handler = logging.handlers.BufferingHandler(1000)
+    handler.setLevel(logging.WARNING)
+    logging.getLogger("weasyprint").addHandler(handler)
+    with pytest.MonkeyPatch.context() as patch, redirect_stderr(StringIO()) as words:
         patch.setattr(windows, "LONGER", 200)
         run_case(read_case(folder / "roof.toml"))
-    return folder / "out"
+    logging.getLogger("weasyprint").removeHandler(handler)
+    return folder / "out", words.getvalue(), [record.getMessage() for record in handler.buffer]
 
 
-def test_report_links_into_the_scene(said):
-    page = (said / "report.html").read_text(encoding="utf-8")
+def test_report_links_into_the_scene(drawn):
+    folder = drawn[0]
+    page = (folder / "report.html").read_text(encoding="utf-8")
     assert 'href="scene.html#stage=snow' in page
-    assert "<title>Roof</title>" in (said / "scene.html").read_text(encoding="utf-8")
-    assert (said / "report.pdf").read_bytes().startswith(b"%PDF")
+    assert "<title>Roof</title>" in (folder / "scene.html").read_text(encoding="utf-8")
+    assert (folder / "report.pdf").read_bytes().startswith(b"%PDF")
 
 
-def test_frames_of_the_stages_have_one_size(said):
-    with PIL.Image.open(said / "stages.gif") as movie:
+def test_frames_of_the_stages_have_one_size(drawn):
+    with PIL.Image.open(drawn[0] / "stages.gif") as movie:
         sizes = [frame.size for frame in PIL.ImageSequence.Iterator(movie)]
     assert len(sizes) == 2
     assert len(set(sizes)) == 1
 
 
-def test_pictures_of_two_reports_are_drawn_once(tmp_path, monkeypatch, capfd):
-    (tmp_path / "roof.toml").write_text(ROOF + OUTPUTS.replace("true", "false").replace('animation = "gif"\n', ""))
-    monkeypatch.setattr(windows, "LONGER", 200)
-    run_case(read_case(tmp_path / "roof.toml"))
-    assert capfd.readouterr().err.count("report: pictures of") == 1
+def test_pictures_of_two_reports_are_drawn_once(drawn):
+    assert drawn[1].count("report: pictures of") == 1
+
+
+def test_page_as_pdf_has_no_warnings(drawn):
+    assert drawn[2] == []

@@ -4,14 +4,13 @@ import os
 import signal
 
 import pytest
-from click.testing import CliRunner
 
 from roof_case import ROOF
 
 pytest.importorskip("pydantic", "2")
 pytest.importorskip("pint")
 
-from fx_membrane.cli import main
+from by_command import said
 from fx_membrane.files.cases import case
 
 IDLE = ROOF.split("[[stages]]", maxsplit=1)[0]
@@ -35,12 +34,6 @@ nodes = [0, 1, 2]
 [[stages]]
 name = "prestress"
 """
-
-
-def said(*arguments):
-    """Exit code and text of a command."""
-    ended = CliRunner().invoke(main, [str(argument) for argument in arguments])
-    return ended.exit_code, ended.output
 
 
 @pytest.mark.parametrize(
@@ -109,6 +102,13 @@ def test_folder_that_no_system_allows_is_told_by_check(folder, words, tmp_path):
     code, told = said("check", tmp_path / "a.toml")
     assert code == (2 if words else 0)
     assert words is None or ("a.toml:77: output.folder: " in told and words in told)
+
+
+def test_file_without_the_ending_of_a_mesh_file_is_told_by_its_name(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.txt").touch()
+    code, told = said("convert", "a.txt", "b.obj")
+    assert (code, told.split(";")[0]) == (2, "'a.txt' has no ending of a mesh file")
 
 
 def test_unit_of_a_file_without_one_is_told_once(tmp_path, monkeypatch):

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import shutil
 from importlib.util import find_spec
 
 import pytest
@@ -11,10 +12,10 @@ pytest.importorskip("pint")
 pytest.importorskip("shapely", "2")
 pytest.importorskip("ezdxf")
 
-
+from by_command import leave_out_pictures, said
 from fx_membrane.plot.proof_pictures import PICTURES
 from fx_membrane.plot.screen import obstacle
-from pattern_case import PATTERNS, case, said
+from pattern_case import PATTERNS, case
 
 
 @pytest.fixture(scope="module")
@@ -22,6 +23,18 @@ def made(tmp_path_factory):
     """Folder of a case whose pattern is made, and what the command said."""
     folder = tmp_path_factory.mktemp("roof")
     return folder, said("patterns", case(folder))
+
+
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Commands without pictures and sheets."""
+    leave_out_pictures(monkeypatch)
+
+
+@pytest.fixture
+def again(made, tmp_path, undrawn):
+    """Copy of the folder whose pattern is made, to work on."""
+    return shutil.copytree(made[0], tmp_path / "again")
 
 
 def test_command_writes_all_files_and_tells_the_proof(made):
@@ -53,7 +66,7 @@ def test_command_writes_all_files_and_tells_the_proof(made):
     assert float(rows[-1]["width [m]"]) == 2.2
 
 
-def test_proof_marks_strips_wider_than_the_roll_without_welds(tmp_path):
+def test_proof_marks_strips_wider_than_the_roll_without_welds(tmp_path, undrawn):
     """Their edges have no allowance, so that they fit with one weld, not with two."""
     narrow = PATTERNS.replace("2.2 m", "2.03 m").replace('border = "50 mm"', "border = 0")
     code, words = said("patterns", case(tmp_path, narrow))
@@ -61,23 +74,21 @@ def test_proof_marks_strips_wider_than_the_roll_without_welds(tmp_path):
     assert "Wider than the roll without allowances, 1.99 m: strip 1, strip 2" in words
 
 
-def test_earlier_pattern_is_replaced_on_demand_only(made):
-    folder, _ = made
-    code, words = said("patterns", folder / "roof.toml")
+def test_earlier_pattern_is_replaced_on_demand_only(again):
+    code, words = said("patterns", again / "roof.toml")
     assert code == 2
     assert "has an earlier cutting pattern; give --overwrite" in words
-    assert said("patterns", folder / "roof.toml", "--overwrite", "--quiet") == (0, "")
+    assert said("patterns", again / "roof.toml", "--overwrite", "--quiet") == (0, "")
 
 
-def test_report_has_a_chapter_on_the_pattern(made):
+def test_report_has_a_chapter_on_the_pattern(again):
     pytest.importorskip("jinja2")
-    folder, _ = made
     pictures = set(PICTURES.values())
     if not find_spec("pyvista") or obstacle():
         pictures = set()
-    assert said("run", folder / "roof.toml", "--quiet")[0] == 0
-    assert said("report", folder / "roof", folder / "report.html")[0] == 0
-    page = (folder / "report.html").read_text()
+    assert said("run", again / "roof.toml", "--quiet")[0] == 0
+    assert said("report", again / "roof", again / "report.html")[0] == 0
+    page = (again / "report.html").read_text()
     assert "<h2>Cutting patterns</h2>" in page
     assert "The cloth of 2 strips, sewn together" in page
     assert page.count("<td>strip 2</td>") == 2
@@ -86,13 +97,13 @@ def test_report_has_a_chapter_on_the_pattern(made):
     assert '<th class="n">Utilisation</th>' in page
     for words in pictures:
         assert f"<figcaption>{words}</figcaption>" in page
-    (folder / "roof" / "patterns" / "proof.json").write_text("{}")
-    code, words = said("report", folder / "roof", folder / "report.html")
+    (again / "roof" / "patterns" / "proof.json").write_text("{}")
+    code, words = said("report", again / "roof", again / "report.html")
     assert code == 2
     assert "is no proof of a cutting pattern" in words
 
 
-def test_commands_know_archives_of_patterns(made, tmp_path):
+def test_commands_know_archives_of_patterns(made, tmp_path, undrawn):
     folder, (_, table) = made
     patterns = folder / "roof" / "patterns"
     code, words = said("show", patterns / "proof.fxm")
@@ -114,7 +125,7 @@ def test_commands_know_archives_of_patterns(made, tmp_path):
     assert "holds a cutting pattern without a proof" in words
 
 
-def test_outlines_move_to_the_nearest_stress(tmp_path):
+def test_outlines_move_to_the_nearest_stress(tmp_path, undrawn):
     """Factors that do not fit the prestress are mended; files, proof and report tell so."""
     pytest.importorskip("jinja2")
     wrong = PATTERNS + "compensation = [0.99, 0.998]\nnearest_stress = true\n"
@@ -136,13 +147,12 @@ def test_outlines_move_to_the_nearest_stress(tmp_path):
     assert "Its outlines were moved towards the stress of the design" in (tmp_path / "report.html").read_text()
 
 
-def test_run_anew_drops_the_proof_of_the_form_before(made):
-    folder, _ = made
-    said("patterns", folder / "roof.toml", "--overwrite", "--quiet")
-    said("run", folder / "roof.toml", "--overwrite", "--quiet")
-    for name in ("proof.json", "proof.txt", "pattern.fxm", "proof.fxm"):
-        assert not (folder / "roof" / "patterns" / name).exists()
-    assert (folder / "roof" / "patterns" / "patterns.dxf").exists()
+def test_run_anew_drops_the_proof_of_the_form_before(again):
+    proof = [again / "roof" / "patterns" / name for name in ("proof.json", "proof.txt", "pattern.fxm", "proof.fxm")]
+    assert all(file.exists() for file in proof)
+    said("run", again / "roof.toml", "--overwrite", "--quiet")
+    assert not any(file.exists() for file in proof)
+    assert (again / "roof" / "patterns" / "patterns.dxf").exists()
 
 
 def test_refused_pattern_leaves_nothing_to_overwrite(tmp_path):
@@ -153,7 +163,7 @@ def test_refused_pattern_leaves_nothing_to_overwrite(tmp_path):
     assert not (tmp_path / "roof" / "patterns").exists()
 
 
-def test_limits_of_the_pattern_decide_the_exit_code(tmp_path):
+def test_limits_of_the_pattern_decide_the_exit_code(tmp_path, undrawn):
     """Factors that do not fit the prestress: told without a limit, an error with one; a strength is always one."""
     wrong = PATTERNS + "compensation = [0.99, 0.998]\n"
     file = case(tmp_path, wrong)

@@ -8,9 +8,10 @@ pytest.importorskip("pint")
 pytest.importorskip("shapely", "2")
 pytest.importorskip("ezdxf")
 
+from by_command import said
 from fx_membrane import prove_pattern
 from fx_membrane.files.cases.case import read_case
-from pattern_case import PATTERNS, case, said
+from pattern_case import PATTERNS, case
 
 
 def test_case_without_patterns_is_refused(tmp_path):

@@ -89,6 +89,15 @@ def test_a_line_in_the_middle_of_a_list_is_one_fault(tmp_path):
     assert [key for _, key, _ in lost] == ["file"]
 
 
+def test_inline_table_over_several_lines_is_one_fault(tmp_path):
+    """Its lines looked like keys of the table around, and its bracket like a fault of its own."""
+    wrapped = 'where = {\n  x = [-2, "200 cm"],  # }\n  y = "-2 m"\n}'
+    found = faults(
+        tmp_path, ('where = { x = [-2, "200 cm"], y = "-2 m" }', wrapped), ("increments = 2", "increments = 2.5")
+    )
+    assert [(line, key) for line, key, _ in found] == [(36, "file"), (55, "stages.1.increments")]
+
+
 def test_form_finding_may_be_a_table_or_a_list(tmp_path):
     for head in ("[form_finding]", "[[form_finding]]"):
         wrong = f'{head}\nmethod = "projected stress"\ntolerance = "1 m"\n\n[solver]'
@@ -110,3 +119,5 @@ def test_lists_of_a_wrong_length_are_told_by_their_key(tmp_path):
         ("stages.1.loads.0.load", "the list has 2 values; give 3"),
         ("stages.1.loads.3.load", "[1, 2, 3, 4]: give 3 values, not 4"),
     ]
+    told = {key: words for _, key, words in faults(tmp_path, ('group = "grid"', "cells = [[0]]"))}
+    assert told["parts.roof.cells"].endswith(" in rows of 3, one row at least, not lists in lists, of lengths 1, 1.")

@@ -1,25 +1,17 @@
 """Commands on results and mesh files, in this process."""
 
 import json
-import logging
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from roof_case import ROOF
 
 pytest.importorskip("pydantic", "2")
 pytest.importorskip("pint")
 
+from by_command import leave_out_pictures, said
 from fx_membrane import load_results
-from fx_membrane.cli import main
-
-
-def said(*arguments):
-    """Exit code and text of a command."""
-    ended = CliRunner().invoke(main, [str(argument) for argument in arguments])
-    return ended.exit_code, ended.output
 
 
 @pytest.fixture(scope="module")
@@ -41,15 +33,6 @@ def test_folder_without_results_is_refused_with_the_way_to_some(folder):
     code, words = said("show", folder)
     assert code == 2
     assert "fx-membrane run" in words
-
-
-def test_report_as_pdf_says_only_that_it_is_written(folder, caplog):
-    pytest.importorskip("weasyprint")
-    pytest.importorskip("jinja2")
-    with caplog.at_level(logging.DEBUG, logger="weasyprint"):
-        assert said("report", folder / "out", folder / "a.pdf")[0] == 0
-    warned = [record for record in caplog.records if record.name == "weasyprint" and record.levelno >= logging.WARNING]
-    assert [record.getMessage() for record in warned] == []
 
 
 def test_one_stage_is_no_stages(tmp_path):
@@ -91,7 +74,7 @@ def test_written_dxf_claims_no_unit(tmp_path):
     assert "is in" not in said("convert", tmp_path / "a.dxf", tmp_path / "b.obj")[1]
 
 
-def test_failed_run_is_told_by_its_table_and_all_its_files(tmp_path):
+def test_failed_run_is_told_by_its_table_and_all_its_files(tmp_path, monkeypatch):
     pytest.importorskip("jinja2")
     later = '\n[[stages]]\nname = "wind"\nafter = "snow"\n'
     text = ROOF.replace("[[stages]]", "[work]\niterations = 8\n\n[[stages]]", 1) + "paraview = false\n"
@@ -109,6 +92,7 @@ def test_failed_run_is_told_by_its_table_and_all_its_files(tmp_path):
     assert "FAIL  wind: not computed" in shown
     rows = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))["unfinished"]
     assert [(row["verdict"], row["check"]) for row in rows] == [("FAIL", words), ("FAIL", "wind: not computed")]
+    leave_out_pictures(monkeypatch)
     assert said("report", tmp_path / "out", tmp_path / "roof.html")[0] == 0
     page = (tmp_path / "roof.html").read_text(encoding="utf-8")
     assert f'<p class="verdict FAIL">The run is incomplete: {words}; wind: not computed.' in page

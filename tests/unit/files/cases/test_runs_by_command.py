@@ -6,24 +6,17 @@ import re
 from types import SimpleNamespace
 
 import pytest
-from click.testing import CliRunner
 
 from roof_case import ROOF
 
 pytest.importorskip("pydantic", "2")
 pytest.importorskip("pint")
 
+from by_command import leave_out_pictures, said
 from fx_membrane import load_results
-from fx_membrane.cli import main
+from fx_membrane.plot import windows
 
 PLAIN = ROOF + "paraview = false\n"
-
-
-def said(*arguments):
-    """Exit code and text of a command."""
-    ended = CliRunner().invoke(main, [str(argument) for argument in arguments])
-    assert ended.exception is None or isinstance(ended.exception, SystemExit)
-    return ended.exit_code, ended.output
 
 
 @pytest.fixture
@@ -119,9 +112,11 @@ def test_failed_stage_shows_the_stages_before_it(roof):
     assert list(load_results("out/results.fxm")) == ["lift"]
 
 
-def test_pictures_and_reports_are_written(roof):
+def test_pictures_and_reports_are_written(roof, monkeypatch):
     pytest.importorskip("pyvista")
     pytest.importorskip("jinja2")
+    leave_out_pictures(monkeypatch)  # of the report
+    monkeypatch.setattr(windows, "LONGER", 200)
     wanted = 'pictures = ["displacement", "principal stress I", "axial force"]\nreport = ["html"]\nmesh = ["obj"]\n'
     (roof / "roof.toml").write_text(PLAIN + wanted)
     assert said("run", "roof.toml", "--quiet")[0] == 0
@@ -198,7 +193,7 @@ def test_form_of_another_case_is_not_taken_over(roof):
     assert load_results("out/form.fxm").points.shape == found.shape
 
 
-def test_limits_of_a_case_are_in_the_table_in_its_archive_and_in_the_report(roof):
+def test_limits_of_a_case_are_in_the_table_in_its_archive_and_in_the_report(roof, monkeypatch):
     limits = '[limits]\ndisplacement = "1 mm"\nstress = { roof = "50 kN/m" }\nforce = { "edge, left" = 500 }\n[solver]'
     (roof / "roof.toml").write_text(PLAIN.replace("[solver]", limits))
     code, words = said("run", "roof.toml")
@@ -209,6 +204,7 @@ def test_limits_of_a_case_are_in_the_table_in_its_archive_and_in_the_report(roof
     assert "PASS  utilisation of 'edge, left'" in words
     assert "FAIL  displacement" in said("show", "out")[1]
     pytest.importorskip("jinja2")
+    leave_out_pictures(monkeypatch)
     assert said("report", "out", "a.html")[0] == 0
     page = (roof / "a.html").read_text()
     assert "Design: limits are exceeded, by displacement in " in page

@@ -1,13 +1,12 @@
 """Cases that end with a form: their table, their files, and what the commands say to them."""
 
 import pytest
-from click.testing import CliRunner
 
 pytest.importorskip("pydantic", "2")
 pytest.importorskip("pint")
 
+from by_command import said
 from fx_membrane import load_results, structure_from_file
-from fx_membrane.cli import main
 
 CASE = """
 format = 1
@@ -20,12 +19,6 @@ supports = [{ rim_of = "grid" }]
 form_finding = { method = "updated reference" }
 output = { mesh = ["obj"], report = ["html"] }
 """
-
-
-def said(*arguments):
-    """Exit code and text of a command."""
-    ended = CliRunner().invoke(main, [str(argument) for argument in arguments])
-    return ended.exit_code, ended.output
 
 
 @pytest.fixture

@@ -5,25 +5,18 @@ import signal
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from roof_case import ROOF
 
 pytest.importorskip("pydantic", "2")
 pytest.importorskip("pint")
 
+from by_command import leave_out_pictures, said
 from fx_membrane import load_results
-from fx_membrane.cli import main
 from fx_membrane.files.cases import run
 from fx_membrane.files.unfinished_run import KeptStates
 
 CASE = ROOF.replace("increments = 2", "increments = 4") + "paraview = false\n[limits]\ndisplacement = 1\n"
-
-
-def said(*arguments):
-    """Exit code and text of a command."""
-    ended = CliRunner().invoke(main, [str(argument) for argument in arguments])
-    return ended.exit_code, ended.output
 
 
 def stopped(monkeypatch, stage, by):
@@ -59,6 +52,7 @@ def test_stopped_run_can_be_shown_and_goes_on(by, code, words, tmp_path, monkeyp
     assert "FAIL  snow: stopped at load factor 0.5" in told
     assert "displacement" in told  # the limit of the case
     pytest.importorskip("jinja2")
+    leave_out_pictures(monkeypatch)
     assert said("report", tmp_path / "out", tmp_path / "a.html")[0] == 0
     assert "The run is incomplete: snow: stopped at load factor 0.5" in (tmp_path / "a.html").read_text(
         encoding="utf-8"

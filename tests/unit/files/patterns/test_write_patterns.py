@@ -12,6 +12,7 @@ import pytest
 
 from cone_gores import cone_gores
 from fx_membrane import Allowances, LengthUnitWarning, cut_pieces, laid_on_roll, write_patterns
+from fx_membrane.files.patterns import write
 from fx_membrane.files.patterns.sheet_plans import Head
 from fx_membrane.geometry.length_units import METRES
 
@@ -22,6 +23,12 @@ ALLOWANCES = Allowances(seam=0.03, border=0.08)
 @pytest.fixture(scope="module")
 def pattern():
     return cone_gores(12, copies=True)
+
+
+@pytest.fixture
+def empty_pdf(monkeypatch):
+    """Leave the sheets of the PDF out, which are those of the SVG in the same folder."""
+    monkeypatch.setattr(write, "write_pdf", lambda pieces, sheets, file, *_: file.touch())
 
 
 def area(points):
@@ -65,7 +72,7 @@ def test_drawing_of_a_pattern_in_feet_is_in_millimetres(pattern, tmp_path):
     assert area(sewn.get_points("xy")) == pytest.approx(wanted, rel=1e-9)
 
 
-def test_names_of_users_are_texts_in_every_file(tmp_path):
+def test_names_of_users_are_texts_in_every_file(tmp_path, empty_pdf):
     ezdxf = pytest.importorskip("ezdxf")
     pattern = cone_gores(3, names="=$Süd%%c^J <{}>\n")
     write_patterns(pattern, tmp_path / "out", project="=SUM(A1) & <b>")
@@ -92,7 +99,7 @@ def outline(file, name):
     return points[:-1] if np.allclose(points[0], points[-1]) else points
 
 
-def test_sheet_is_to_scale_with_its_title_block(pattern, tmp_path):
+def test_sheet_is_to_scale_with_its_title_block(pattern, tmp_path, empty_pdf):
     write_patterns(pattern, tmp_path / "out", ALLOWANCES, project="Cone", material="PVC II", date="2026-03-01")
     (sheet,) = (tmp_path / "out" / "sheets").iterdir()
     words = texts(sheet)
@@ -108,14 +115,15 @@ def test_sheet_is_to_scale_with_its_title_block(pattern, tmp_path):
     assert float(root.get("width").removesuffix("pt")) * 25.4 / 72 == pytest.approx(420, abs=1e-3)
 
 
-def test_sheet_of_a_narrow_strip_names_its_edges_outside(tmp_path):
+def test_sheet_of_a_narrow_strip_names_its_edges_outside(tmp_path, empty_pdf):
     """At 1:100 texts within a strip of 0.2 m could not be read; numbers of all marks and edges are beside it."""
-    write_patterns(cone_gores(60, copies=True), tmp_path / "out", scale=100)
+    narrow = cone_gores(60, copies=True)
+    write_patterns(narrow, tmp_path / "out", scale=100)
     (sheet,) = (tmp_path / "out" / "sheets").iterdir()
     found = texts(sheet)
     assert {"seam 1 / gore 60", "seam 2 / gore 2", "base 1", "ring 1 / ring"} <= set(found)
     assert found.count("1") >= 2
-    write_patterns(cone_gores(60, copies=True), tmp_path / "roll.svg", roll_width=3.0, scale=100, paper="A0")
+    write_patterns(narrow, tmp_path / "roll.svg", roll_width=3.0, scale=100, paper="A0")
     assert "seam 1 / gore 60" not in texts(tmp_path / "roll.svg")  # there it would cross other strips
 
 
@@ -191,7 +199,7 @@ def test_files_of_equal_patterns_are_equal(pattern, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["roof.v2", "2026.03", "Dach.Süd", "cone.dxf", "a.b/c.d"])
-def test_folders_may_have_dots(pattern, tmp_path, name):
+def test_folders_may_have_dots(pattern, tmp_path, name, empty_pdf):
     if name == "cone.dxf":
         (tmp_path / name).mkdir()  # a folder that is there is one
     write_patterns(pattern, tmp_path / name)
@@ -199,7 +207,7 @@ def test_folders_may_have_dots(pattern, tmp_path, name):
     assert files == {"patterns.dxf", "patterns.pdf", "strips.csv", "strips_sides.csv", "sheets"}
 
 
-def test_path_that_ends_with_a_slash_is_a_folder(pattern, tmp_path):
+def test_path_that_ends_with_a_slash_is_a_folder(pattern, tmp_path, empty_pdf):
     write_patterns(pattern, f"{tmp_path}/plans.csv/")
     assert (tmp_path / "plans.csv" / "strips.csv").is_file()
 

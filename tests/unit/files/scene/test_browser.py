@@ -43,11 +43,17 @@ def browser(tmp_path_factory, address):
 def page(browser, address):
     """Open a small page, since each point costs without a graphics card; in the end it has neither asked nor failed."""
     browser.size(400, 500)
+    if browser.run("location.href.split('#')[0]") != address:
+        browser.requests.clear()
+        browser.open(address)
     browser.run("document.getElementById('more').open = false; figure.scrollIntoView()")
     yield browser
     assert browser.messages == []
     asked = {request.split("#")[0] for request in browser.requests if not request.startswith("data:")}
     assert asked == {address}
+
+
+KINDS = ("displacement z", "state", "stress along warp", "force")  # of nodes, texts, membranes, bars
 
 
 def expected(state):
@@ -75,10 +81,11 @@ def expected(state):
 
 def test_every_stage_and_field_shows_the_least_and_largest_value(page, found):
     fields = json.loads(page.run("JSON.stringify(scene.fields.map((field) => field.name))"))
+    last = list(found)[-1]
     for stage, state in found.items():
         values = expected(state)
         assert set(fields) == set(values)
-        for field in fields:
+        for field in fields if stage == last else KINDS:  # each takes the browser a third of a second
             wanted = urllib.parse.urlencode({"stage": stage, "field": field})
             shown = page.change(f"location.hash = {json.dumps(wanted)}")
             assert (shown["stage"], shown["field"]) == (stage, field)
@@ -175,20 +182,6 @@ def test_parts_and_marks_are_shown_and_hidden(page):
     assert page.run(names) == every
 
 
-def test_directions_in_which_all_nodes_are_held_have_no_marks(tmp_path):
-    """A strip that is plane across, as a roof in the rain, was covered by the marks of all its nodes."""
-    points, triangles = rectangle(4.0, 0.1, 20, 1)
-    ends = np.flatnonzero(np.abs(points[:, 0]) == 2)
-    strip = Structure(
-        points, {"roof": Membrane(triangles, Fabric(5e5, 0.3), 1e3)}, [Support(ends, "xz"), Support(range(42), "y")]
-    )
-    write_scene(strip, tmp_path / "strip.html")
-    with chromium.page(tmp_path / "profile") as page:
-        page.open((tmp_path / "strip.html").as_uri())
-        marked = page.run("Array.from(drawn.find(({trace}) => trace.uid === 'supports').owner.held)")
-    assert marked == ends.tolist()
-
-
 def test_pointer_tells_the_values_of_cell_and_node(page, found):
     state = found["snow"]
     page.change("location.hash = 'stage=snow&field=principal+stress+I'")
@@ -282,3 +275,16 @@ def test_middle_of_a_symmetric_range_is_zero(page):
     })"""
     assert page.run(f"{shown}(-0.01205, 0.01205 + 5.2e-18)") == ["-0.01205", "0", "0.01205"]
     assert page.run(f"{shown}(2e-6, 4e-6)") == ["2e-6", "3e-6", "4e-6"]
+
+
+def test_directions_in_which_all_nodes_are_held_have_no_marks(browser, tmp_path):
+    """A strip that is plane across, as a roof in the rain, was covered by the marks of all its nodes."""
+    points, triangles = rectangle(4.0, 0.1, 20, 1)
+    ends = np.flatnonzero(np.abs(points[:, 0]) == 2)
+    strip = Structure(
+        points, {"roof": Membrane(triangles, Fabric(5e5, 0.3), 1e3)}, [Support(ends, "xz"), Support(range(42), "y")]
+    )
+    write_scene(strip, tmp_path / "strip.html")
+    browser.open((tmp_path / "strip.html").as_uri())
+    marked = browser.run("Array.from(drawn.find(({trace}) => trace.uid === 'supports').owner.held)")
+    assert marked == ends.tolist()
