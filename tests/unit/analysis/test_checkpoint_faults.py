@@ -187,7 +187,7 @@ def test_bit_that_turned_over_is_refused_or_without_effect(path):
     whole = path.read_bytes()
     random = np.random.default_rng(1)
     refused = 0
-    for position in random.integers(8 * len(whole), size=300):
+    for position in random.integers(8 * len(whole), size=100):
         content = bytearray(whole)
         content[position // 8] ^= 1 << position % 8
         path.write_bytes(content)
