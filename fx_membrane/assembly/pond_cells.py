@@ -5,11 +5,12 @@ Each process sums over cells of its own. The integrals are exact, see `geometry.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
@@ -45,16 +46,19 @@ class Water(NamedTuple):
 DRY = Water(-np.inf, 0.0, 0.0, False)
 
 
-class Places(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Places:
     """Shape of the cells of this process.
 
     Attributes:
         corners: Corners of the cells, shape (cells, 3, 3) [m].
         exits: Heights of all outlets, shape (k,) [m].
+        known: Water of the amounts that were asked for; of an infinite one that up to the lowest outlet.
     """
 
     corners: Array
     exits: Array
+    known: dict[float, Water] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +76,7 @@ class PondCells:
     triangles: NDArray[np.int64]
     outlets: NDArray[np.int64]
     rim: float = np.inf
+    _last: list[Places] = field(default_factory=list, repr=False)
 
     @cached_property
     def _cells(self) -> tuple[NodeValues, NDArray[np.intp], NDArray[np.intp]]:
@@ -84,13 +89,24 @@ class PondCells:
         return NodeValues(self.discretization, nodes), places[: own.size].reshape(-1, 3), places[own.size :]
 
     def places(self, x: PETSc.Vec) -> Places:
-        """Shape for a displacement."""
+        """Shape for a displacement; the last one, with its known water, if no node has moved since."""
         nodes, cells, exits = self._cells
         positions = nodes.positions(x)
-        return Places(np.asarray(positions[cells]), positions[exits, 2])
+        corners, heights = np.asarray(positions[cells]), positions[exits, 2]
+        for last in self._last:
+            same = np.array_equal(corners, last.corners) and np.array_equal(heights, last.exits)
+            if self.discretization.comm.allreduce(same, MPI.LAND):
+                return last
+        self._last[:] = [Places(corners, heights)]
+        return self._last[0]
 
     def full(self, at: Places) -> Water:
         """Water up to the lowest outlet; none of infinite volume if there is no outlet."""
+        if np.inf not in at.known:
+            at.known[np.inf] = self._full(at)
+        return at.known[np.inf]
+
+    def _full(self, at: Places) -> Water:
         lowest = float(at.exits.min(initial=np.inf))
         cap = min(lowest, self.rim)
         if not np.isfinite(cap):
@@ -106,6 +122,11 @@ class PondCells:
 
     def holding(self, at: Places, amount: float) -> Water:
         """Water of an amount, of which what is above the lowest outlet runs off [m3]."""
+        if amount not in at.known:
+            at.known[amount] = self._holding(at, amount)
+        return at.known[amount]
+
+    def _holding(self, at: Places, amount: float) -> Water:
         if not (amount > 0 and np.isfinite(self.sum(at.corners))):
             return DRY
         full = self.full(at)

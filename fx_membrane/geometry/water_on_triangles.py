@@ -41,23 +41,26 @@ def wet_parts(depths: Array) -> Wet:
 
     A corner at the level counts as wet: a level sheet that is just full carries water.
     """
-    count = len(depths)
-    above = depths < 0
-    wet = ~above
-    lone = (above.sum(axis=1) == 1) | (wet.sum(axis=1) == 1)
-    whole = ~lone & wet.all(axis=1)
+    count, above = len(depths), depths < 0
+    whole = ~above.any(axis=1)
     area, first, second = whole.astype(np.float64), np.zeros((count, 3)), np.zeros((count, 3, 3))
     first[whole], second[whole] = 1 / 3, MOMENTS
-    cut = np.flatnonzero(lone)
+    cut, is_dry, corner = _cut(above)
     if len(cut):
-        is_dry = above[cut].sum(axis=1) == 1
-        corner = np.where(is_dry, above[cut].argmax(axis=1), wet[cut].argmax(axis=1))
         share, one, two = _tip(depths[cut], corner)
         sign = np.where(is_dry, -1.0, 1.0)
         area[cut] = is_dry + sign * share
         first[cut] = is_dry[:, None] / 3 + sign[:, None] * one
         second[cut] = is_dry[:, None, None] * MOMENTS + sign[:, None, None] * two
     return Wet(area, first, second)
+
+
+def _cut(above: NDArray[np.bool_]) -> tuple[NDArray[np.intp], NDArray[np.bool_], NDArray[np.intp]]:
+    """Triangles that the water line cuts, whether the corner that it cuts off is dry, and that corner."""
+    dry = above.sum(axis=1)
+    cut = np.flatnonzero((dry == 1) | (dry == 2))
+    is_dry = dry[cut] == 1
+    return cut, is_dry, (above[cut] == is_dry[:, None]).argmax(axis=1)
 
 
 def _tip(depths: Array, corner: NDArray[np.intp]) -> tuple[Array, Array, Array]:
@@ -93,9 +96,18 @@ def _plan_gradients(corners: Array) -> Array:
 
 def volumes(corners: Array, level: float) -> tuple[Array, Array]:
     """Volume of the water above each triangle [m3], and its wet area in plan [m2], both of shape (cells,)."""
-    depths = level - corners[:, :, 2]
-    wet, area = wet_parts(depths), plan_areas(corners)
-    return area * np.einsum("ni,ni->n", wet.first, depths), area * wet.area
+    area, depths = plan_areas(corners), level - corners[:, :, 2]
+    above = depths < 0
+    wet = (~above.any(axis=1)).astype(np.float64)
+    mean = wet * depths.sum(axis=1) / 3
+    cut, is_dry, corner = _cut(above)
+    at, share = depths[cut, corner], np.ones(len(cut))
+    for k in (1, 2):
+        share *= at / (at - depths[cut, (corner + k) % 3])
+    sign = np.where(is_dry, -1.0, 1.0)
+    wet[cut] = is_dry + sign * share
+    mean[cut] = is_dry * depths[cut].sum(axis=1) / 3 + sign * share * at / 3  # on the water line there is no depth
+    return area * mean, area * wet
 
 
 def volume_gradients(corners: Array, level: float) -> Array:

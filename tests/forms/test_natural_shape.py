@@ -12,7 +12,6 @@ from fx_membrane import (
     Mast,
     Membrane,
     MooneyRivlin,
-    NeoHooke,
     OrthotropicFabric,
     Structure,
     Support,
@@ -30,7 +29,6 @@ A = np.array([[0.97, 0.012], [0.012, 1.02]])
 SHEETS = {
     "isotropic": Fabric(1e3, 0.3),
     "woven": OrthotropicFabric(1e3, 6e2, 0.2, 3e2),
-    "neo-Hooke": NeoHooke(400.0),
     "Mooney-Rivlin": MooneyRivlin(150.0, 30.0),
     "own": Foil(1e3),
 }

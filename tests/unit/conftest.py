@@ -1,11 +1,16 @@
 """Fixtures of several unit tests."""
 
 import os
+import subprocess
+import sys
+from collections import OrderedDict
 
+import ffcx.codegeneration.jit
 import pytest
 from mpi4py import MPI
 
 from fx_membrane import Analysis
+from fx_membrane.runtime import jit_cache
 from models import sheet
 
 
@@ -15,17 +20,26 @@ def analysis():
     return Analysis(sheet())
 
 
-@pytest.fixture(scope="session")
-def own_cache(tmp_path_factory):
-    """Environment with a cache that begins cold; scripts that count compiled forms share it and compile new ones.
+@pytest.fixture
+def compiled_code(monkeypatch):
+    """Run a script, with no code in memory, and return how many forms, by name, each of its calls `count()` has seen.
 
-    They ask for no speed: the compiler takes a third of its time without optimization.
+    A second process without a compiler then runs the script, too: it finds all code on the disk.
     """
-    folder = tmp_path_factory.mktemp("cache")
-    compiler = folder / "cc"
-    compiler.write_text('#!/bin/sh\nexec gcc "$@" -O0\n')
-    compiler.chmod(0o755)
-    return os.environ | {"XDG_CACHE_HOME": str(folder), "CC": str(compiler)}
+
+    def run(script):
+        names, counts, find = set(), [], ffcx.codegeneration.jit.get_cached_module
+        monkeypatch.setattr(jit_cache, "_loaded", OrderedDict())
+        monkeypatch.setattr(
+            ffcx.codegeneration.jit, "get_cached_module", lambda name, *args: names.add(name) or find(name, *args)
+        )
+        exec(script, {"__name__": "script", "count": lambda: counts.append(len(names))})
+        again = [sys.executable, "-c", "count = bool\n" + script]
+        done = subprocess.run(again, env=os.environ | {"CC": "nocc"}, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        return counts
+
+    return run
 
 
 @pytest.fixture

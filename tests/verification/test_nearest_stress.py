@@ -97,12 +97,12 @@ def on_a_line(inner, outer, height, radial, tangential, cells=100):
 
 
 @pytest.mark.study
-@pytest.mark.parametrize(("radial", "tangential"), [(4e3, 2e3), (3e3, 3e3)])
-def test_nearest_stress_about_an_axis(radial, tangential, verified):
+@pytest.mark.parametrize(("radial", "tangential", "coarsest"), [(4e3, 2e3, 4), (3e3, 3e3, 5)])
+def test_nearest_stress_about_an_axis(radial, tangential, coarsest, verified):
     # The second, an isotropic wish, has no soap film between these rings: it is not exact either.
     area, mean = on_a_line(2.0, 7.0, 5.0, radial / 1e3, tangential / 1e3)
     areas, means = [], []
-    for n in (6, 12, 24):
+    for n in (coarsest, 2 * coarsest, 4 * coarsest):
         structure = rings(n, circle(2.0), circle(7.0), 5.0, prestress=(radial, tangential))
         form = prescribed_stress(structure, warp={"film": RadialDirection()}, tolerance=1e-5)
         assert form.converged
@@ -121,7 +121,7 @@ def test_wish_that_is_exact_is_met_with_second_order():
         return np.stack([2e3 / r + 2e3, np.full_like(r, 2e3)], axis=1)
 
     errors = []
-    for n in (6, 12, 24):
+    for n in (4, 8, 16):
         structure = rings(n, circle(2.0), circle(7.0), 3.0, prestress=(2e3, 1e3))
         form = prescribed_stress(
             structure, stress={"film": about_axis}, warp={"film": RadialDirection()}, tolerance=1e-6
@@ -135,7 +135,7 @@ def test_wish_that_is_exact_is_met_with_second_order():
 
 def test_catenoid():
     neck, errors, areas = 9.10737994, [], []
-    for n in (8, 16, 32):
+    for n in (4, 8, 16):
         structure = rings(n, circle(10.0), circle(10.0), 0.0, Fabric(1e3, 0.3), 2.0, levels=lambda share: 8 * share - 4)
         form = prescribed_stress(structure, tolerance=1e-6)
         middle = form.points[n // 2 * 4 * n : (n // 2 + 1) * 4 * n]
@@ -147,7 +147,7 @@ def test_catenoid():
 
 def test_round_robin_example_1():
     areas = []
-    for n in (6, 12, 24):
+    for n in (4, 8, 16):
         structure = rings(n, circle(2.0), square(7.0), 5.0, prestress=(4e3, 2e3))
         form = prescribed_stress(structure, warp={"film": RadialDirection()}, tolerance=1e-5)
         assert form.converged
@@ -156,7 +156,7 @@ def test_round_robin_example_1():
         state = Analysis(form.structure).run([Stage("form")])["form"]
         assert np.abs(state.displacement).max() < 1e-12 * 14
     # The same from a mesh lifted as a cone.
-    lifted = rings(12, circle(2.0), square(7.0), 5.0, prestress=(4e3, 2e3), levels=lambda share: 5 * (1 - share))
+    lifted = rings(8, circle(2.0), square(7.0), 5.0, prestress=(4e3, 2e3), levels=lambda share: 5 * (1 - share))
     again = prescribed_stress(lifted, warp={"film": RadialDirection()}, tolerance=1e-5)
     assert again.steps[-1].area == pytest.approx(areas[1], rel=abs(areas[2] - areas[1]) / areas[1])
     assert np.log2((areas[1] - areas[0]) / (areas[2] - areas[1])) == pytest.approx(2, abs=0.5)

@@ -112,7 +112,7 @@ def test_stability_knows_water_that_runs_into_the_next_basin(terraces):
 
 def test_path_goes_on_over_the_ridges(terraces):
     """A path spills, too: its end is that of a stage."""
-    more = Stage("more", [Pond("roof", rain=0.002)], after="rain")
+    more = Stage("more", [Pond("roof", rain=2e-4)], after="rain")
     path = equilibrium_path(terraces, more)
     end = Analysis(terraced_roof(), progress=False).run([OWN_WEIGHT, RAIN, more])["more"]
     np.testing.assert_allclose(path.points[-1].displacement, end.displacement, atol=1e-8)

@@ -6,28 +6,26 @@ import shutil
 import subprocess
 import sys
 
-import numpy as np
 import pytest
 
 from fx_membrane.runtime.number_locale import decimal_point
 
 SCRIPT = """
 import locale
-import sys
 
 import numpy as np
 
 from fx_membrane import *
 
-if len(sys.argv) > 1:
-    locale.setlocale(locale.LC_ALL, "de_DE.UTF-8")
 points, triangles = rectangle(1.0, 1.0, 4, 4)
 edges = edges_where(points, triangles, lambda x: np.isclose(x[0], 0.0))
 parts = {"fabric": Membrane(triangles, Fabric(1e5, 0.3), 1e3, mass=1.5), "cable": Cable(edges, 1e6, 1e3)}
 structure = Structure(points, parts, [Support(np.unique(boundary_edges(triangles)))])
-snow = Analysis(structure).run([Stage("snow", [DistributedLoad((0, 0, -10.5), "fabric")])])["snow"]
-print(*snow.displacement.ravel(), *natural_frequencies(snow, 2).frequencies, stability(snow).negative)
-print(locale.localeconv()["decimal_point"])
+for name in ("C", "de_DE.UTF-8"):
+    locale.setlocale(locale.LC_ALL, name)
+    snow = Analysis(structure).run([Stage("snow", [DistributedLoad((0, 0, -10.5), "fabric")])])["snow"]
+    print(*snow.displacement.ravel(), *natural_frequencies(snow, 2).frequencies, stability(snow).negative)
+    print(locale.localeconv()["decimal_point"])
 """
 
 
@@ -47,18 +45,13 @@ def german(tmp_path_factory):
     return environment
 
 
-def run(environment, *arguments):
-    command = [sys.executable, "-c", SCRIPT, *arguments]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    numbers, point = done.stdout.splitlines()
-    return np.array(numbers.split(), dtype=float), point
-
-
 def test_same_numbers_with_a_decimal_comma(german):
-    (expected, point), (found, comma) = run(german), run(german, "comma")
+    done = subprocess.run([sys.executable, "-c", SCRIPT], env=german, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    expected, point, found, comma = done.stdout.splitlines()
     assert (point, comma) == (".", ",")
-    np.testing.assert_array_equal(found, expected)
+    assert len(expected.split()) == 3 * 25 + 3
+    assert found == expected
 
 
 def test_locale_is_restored_after_an_error():

@@ -26,7 +26,7 @@ def environment(tmp_path):
     """Cold cache, and a compiler that does not end as long as the file `slow` is there."""
     compiler = tmp_path / "cc"
     compiler.write_text(
-        f'#!/bin/sh\ntouch "{tmp_path}/begun"\nwhile [ -e "{tmp_path}/slow" ]; do sleep 0.1; done\nexec gcc "$@"\n'
+        f'#!/bin/sh\ntouch "{tmp_path}/begun"\nwhile [ -e "{tmp_path}/slow" ]; do sleep 0.1; done\nexec gcc "$@" -O0\n'
     )
     compiler.chmod(0o755)
     return {**os.environ, "XDG_CACHE_HOME": str(tmp_path / "cache"), "CC": str(compiler)}
