@@ -22,7 +22,7 @@ def analysis():
 
 @pytest.fixture
 def compiled_code(monkeypatch):
-    """Run a script, with no code in memory, and return how many forms, by name, each of its calls `count()` has seen.
+    """Run a script with no code in memory; return the number of forms, by name, that each call of `count()` has seen.
 
     A second process without a compiler then runs the script, too: it finds all code on the disk.
     """
