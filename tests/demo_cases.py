@@ -35,7 +35,8 @@ def check_case(name, expected, folder=CASES):
     structure = form.structure if form else case.structure
     found = Analysis(structure, case.solver, limit=case.work, progress=False).run(case.stages_of(structure))
     assert list(found) == list(expected)
-    if MPI.COMM_WORLD.size == 1:
+    exact = tuple(map(int, version("pint").split(".")[:2])) >= (0, 25)  # older ones round 30000 ksi in kip/in2
+    if MPI.COMM_WORLD.size == 1 and exact:
         assert structure == next(iter(expected.values())).structure
     for stage, state in expected.items():
         near(found[stage].structure.points, state.structure.points)

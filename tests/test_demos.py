@@ -118,6 +118,8 @@ def test_demo(name, pictures, tmp_path, monkeypatch, capsys):
     """With pictures on one process, where pyvista is installed; on several, and without pyvista, the numbers alone."""
     if pictures != (HAS_PYVISTA and MPI.COMM_WORLD.size == 1):
         pytest.skip("runs with pictures on one process, without on several")
+    if name == "patterns":
+        pytest.importorskip("potpourri3d")
     monkeypatch.chdir(tmp_path)
     small = MPI.COMM_WORLD.size > 1  # without the pavilion for all solvers: thousands of steps, each of many messages
     options = ["--small"] * small + ["--no-pictures"] * (not pictures)

@@ -22,6 +22,7 @@ SHOWN = {
 # Packages that Debian does not have, or that are optional.
 NEEDS = {"ParaViewSeries": "pyvista", "cut_strips": "potpourri3d", "geodesic": "potpourri3d", "write_scene": "plotly"}
 NEEDS |= {"seams_between": "potpourri3d", "warp_along": "potpourri3d", "with_copies": "potpourri3d"}
+NEEDS["GeodesicDirection"] = "potpourri3d"
 NEEDS |= dict.fromkeys(NAMES_OF_PICTURES, "pyvista")
 
 

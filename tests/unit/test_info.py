@@ -93,9 +93,9 @@ def test_optional_packages_are_listed_with_their_use(monkeypatch):
 
 
 def test_gmsh_tells_its_version_itself():
-    """Debian's gmsh has no metadata of a distribution."""
+    """The gmsh of Debian 12 has no metadata of a distribution."""
     gmsh = pytest.importorskip("gmsh")
-    assert info()["gmsh"] == gmsh.__version__
+    assert info()["gmsh"].startswith(gmsh.__version__)  # metadata of Debian 13 add ".dev1"
 
 
 def test_reader_that_has_gone_is_no_crash():

@@ -68,6 +68,8 @@ def test_checkpoint(tmp_path):
 
 
 def test_report_and_scene_tell_the_gas_of_each_stage(tmp_path):
+    pytest.importorskip("jinja2")
+    pytest.importorskip("plotly")
     states = run(INFLATE, SEAL)
     write_report(states, tmp_path / "gas.html", pictures=False)
     page = (tmp_path / "gas.html").read_text(encoding="utf-8")

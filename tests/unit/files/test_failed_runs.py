@@ -63,6 +63,8 @@ def test_tables_and_screen_have_it(error, name, tmp_path):
 
 
 def test_report_and_scene_of_the_archive_show_it_with_the_reason(error, name, tmp_path):
+    pytest.importorskip("jinja2")
+    pytest.importorskip("plotly")
     save_results(error.results, tmp_path / "roof.fxm")
     results = load_results(tmp_path / "roof.fxm")
     write_report(results, tmp_path / "roof.html")

@@ -21,6 +21,8 @@ from fx_membrane.geometry.sizes import normals
 from unit.form_finding.test_seams import halves
 from wished_films import canopy, cone
 
+pytest.importorskip("potpourri3d")
+
 pytestmark = pytest.mark.filterwarnings("ignore::fx_membrane.LargeStrainWarning")
 
 

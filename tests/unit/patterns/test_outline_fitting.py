@@ -156,6 +156,7 @@ def test_decompensated_edges_are_kept(strips):
 
 
 def test_differences_of_seams_are_kept():
+    pytest.importorskip("potpourri3d")
     points, triangles = rectangle(8.0, 6.0, 8, 6)
     points[:, 2] = points[:, 0] * points[:, 1] / 12.0
     film = Membrane(triangles, Fabric(5e5, 0.3), 2e3)

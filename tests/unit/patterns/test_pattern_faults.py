@@ -28,6 +28,8 @@ from fx_membrane import (
 from fx_membrane.patterns.cut_lines import load_shapely
 from fx_membrane.patterns.strips import Edge, Strips
 
+pytest.importorskip("potpourri3d")
+
 
 def roof(bend=lambda points: points, prestress=2e3, without=()):
     points, triangles = rectangle(8.0, 6.0, 8, 6)

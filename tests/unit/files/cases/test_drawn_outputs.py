@@ -25,6 +25,8 @@ report = ["html", "pdf"]
 @pytest.fixture(scope="module")
 def drawn(tmp_path_factory):
     """Folder of a run, its words on stderr, and warnings of weasyprint."""
+    for package in ("plotly", "jinja2", "weasyprint"):
+        pytest.importorskip(package)
     folder = tmp_path_factory.mktemp("roof")
     (folder / "roof.toml").write_text(ROOF + OUTPUTS, encoding="utf-8")
     handler = logging.handlers.BufferingHandler(1000)

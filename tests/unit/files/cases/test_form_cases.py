@@ -188,6 +188,7 @@ WOVEN = TENT.replace("prestress = 2 }", "prestress = [3, 2], warp = [1, 0, 0] }"
 
 
 def test_geodesics_reach_the_method_as_pairs_of_nodes(tmp_path):
+    pytest.importorskip("potpourri3d")
     text = """
         [form_finding]
         method = "prescribed stress"

@@ -40,6 +40,7 @@ from same_data import same
 @pytest.fixture(scope="module")
 def proof():
     """Prove the pattern of a low vault of four strips, two of them copies, by the units of its form."""
+    pytest.importorskip("potpourri3d")
     points, triangles = rectangle(6.0, 4.0, 9, 6)
     points[:, 2] = 0.02 * (36 - 4 * points[:, 0] ** 2) * (1 - points[:, 1] ** 2 / 4)
     rim = Support(np.unique(boundary_edges(triangles)))

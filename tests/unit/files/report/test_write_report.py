@@ -205,9 +205,11 @@ def test_each_table_of_a_stage_has_its_name_in_its_head(results, tmp_path):
 
 def test_letters_without_a_font_are_told_once(results, tmp_path, caplog):
     try:
-        import weasyprint  # noqa: F401, PLC0415
+        import weasyprint  # noqa: PLC0415
     except (ImportError, OSError) as error:
         pytest.skip(str(error).splitlines()[0])
+    if int(weasyprint.__version__.split(".")[0]) < 63:
+        pytest.skip("this weasyprint leaves letters without a font out, without a word")
     odd = "\U0001d300\ue123"  # the second is for private use: no font has it
     with pytest.warns(UserWarning, match=r"No font of this machine has .* letters? of names .*: the PDF shows boxes"):
         write_report(renamed(results, [odd, odd * 2]), tmp_path / "r.pdf", pictures=False)
