@@ -32,13 +32,12 @@ def reason(structure, stages, solver=Newton()):
     return str(error.value).split("): ", 1)[1]
 
 
-@pytest.mark.parametrize("unit", [1.0, 1e-3], ids=["N", "kN"])
-def test_mast_whose_guys_are_slack_bears_no_load(unit):
-    """The third guy is missing, the prestress of the others goes."""
+def test_mast_whose_guys_are_slack_bears_no_load():
+    """The third guy is missing, the prestress of the others goes; forces are in kN."""
     points = [[0, 0, 0], [0, 0, 4.0], [3, 0, 0], [-1.5, 2.598, 0]]
-    guys = Cable([[1, 2], [1, 3]], 12e6 * unit, prestress=1e3 * unit)
-    structure = Structure(points, {"mast": Mast([[0, 1]], 2e8 * unit), "guys": guys}, [Support([0, 2, 3])])
-    down = PointLoad(1, (0, 0, -500 * unit))
+    guys = Cable([[1, 2], [1, 3]], 12e3, prestress=1.0)
+    structure = Structure(points, {"mast": Mast([[0, 1]], 2e5), "guys": guys}, [Support([0, 2, 3])])
+    down = PointLoad(1, (0, 0, -0.5))
     words = reason(structure, [Stage("rest"), Stage("down", [down], after="rest")])
     for fact in ("mechanism", "slack parts", "node 1", "mast 'mast' (cell 0)", "'guys': no load is safe", "Add cables"):
         assert fact in words
@@ -59,7 +58,7 @@ def test_pole_that_falls_beside_a_roof_is_named_first():
     points = np.vstack([points, [[15, 0, 0], [15, 0, 4.0], [18, 0, 0], [13.5, 2.598, 0]]])
     structure = Structure(points, parts, [Support([*edge, n, n + 2, n + 3])])
     loads = [DistributedLoad((0, 0, -600), "roof"), PointLoad(n + 1, (6, 10.0, -10))]
-    words = reason(structure, [Stage("snow", loads)])
+    words = reason(structure, [Stage("snow", loads)], Newton(max_iterations=40))
     assert words.startswith(f"mast 'pole' (cell 0, at node {n + 1}) has turned by")
     assert "has all its stays" in words
     assert "'guys' is slack in 2 of 2 cells" in words

@@ -115,7 +115,7 @@ def test_odd_limits_are_refused(arguments, message):
 def test_flag_that_flies_off_is_said_to(recwarn):
     """A strip with a free end carries no pressure above its own weight."""
     with pytest.raises(ConvergenceError) as error:
-        Analysis(flag()).run(weight_and_wind(20.0))
+        Analysis(flag(6), Newton(max_iterations=60)).run(weight_and_wind(20.0))
     message = str(error.value)
     last = error.value.last.increments[-1].load_factor
     assert 0.48 < last < 0.52
@@ -126,9 +126,9 @@ def test_flag_that_flies_off_is_said_to(recwarn):
 
 
 def test_light_banner_is_found_without_beginning_anew(recwarn):
-    points, triangles = rectangle(3, 4, 24, 24)
+    points, triangles = rectangle(3, 4, 16, 16)
     banner = Membrane(triangles, Fabric(1e6, 0.3))
-    structure = Structure(points[:, [0, 2, 1]], {"fabric": banner}, [Support(np.arange(600, 625))])
+    structure = Structure(points[:, [0, 2, 1]], {"fabric": banner}, [Support(np.arange(272, 289))])
     weight = Stage("weight", [DistributedLoad((0, 0, -1.0), "fabric")])
     wind = Analysis(structure, limit=WorkLimit(iterations=450)).run(
         [weight, Stage("wind", [Pressure(0.5, "fabric")], after="weight")]
@@ -153,13 +153,13 @@ def test_limit_that_ends_the_search_for_a_snap_tells_and_saves_none(tmp_path):
         warnings.simplefilter("always")
         expected = Analysis(mast_with_two_guys()).run(LEANING)["wind"].remarks
         searches = 0
-        for most in range(8, 64, 4):
+        for most in range(8, 64, 8):
             file = tmp_path / f"{most}"
             with pytest.raises(ConvergenceError, match=f"limit.*{most} iterations.*stage") as e:
                 Analysis(mast_with_two_guys(), limit=WorkLimit(iterations=most)).run(LEANING, file)
             searches += "between the load factors 0 and 0.5" in str(e.value)
             assert not any(increment.outcome.lost_stability for increment in (*e.value.last.increments, e.value.failed))
-            if most % 8 == 0:
+            if most in (8, 32):  # before the search, and within it
                 assert Analysis(mast_with_two_guys()).run(LEANING, file)["wind"].remarks == expected
     assert searches > 1
     assert not any("snapped" in str(entry.message) for entry in caught)
