@@ -130,7 +130,7 @@ def iterates(monkeypatch):
 
 
 def test_increment_tells_that_the_structure_was_stabilized(iterates):
-    structure, stages = hard.pulled(-0.1, 0.6, 0.0, hard.FABRIC)
+    structure, stages = hard.pulled(-0.1, 0.6, 0.0, hard.FABRIC, 8)
     (twisted,) = solved(structure, stages)
     (increment,) = twisted.increments
     assert increment.outcome is Outcome.STABILIZED
@@ -138,7 +138,7 @@ def test_increment_tells_that_the_structure_was_stabilized(iterates):
     assert increment.extra_iterations + len(increment.iterations) == len(iterates)
     assert f"stabilized first ({increment.extra_iterations} iterates more)" in report(twisted)
     iterates.clear()
-    (sheared,) = solved(*hard.pulled(0.01, 0.0, 0.15, hard.FABRIC))
+    (sheared,) = solved(*hard.pulled(0.01, 0.0, 0.15, hard.FABRIC, 8))
     (increment,) = sheared.increments
     assert (increment.outcome, increment.extra_iterations) == (Outcome.CONVERGED, 0)
     assert len(increment.iterations) == len(iterates)

@@ -41,8 +41,8 @@ FEW = [pytest.param(most, marks=pytest.mark.mpi) for most in (1, 7)]
 @pytest.mark.parametrize("line_search", [True, False])
 @pytest.mark.parametrize("most", [*FEW, 60, 300])
 def test_total_of_all_strategies_is_bounded(most, line_search):
-    """A sheet twisted out of its plane: a first attempt, the homotopy and the attempt after it take 600 iterations."""
-    structure, stages = pulled(-0.1, 0.6, 0.0, FABRIC)
+    """A sheet twisted out of its plane: a first attempt, the homotopy and the attempt after it take 460 iterations."""
+    structure, stages = pulled(-0.1, 0.6, 0.0, FABRIC, 8)
     taken, told, solution = iterations(structure, stages, Newton(1e-10, most, line_search))
     assert not solution.converged
     assert taken <= most
@@ -52,7 +52,7 @@ def test_total_of_all_strategies_is_bounded(most, line_search):
 
 
 def test_first_attempt_leaves_iterations_to_the_homotopy():
-    structure, stages = pulled(-0.1, 0.6, 0.0, FABRIC)
+    structure, stages = pulled(-0.1, 0.6, 0.0, FABRIC, 8)
     taken, _, solution = iterations(structure, stages, Newton())
     assert solution.converged
     assert 200 < taken <= Newton().max_iterations
@@ -68,7 +68,7 @@ def test_escapes_from_saddles_count():
     needed, _, solution = iterations(structure, stages, Newton())
     assert solution.converged
     assert solution.extra_iterations + len(solution.iterations) > 3
-    for most in range(1, needed + 1):
+    for most in (*range(1, 8), needed // 2, needed):
         taken, *_ = iterations(structure, stages, Newton(max_iterations=most))
         assert taken <= most
 
@@ -84,7 +84,7 @@ def test_each_halved_increment_has_the_whole_number(monkeypatch):
         step(*args)
 
     monkeypatch.setattr(NewtonLoop, "step", counted)
-    structure, stages = pulled(-0.1, 0.6, 0.0, FABRIC)
+    structure, stages = pulled(-0.1, 0.6, 0.0, FABRIC, 8)
     with pytest.raises(ConvergenceError):
         Analysis(structure, Newton(max_iterations=2)).run(stages)
     assert counts[0] == 0  # of a solver that is made
