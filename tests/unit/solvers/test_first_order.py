@@ -123,7 +123,7 @@ def test_steepest_descent_is_the_slowest():
     stage = Stage("push", [PointLoad(CENTRE, (0, 0, -300.0))])
     counts = [
         len(Analysis(sheet(), solver).run([stage])["push"].history)
-        for solver in (Newton(), ConjugateGradient(), SteepestDescent(max_iterations=100_000))
+        for solver in (Newton(1e-5), ConjugateGradient(rtol=1e-5), SteepestDescent(rtol=1e-5, max_iterations=100_000))
     ]
     assert counts[0] < counts[1] < counts[2]
 
