@@ -147,31 +147,33 @@ def test_file_of_a_process_that_was_killed_is_free(path):
         assert list(Analysis(structure()).run(stages()[:1], path)) == ["lift"]
 
 
-WRITING = """
-import sys
-sys.path.insert(0, sys.argv[1])
-sys.path.insert(0, sys.argv[1] + "/unit/analysis")
-from mpi4py import MPI
-import test_checkpoint_faults as model
-
-with model.opened(sys.argv[2], model.structure(), [model.Stage("a")], MPI.COMM_SELF) as kept:
-    number = len(kept.progress["a"].increments) if kept.progress else 0
-    while True:
-        number += 1
-        kept.save("a", model.state(number))
-        print(number, flush=True)
-"""
+def write_on(path, told):
+    """Save one state after the other, and tell each, until this process is killed."""
+    with opened(path, structure(), [Stage("a")], MPI.COMM_SELF) as kept:
+        number = len(kept.progress["a"].increments) if kept.progress else 0
+        while True:
+            number += 1
+            kept.save("a", state(number))
+            os.write(told, b"%d\n" % number)
 
 
 def test_kill_at_any_moment_leaves_the_last_state_or_the_next(path):
     told = 0
     for lines in (0, 1, 14, 36):
-        command = [sys.executable, "-c", WRITING, TESTS, str(path)]
-        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as writer:
+        reader, writer = os.pipe()
+        child = os.fork()
+        if child == 0:
+            try:
+                write_on(path, writer)
+            finally:
+                os._exit(1)
+        os.close(writer)
+        with open(reader, encoding="ascii") as numbers:
             for _ in range(lines):
-                told = int(writer.stdout.readline())
-            os.kill(writer.pid, signal.SIGKILL)
-            told = max([told, *map(int, writer.stdout.read().split())])
+                told = int(numbers.readline())
+            os.kill(child, signal.SIGKILL)
+            told = max([told, *map(int, numbers.read().split())])
+        assert os.waitpid(child, 0)[1] == signal.SIGKILL
         found = loaded(path)
         number = len(found["a"].increments) if found else 0
         assert number in (told, told + 1)
