@@ -68,7 +68,7 @@ def blow(n, rise, **options):
     return equilibrium_path(film(n), stage, None, (0, "z", rise), **options)
 
 
-@pytest.fixture(scope="module", params=[0.5, 1.0, 2.0, 3.0])
+@pytest.fixture(scope="module", params=[0.5, 1.0, 3.0])
 def bubbles(request):
     """Rise, and the paths to it on all meshes."""
     return request.param * A, [blow(n, request.param * A) for n in MESHES]
