@@ -11,7 +11,7 @@ from fx_membrane import (
     Fabric,
     Mast,
     Membrane,
-    MooneyRivlin,
+    NeoHooke,
     OrthotropicFabric,
     Structure,
     Support,
@@ -29,7 +29,7 @@ A = np.array([[0.97, 0.012], [0.012, 1.02]])
 SHEETS = {
     "isotropic": Fabric(1e3, 0.3),
     "woven": OrthotropicFabric(1e3, 6e2, 0.2, 3e2),
-    "Mooney-Rivlin": MooneyRivlin(150.0, 30.0),
+    "neo-Hooke": NeoHooke(360.0),
     "own": Foil(1e3),
 }
 BARS = {
