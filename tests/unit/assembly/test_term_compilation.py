@@ -1,8 +1,8 @@
 """Forms of energy terms are compiled once for a kind of part: not by another stage, number or process."""
 
-import subprocess
-import sys
 from collections.abc import Callable
+
+import pytest
 
 COMPILED = """
 from dataclasses import dataclass
@@ -93,7 +93,7 @@ print(first is same, first is exchanged, first is other)
 """
 
 
-def test_equal_formulas_share_their_forms_and_others_do_not() -> None:
+def test_equal_formulas_share_their_forms_and_others_do_not(capsys: pytest.CaptureFixture[str]) -> None:
     """A number from `self` is another formula; so are exchanged parameters."""
-    run = subprocess.run([sys.executable, "-c", SHARED], capture_output=True, text=True, check=True, timeout=300)
-    assert run.stdout.split() == ["True", "False", "False"]
+    exec(SHARED, {"__name__": "script"})
+    assert capsys.readouterr().out.split() == ["True", "False", "False"]
