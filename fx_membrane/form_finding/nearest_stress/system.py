@@ -198,7 +198,7 @@ def _last(block: sparse.csr_matrix, shape: tuple[int, int]) -> sparse.csr_matrix
 
 
 def _in_one_pattern(matrix: sparse.coo_matrix, block: sparse.csr_matrix, first: int) -> tuple[sparse.csr_matrix, Array]:
-    """Matrix with places for a block that begins in a row and column, and the entries of that block in all places."""
+    """Matrix with places for a block that begins at a diagonal entry; entries of the block in all these places."""
     entries, added = matrix.tocoo(), block.tocoo()
     places = (
         np.concatenate([entries.row, first + added.row]),
