@@ -232,8 +232,9 @@ def _solver(matrix: sparse.csr_matrix) -> Callable[[Array, Array], Array]:
     It raises RuntimeError if the matrix is singular.
     """
     A = PETSc.Mat().createAIJ(matrix.shape, csr=(matrix.indptr, matrix.indices, matrix.data), comm=PETSc.COMM_SELF)
-    ksp, x, b = PETSc.KSP().create(PETSc.COMM_SELF), *A.createVecs()
+    ksp = PETSc.KSP().create(PETSc.COMM_SELF)
     ksp.setOperators(A)
+    b, x = A.createVecLeft(), A.createVecRight()
 
     def solved(values: Array, right: Array) -> Array:
         A.setValuesCSR(matrix.indptr, matrix.indices, values)
