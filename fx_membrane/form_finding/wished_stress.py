@@ -44,7 +44,7 @@ from .constraints.kinds import Constraint
 from .form import Form, FormStep, refuse_unfit
 from .form_loads import checked_form_loads
 from .masts.bar_balance import fallen_mast
-from .masts.standing_masts import stand
+from .masts.standing_masts import has_masts, stand
 from .natural_densities import natural_force_density
 from .nearest_stress.descent import settled
 from .nearest_stress.equilibrium import State
@@ -159,7 +159,7 @@ def prescribed_stress(
     refuse_different_input(structure, settings | {"constraints": constraints}, {"stress": stress, "warp": warp})
     problem = NearestProblem(structure, loads, wishes, balance=balance)
     pulse = Pulse("form finding", MPI.COMM_WORLD.rank == 0)
-    state, steps, failure = _nearest(problem, pulse, tolerance, max_iterations)
+    state, steps, failure = _nearest(problem, pulse, tolerance, max_iterations, has_masts(structure, constraints))
 
     def is_found(other: NearestProblem, at_once: bool) -> bool:
         return _is_found(other, pulse, max(tolerance, TRIED), max_iterations, at_once)
@@ -204,8 +204,13 @@ def _balance(
     return balance
 
 
-def _nearest(problem: NearestProblem, pulse: Pulse, tolerance: float, most: int) -> tuple[State, list[FormStep], str]:
-    """Last state, its steps, and the reason for no further one; from a shape near the wish, or by ways of wishes."""
+def _nearest(
+    problem: NearestProblem, pulse: Pulse, tolerance: float, most: int, masted: bool = False
+) -> tuple[State, list[FormStep], str]:
+    """Last state, its steps, and the reason for no further one; from a shape near the wish, or by ways of wishes.
+
+    With masts of given length, which the steps lay down, the ways are short: their heads are held next.
+    """
     reason, near = "", None
     try:
         near = near_state(problem, pulse)
@@ -216,10 +221,10 @@ def _nearest(problem: NearestProblem, pulse: Pulse, tolerance: float, most: int)
             return found[0], found[1], ""
     except (RuntimeError, ValueError) as trouble:  # the even shape has no limits of this kind
         reason = f"; near it, {str(trouble).rstrip('.')}" if problem.cables is not None else ""
-    doubted = has_weak_edges(problem)
+    doubted = masted or has_weak_edges(problem)
     cells = sum(len(block.cells) for block in problem.membranes.values())
     ways = min(WAYS, max(FEWEST, DOUBTED // max(cells, 1))) if doubted else WAYS
-    ways = FEWEST if has_far_too_weak_edges(problem) else ways
+    ways = FEWEST if masted or has_far_too_weak_edges(problem) else ways
     start = even_state(problem)
     found = _by_way(problem, start, "an even stress", pulse, tolerance, most, ways)
     if found[2] and near is not None and not (doubted or is_beyond_reach(problem)):
@@ -249,6 +254,8 @@ def _by_way(
         reached = _reached(problem, start, state, following, pulse, tolerance, most)
         if reached is None:
             length /= 2
+            while share + length >= 1:  # the try that has just failed
+                length /= 2
             if length < SHORTEST:
                 break
         elif following == 1:

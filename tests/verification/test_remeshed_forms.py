@@ -66,19 +66,19 @@ def scherk(x):
 
 def test_soap_film(verified):
     """Between held edges on Scherk's surface, 2 m wide."""
-    found, exact = [], []
-    for n in (16, 32, 64):
+    found = []
+    for n in (16, 64):
         points, triangles = rectangle(2.0, 2.0, n, n)
         points[:, 2] = scherk(points)
         film = Membrane(triangles, FABRIC, 1e3)
         form = updated_reference(Structure(points, {"film": film}, [Support(np.unique(boundary_edges(triangles)))]))
         new = remeshed(form, 0.7 * 2.0 / n).structure
         found.append(motion(new))
-        exact.append(motion(replace(new, points=np.column_stack([new.points[:, :2], scherk(new.points)]))))
+    exact = motion(replace(new, points=np.column_stack([new.points[:, :2], scherk(new.points)])))
     (first, first_mean), (last, last_mean) = np.array(found[0]), np.array(found[-1])
     assert (np.log2(first / last) / 2 > 1.5).all(), found
     assert (np.log2(first_mean / last_mean) / 2 > 1.9).all(), found
-    assert (np.array(found[-1]) < 1.3 * np.array(exact[-1])).all(), (found, exact)
+    assert (np.array(found[-1]) < 1.3 * np.array(exact)).all(), (found, exact)
     assert last.max() < 2.0 * 2e-4, found
     verified("displacement of a remeshed film over its size", 0.0, last[0] / 2.0)
 
@@ -86,7 +86,7 @@ def test_soap_film(verified):
 def test_places_are_of_third_order_and_stress_of_second():
     """On z = 0.3 cos(0.8 x) cosh(0.5 y), with a stress that varies along both directions, in the largest errors."""
     found = []
-    for n in (8, 16, 32):
+    for n in (8, 32):
         points, triangles = rectangle(4.0, 4.0, n, n)
         points[:, 2] = height(points)
         stress = np.array([[2e3, 0], [0, 1e3]]) * (1 + varied(points[triangles].mean(axis=1)))[:, None, None]
@@ -105,7 +105,7 @@ def test_sail_with_edge_cables():
     """A sail of 12 m with edge cables as arcs in plan, whose stress in space and forces vary from cell to cell."""
     found = []
     radius = 12 * 0.26 / 0.2
-    for size in (2.0, 1.0, 0.5):
+    for size in (2.0, 0.5):
         mesh = sail_mesh({"A": (-6, -6, 0), "B": (6, -6, 3), "C": (6, 6, 0), "D": (-6, 6, 3)}, size, sag=0.1)
         roof = Membrane(mesh.triangles, FABRIC, 1e3)
         edges = {name: Cable(polyline(line), 1e7, 1e3 * radius) for name, line in mesh.lines.items()}

@@ -52,6 +52,11 @@ class _Masts:
     bodies: tuple[RigidBody, ...]
 
 
+def has_masts(structure: Structure, constraints: Sequence[Any]) -> bool:
+    """Return True if rigid bodies are masts of given length, from a held foot to a free head."""
+    return bool(len(_rigid_masts(structure, constraints).heads))
+
+
 def stand(
     find: Find,
     structure: Structure,

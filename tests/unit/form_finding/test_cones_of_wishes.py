@@ -10,6 +10,7 @@ from fx_membrane import (
     UnsettledFormWarning,
     prescribed_stress,
 )
+from fx_membrane.form_finding import wished_stress
 from wished_films import canopy, state_of, tent
 
 pytestmark = pytest.mark.filterwarnings("ignore::fx_membrane.LargeStrainWarning")
@@ -37,7 +38,9 @@ def needed(warning):
     return {name: float(force) for name, force in re.findall(r"'([^']+)' ([\d.e+]+)", words)}
 
 
-def test_cone_whose_edge_cables_are_too_weak_is_handed_over_with_the_force_that_would_do():
+def test_cone_whose_edge_cables_are_too_weak_is_handed_over_with_the_force_that_would_do(monkeypatch):
+    # Trials, long ones, end at the force of the rule, which is tried below.
+    monkeypatch.setattr(wished_stress, "_is_found", lambda *_: False)
     structure = tent(14e3)
     with pytest.warns(UnsettledFormWarning, match=r"edge cables are too weak: .*'edge' .*12 and 12") as told:
         form = prescribed_stress(structure, warp={"film": RadialDirection()})
@@ -47,5 +50,6 @@ def test_cone_whose_edge_cables_are_too_weak_is_handed_over_with_the_force_that_
     assert form.steps[-1].stress_error > 0.1
     force = needed(told[0])["edge"]
     assert 14e3 < force < 22e3
+    monkeypatch.undo()
     assert prescribed_stress(tent(1.01 * force), warp={"film": RadialDirection()}).converged
     assert np.abs(state_of(form).displacement).max() < 1e-12 * 12

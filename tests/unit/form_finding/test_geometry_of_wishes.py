@@ -37,7 +37,7 @@ def test_form_of_deep_edges_is_found_for_unequal_stress(prestress):
 
 
 @pytest.mark.study
-@pytest.mark.parametrize("length", [12.8, 13.0, 13.3])
+@pytest.mark.parametrize("length", [12.8, 13.3])
 def test_steep_cone_with_edges_of_given_length_settles(length):
     form = prescribed_stress(
         tent(20e3, radius=1.2), warp={"film": RadialDirection()}, constraints=[CableLength("edge", length)]

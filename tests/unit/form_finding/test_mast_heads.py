@@ -92,9 +92,7 @@ def check(form, structure, loads=(), size=1e-11):
 
 
 @pytest.mark.study
-@pytest.mark.parametrize(
-    ("push", "pull", "edge"), [(1.02, 1, 1), (0.98, 1, 1), (1, 1.05, 1), (1.1, 1.1, 1.1), (0.9, 0.9, 1)]
-)
+@pytest.mark.parametrize(("push", "pull", "edge"), [(1.02, 1, 1), (1, 1.05, 1), (1.1, 1.1, 1.1), (0.9, 0.9, 1)])
 def test_head_of_a_sail_is_found_near_its_first_place(push, pull, edge):
     structure, heads = guyed_sail(push, pull, edge)
     form = updated_reference(structure)
@@ -114,6 +112,7 @@ def test_loads_are_balanced_too():
 def test_a_tighter_tolerance_leads_to_the_same_place():
     structure, heads = guyed_sail(0.98)
     near, nearer = (updated_reference(structure, tolerance=tolerance) for tolerance in (1e-3, 1e-4))
+    check(near, structure)
     assert nearer.steps[-1].change <= 1e-4
     assert near.points[heads] == pytest.approx(nearer.points[heads], abs=5e-3)
 
@@ -126,7 +125,7 @@ def test_too_few_moves_leave_a_form_in_equilibrium():
     assert Analysis(form.structure).run([Stage("form")])["form"].largest_displacement < 1e-11
 
 
-@pytest.mark.parametrize(("push", "lower"), [(-3900.0, 2925.0), (-3500.0, 2925.0), (-3900.0, 2500.0)])
+@pytest.mark.parametrize(("push", "lower"), [(-3900.0, 2925.0), (-3900.0, 2500.0)])
 @pytest.mark.mpi_once
 def test_flying_mast_below_a_sheet(push, lower):
     structure, (head, foot) = flying_mast(push, lower)

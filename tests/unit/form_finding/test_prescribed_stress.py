@@ -1,6 +1,8 @@
 """Prescribed stress as a wish: exact balance, wishes in space, settling."""
 
+from collections import namedtuple
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ from fx_membrane import (
     UnsettledFormWarning,
     prescribed_stress,
 )
+from fx_membrane.form_finding import wished_stress
 from fx_membrane.geometry.sizes import measures, normals
 from models import rotation
 from wished_films import canopy, cone, loads, state_of
@@ -120,3 +123,37 @@ def test_too_few_steps_are_reported():
     with pytest.warns(UnsettledFormWarning, match="has not settled: step 1"):
         form = prescribed_stress(canopy(), max_iterations=1, tolerance=1e-12)
     assert not form.converged
+
+
+def test_no_share_of_the_way_to_the_wish_is_tried_twice_from_one_state(monkeypatch):
+    """Shares above 95 % have no form, and the last step is tried shorter from each state."""
+    tried, state = [], namedtuple("State", "mean")
+
+    def reached(problem, start, begun, share, *_):
+        tried.append((begun, share))
+        return None if share > 0.95 else (state(share), [], "")
+
+    monkeypatch.setattr(wished_stress, "_reached", reached)
+    start, problem = state(0.0), SimpleNamespace(measured=lambda *_: start)
+    words = wished_stress._by_way(problem, start, "an even stress", lambda _: None, 1e-6, 100, wished_stress.WAYS)[2]
+    assert "beyond 93 % of the way" in words
+    assert len(set(tried)) == len(tried) > 4
+
+
+@pytest.mark.parametrize(("masted", "most"), [(True, wished_stress.FEWEST), (False, wished_stress.WAYS)])
+def test_search_with_masts_of_given_length_is_short(masted, most, monkeypatch):
+    """Their heads are held next."""
+    ways = []
+
+    def none(*_):
+        raise RuntimeError
+
+    def by_way(*given):
+        ways.append(given[-1])
+        return None, [], "no form"
+
+    no = dict.fromkeys(("even_state", "has_weak_edges", "has_far_too_weak_edges"), lambda _: None)
+    for name, found in {"near_state": none, "_by_way": by_way, **no}.items():
+        monkeypatch.setattr(wished_stress, name, found)
+    wished_stress._nearest(SimpleNamespace(membranes={}, cables=None), lambda _: None, 1e-6, 100, masted)
+    assert ways == [most]

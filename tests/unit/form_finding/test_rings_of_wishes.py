@@ -33,10 +33,10 @@ def woven(structure, prestress=(3e3, 2e3)):
     return replace(structure, parts={**structure.parts, "film": film})
 
 
-def lifted(n=4, top=2.0):
+def lifted(n=4, load=6400.0):
     """Cone whose ring is free, and the load that lifts it."""
-    structure, ring = cone(n, top=top)
-    return woven(structure), ring, [PointLoad(ring, (0, 0, 6400.0 / len(ring)))]
+    structure, ring = cone(n)
+    return woven(structure), ring, [PointLoad(ring, (0, 0, load / len(ring)))]
 
 
 def stayed(n=4, feet=((0, 0, 5.0),), force=4e3):
@@ -84,7 +84,7 @@ def test_ring_of_found_radius_settles_with_a_cable_along_it():
 
 
 def test_ring_that_nothing_holds_is_told():
-    structure, ring, loads = lifted()
+    structure, ring, loads = lifted(2, 640.0)
     bare = replace(structure, parts={"film": structure.parts["film"]})
     with pytest.warns(UnsettledFormWarning, match="The Ring with node 0 .* [Nn]othing within it holds it against"):
         form = prescribed_stress(bare, loads, warp=RADIAL, constraints=[Ring(ring)])
@@ -92,12 +92,11 @@ def test_ring_that_nothing_holds_is_told():
     assert moved(form, loads) < 1e-12
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_loads_too_large_for_a_ring_are_told_in_sentences(kind):
-    structure, ring, loads = lifted()
+def test_loads_too_large_for_a_ring_are_told_in_sentences():
+    structure, ring, loads = lifted(2)
     loads = [*loads, Pressure(20e3, "film")]
     with pytest.warns(UnsettledFormWarning, match="loads are too large for the stress wished for") as told:
-        form = prescribed_stress(structure, loads, warp=RADIAL, constraints=[KINDS[kind](ring)])
+        form = prescribed_stress(structure, loads, warp=RADIAL, constraints=[Ring(ring, 1.0)])
     assert ".." not in str(told[0].message)
     assert moved(form, loads) < 1e-12
 

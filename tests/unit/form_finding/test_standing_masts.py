@@ -27,6 +27,7 @@ from fx_membrane import (
     rectangle,
     updated_reference,
 )
+from fx_membrane.form_finding.masts import standing_masts
 
 METHODS = {
     "projection": partial(projected_stress, cables="force"),
@@ -98,31 +99,30 @@ def test_forces_that_balance_at_the_first_places_keep_them(method):
 
 
 @pytest.mark.parametrize(
-    ("method", "unit", "force"), [*((method, 1.0, 1.0) for method in METHODS), ("natural", 1e3, 1e-3)]
+    ("method", "unit", "force", "load"),
+    [
+        ("projection", 1.0, 1.0, 0.0),
+        ("natural", 1e3, 1e-3, 0.0),  # mm and kN
+        ("updated", 1.0, 1.0, 100.0),
+        ("prescribed", 1.0, 1.0, 0.0),
+    ],
 )
-def test_heads_move_to_where_other_forces_balance(method, unit, force):
+def test_heads_move_to_where_other_forces_balance(method, unit, force, load):
     structure, bodies, high = on_masts([22e3, 27e3, 24e3, 24e3], unit, force)
-    form, words = found(METHODS[method], structure, constraints=bodies)
+    loads = [DistributedLoad((0, 0, -load), "sail")] if load else []
+    form, words = found(METHODS[method], structure, loads, constraints=bodies)
     assert "turned" not in words
     length = np.linalg.norm(form.points[high] - FEET[:2] * unit, axis=1)
     assert length == pytest.approx(np.linalg.norm(structure.points[high] - FEET[:2] * unit, axis=1), rel=1e-12)
     assert form.points[high, 2].min() > 3.5 * unit
     assert form.forces["stays"] == pytest.approx(structure.parts["stays"].prestress_tensors().ravel(), rel=1e-3)
     assert form.forces["masts"].max() < -4e4 * force
-    assert moved(form) <= 1e-12
-
-
-def test_loads_are_balanced_too():
-    structure, bodies, high = on_masts(24e3)
-    loads = [DistributedLoad((0, 0, -100.0), "sail")]
-    form = updated_reference(structure, loads, constraints=bodies)
-    assert form.converged
-    assert form.points[high, 2].min() > 3.9
     assert moved(form, loads) <= 1e-12
 
 
 @pytest.mark.parametrize("method", ["projection", "natural", "prescribed"])
-def test_forces_that_balance_nowhere_near_are_told_with_the_missing_one(method):
+def test_forces_that_balance_nowhere_near_are_told_with_the_missing_one(method, monkeypatch):
+    monkeypatch.setattr(standing_masts, "TRIES", 4)  # of places for the heads: 20 find none, either
     structure, bodies, _ = on_masts(100e3)
     form, words = found(METHODS[method], structure, constraints=bodies)
     assert not form.converged

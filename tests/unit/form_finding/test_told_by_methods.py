@@ -32,6 +32,7 @@ from fx_membrane import (
 )
 from fx_membrane.form_finding.constraints import bodies
 from fx_membrane.form_finding.constraints.motions import motions_of
+from fx_membrane.form_finding.masts import standing_masts
 from masted_sails import head, sail_on_masts
 
 METHODS = [projected_stress, natural_force_density, updated_reference, prescribed_stress]
@@ -138,17 +139,17 @@ def test_length_out_of_reach_is_told_with_the_length_found():
         natural_force_density(structure, constraints=[CableLength("edge", 40.0)])
 
 
-@pytest.mark.parametrize("tilt", [0.0])
-def test_mast_of_given_length_that_falls_is_told(tilt):
+def test_mast_of_given_length_that_falls_is_told(monkeypatch):
     """Stays of 60 kN balance the sail nowhere near; with 25 kN the masts stand."""
-    structure, masts = sail_on_masts(tilt, pull=60e3)
+    monkeypatch.setattr(standing_masts, "TRIES", 4)  # of places for the heads: 20 find none, either
+    structure, masts = sail_on_masts(0.0, pull=60e3)
     with pytest.warns(UnsettledFormWarning, match=r"the RigidBody .* has turned by \d+ degrees .* masts_and_stays"):
         form = updated_reference(structure, constraints=[RigidBody(mast) for mast in masts])
     assert not form.converged
     assert np.ptp(form.points[:, 2]) < 0.1
 
 
-@pytest.mark.parametrize("tilt", [1.0, 1.1, 3.0])
+@pytest.mark.parametrize("tilt", [1.0, 3.0])
 def test_mast_of_given_length_stands_where_its_stays_balance(tilt):
     """The first steps lay both down, in a balance that turns about the vertical without a force."""
     structure, masts = sail_on_masts(tilt)
@@ -194,9 +195,8 @@ def test_mast_without_force_that_a_sheet_presses_down_is_told(method):
     assert not form.converged
 
 
-@pytest.mark.parametrize(("tilt", "pull"), [(1.0, 5e3), (1.0, 60e3)])
-def test_mast_of_given_force_that_falls_is_told(tilt, pull):
-    structure, _ = sail_on_masts(tilt, pull, push=-40e3)
+def test_mast_of_given_force_that_falls_is_told():
+    structure, _ = sail_on_masts(1.0, 60e3, push=-40e3)
     with pytest.warns(UnsettledFormWarning, match=r"mast in cell \d of part 'masts' has turned by \d+ degrees"):
         form = updated_reference(structure)
     assert not form.converged
