@@ -14,19 +14,20 @@ pytest.register_assert_rewrite("bad_values", "interrupted", "models", "pictures"
 
 def pytest_ignore_collect(collection_path, config):
     """Leave files without collective tests unread where only those are asked for; three processes read each file."""
-    alone = config.option.markexpr == "mpi" and collection_path.suffix == ".py"
+    alone = config.option.markexpr in ("mpi", "mpi and first") and collection_path.suffix == ".py"
     return True if alone and "mark.mpi" not in collection_path.read_text(encoding="utf-8") else None
 
 
 def pytest_collection_modifyitems(items):
-    """Mark `first` one test of each file, `mpi` one case of each `mpi_once`, `further` all but one of a `study`."""
-    begun, files = set(), set()
+    """Mark `mpi` one case of each `mpi_once`, `further` all but one of a `study`, `first` as pyproject.toml says."""
+    begun = set()
     for item in items:
-        if item.path not in files:
-            item.add_marker(pytest.mark.first)
-        files.add(item.path)
         if item.get_closest_marker("mpi_once") and first_of(item, begun, "mpi_once"):
             item.add_marker(pytest.mark.mpi)
+        subjects = {item.path} | ({(item.path, "mpi")} if item.get_closest_marker("mpi") else set())
+        if not subjects <= begun:
+            item.add_marker(pytest.mark.first)
+        begun |= subjects
         if item.get_closest_marker("study") and not first_of(item, begun, "study"):
             item.add_marker(pytest.mark.further)
 

@@ -46,7 +46,7 @@ def load_shapely() -> Any:
         raise ImportError(
             "Cutting patterns need the package shapely; install it by pip install 'fx-membrane[patterns]'."
         ) from None
-    if int(shapely.__version__.split(".")[0]) < 2:
+    if not hasattr(shapely, "Polygon"):  # the shapely of Debian unstable does not know its version
         raise ImportError(
             f"Cutting patterns need shapely 2 or later, and {shapely.__version__} is installed; renew it by pip "
             "install 'shapely>=2'."

@@ -46,6 +46,13 @@ def test_first_test_of_each_file_is_marked(conftest):
     assert [number for number, case in enumerate(cases) if "first" in case.marks] == [0, 3]
 
 
+def test_first_collective_test_of_a_file_is_marked_too(conftest):
+    cases = [Case(0, force, ()) for force in range(4)]
+    cases[1].marks["mpi"] = cases[2].marks["mpi"] = pytest.mark.mpi
+    conftest.pytest_collection_modifyitems(cases)
+    assert [number for number, case in enumerate(cases) if "first" in case.marks] == [0, 1]
+
+
 def test_names_in_marks_are_arguments(request):
     """A misspelt name would leave out no case."""
     studies = [item for item in request.session.items if item.get_closest_marker("study")]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -125,16 +125,18 @@ class Equations(NamedTuple):
     """Newton's equations along the motions of the nodes, without damping.
 
     Attributes:
-        rows: Blocks of their matrix, by multipliers, shape across and along the ways, and forces of given lines.
-        weight: Squared motion across the surface, sparse (k, k) [m2].
+        solved: Solver for values of their matrix and right sides: the pattern is analysed once for all tries of a step.
+        values: Entries of the matrix, by multipliers, shape across and along the ways, and forces of given lines.
+        damped: Squared motion across the surface, in the places of these entries [m2].
         right: Right sides, of multipliers, of the shape across the ways, of the mesh, and of
             lines of given geometry.
         basis: Motions of the nodes, sparse (3 n, m).
         ways: Directions of the nodes.
     """
 
-    rows: list[list[sparse.csr_matrix | None]]
-    weight: sparse.csr_matrix
+    solved: Callable[[Array, Array], Array]
+    values: Array
+    damped: Array
     right: tuple[Array, Array, Array, Array]
     basis: sparse.csr_matrix
     ways: Ways
@@ -155,9 +157,15 @@ def equations_of(system: System, basis: sparse.csr_matrix) -> Equations:
         [None, *(sparse.csr_matrix(lines.gradients.T @ ways) for ways in (across, along)), None],
     ]
     slopes = across.T @ system.slopes + turning.T @ (basis.T @ system.multipliers)
-    return Equations(
-        rows if len(lines.gaps) else [row[:3] for row in rows[:3]],
+    matrix, damped = _in_one_pattern(
+        sparse.bmat(rows if len(lines.gaps) else [row[:3] for row in rows[:3]]),
         across.T @ sparse.diags(system.mass) @ across,
+        basis.shape[1],
+    )
+    return Equations(
+        _solver(matrix),
+        matrix.data,
+        damped,
         (basis.T @ system.forces, slopes, system.evenness, lines.gaps),
         basis,
         system.ways,
@@ -172,10 +180,9 @@ def step_of(equations: Equations, damping: float, share: float = 1.0) -> tuple[A
         damping: Factor of the squared motion across the surface, over the area, beside the function.
         share: Share of the imbalance of the mesh that is removed.
     """
-    first, (left, middle, *side), *others = equations.rows
-    matrix = sparse.bmat([first, [left, middle - damping * equations.weight, *side], *others]).tocsr()
     forces, slopes, evenness, gaps = equations.right
-    found = _solved(matrix, -np.concatenate([forces, slopes, share * evenness, gaps]))
+    right = -np.concatenate([forces, slopes, share * evenness, gaps])
+    found = equations.solved(equations.values - damping * equations.damped, right)
     across, along, _ = equations.ways
     count, split = len(forces), len(forces) + len(slopes)
     multipliers = np.asarray(equations.basis @ found[:count])
@@ -188,6 +195,19 @@ def _last(block: sparse.csr_matrix, shape: tuple[int, int]) -> sparse.csr_matrix
     entries = block.tocoo()
     rows, columns = shape[0] - block.shape[0] + entries.row, shape[1] - block.shape[1] + entries.col
     return sparse.coo_matrix((entries.data, (rows, columns)), shape=shape).tocsr()
+
+
+def _in_one_pattern(matrix: sparse.coo_matrix, block: sparse.csr_matrix, first: int) -> tuple[sparse.csr_matrix, Array]:
+    """Matrix with places for a block that begins at a diagonal entry; entries of the block in all these places."""
+    entries, added = matrix.tocoo(), block.tocoo()
+    places = (
+        np.concatenate([entries.row, first + added.row]),
+        np.concatenate([entries.col, first + added.col]),
+    )
+    alone = np.concatenate([entries.data, np.zeros_like(added.data)])
+    beside = np.concatenate([np.zeros_like(entries.data), added.data])
+    one, other = (sparse.coo_matrix((each, places), shape=matrix.shape).tocsr() for each in (alone, beside))
+    return one, other.data
 
 
 def tangential_multipliers(blocks: Sequence[Block], control: MeshControl, point_loads: Array, points: Array) -> Array:
@@ -203,25 +223,29 @@ def tangential_multipliers(blocks: Sequence[Block], control: MeshControl, point_
     if not along.shape[1]:
         return np.zeros_like(points)
     stiffness = (along.T @ assembled(len(points), entries) @ along).tocsr()
-    return np.asarray(along @ _solved(stiffness, -(along.T @ forces.ravel()))).reshape(points.shape)
+    return np.asarray(along @ _solver(stiffness)(stiffness.data, -(along.T @ forces.ravel()))).reshape(points.shape)
 
 
-def _solved(matrix: sparse.csr_matrix, right: Array) -> Array:
-    """Solution of a linear system, on this process alone.
+def _solver(matrix: sparse.csr_matrix) -> Callable[[Array, Array], Array]:
+    """Solver of systems with the pattern of a matrix, for entries and a right side, on this process alone.
 
-    Raises:
-        RuntimeError: The matrix is singular.
+    It raises RuntimeError if the matrix is singular.
     """
     A = PETSc.Mat().createAIJ(matrix.shape, csr=(matrix.indptr, matrix.indices, matrix.data), comm=PETSc.COMM_SELF)
     ksp = PETSc.KSP().create(PETSc.COMM_SELF)
     ksp.setOperators(A)
-    factorization.choose(ksp, A, symmetric=False)
     b, x = A.createVecLeft(), A.createVecRight()
-    b.array[:] = right
-    ksp.solve(b, x)
-    found = x.array.copy()
-    for each in (ksp, A, b, x):
-        each.destroy()
-    if not np.isfinite(found).all():
+
+    def solved(values: Array, right: Array) -> Array:
+        A.setValuesCSR(matrix.indptr, matrix.indices, values)
+        A.assemble()
+        b.array[:] = right
+        for _ in range(2):
+            factorization.choose(ksp, A, symmetric=False)
+            ksp.solve(b, x)
+            if np.isfinite(found := x.array.copy()).all():
+                return found
+            factorization.release(ksp)  # the order of pivots is that of the first values: take one of these
         raise RuntimeError("Newton's equations of the nearest stress are singular")
-    return found
+
+    return solved

@@ -9,7 +9,8 @@ from fx_membrane import Allowances, cut_pieces, cut_strips, cutting_pattern, pla
 from fx_membrane.patterns.cloth_pieces import PieceSide, _words_along
 from fx_membrane.patterns.seam_marks import beside
 
-shapely = pytest.importorskip("shapely", "2")
+pytest.importorskip("shapely.creation")  # of shapely 2
+shapely = pytest.importorskip("shapely")
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,8 @@ from cone_gores import cone_gores
 from fx_membrane import Allowances, cut_pieces, laid_on_roll
 from fx_membrane.patterns.cloth_pieces import Piece
 
-shapely = pytest.importorskip("shapely", "2")
+pytest.importorskip("shapely.creation")  # of shapely 2
+shapely = pytest.importorskip("shapely")
 
 
 def rectangle(name, length, width, copies=1):

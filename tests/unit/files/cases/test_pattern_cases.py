@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip("pydantic", "2")
 pytest.importorskip("pint")
-pytest.importorskip("shapely", "2")
+pytest.importorskip("shapely.creation")  # of shapely 2
 pytest.importorskip("ezdxf")
 
 from by_command import leave_out_pictures, said

@@ -5,7 +5,7 @@ import pytest
 
 pytest.importorskip("pydantic", "2")
 pytest.importorskip("pint")
-pytest.importorskip("shapely", "2")
+pytest.importorskip("shapely.creation")  # of shapely 2
 pytest.importorskip("ezdxf")
 
 from by_command import said

@@ -16,7 +16,7 @@ from fx_membrane.files.patterns import write
 from fx_membrane.files.patterns.sheet_plans import Head
 from fx_membrane.geometry.length_units import METRES
 
-pytest.importorskip("shapely", "2")
+pytest.importorskip("shapely.creation")  # of shapely 2
 ALLOWANCES = Allowances(seam=0.03, border=0.08)
 
 
