@@ -103,11 +103,11 @@ results = Analysis(structure).run([prestress, snow])
 for result in results.values():
     say(report(result, [*feet, *anchors, low], first=1, force_unit="kN") + "\n")
 
-# %% Figures 12 to 19, mirrored about x = 0
+# %% Figures 12 to 19, mirrored about x = 0, with the numbers of the net in its plan
 if shown and "--no-pictures" not in sys.argv:
     plan, iso = {"net": branches, "cables": branches[q == 10.0]}, (1.5, -2.0, 1.3)
     plot.wireframe(found.points, plan, folder / "fig12_plan.png", labels=range(247), first=1)
-    plot.wireframe(found.points, plan, folder / "fig13_isometric.png", view=iso, labels=range(247), first=1)
+    plot.wireframe(found.points, plan, folder / "fig13_isometric.png", view=iso)
     ends = [*feet, *anchors, south, low, north]
     plot.wireframe(points, structure.parts, folder / "fig14_structure.png", view=iso, labels=ends, first=1)
     for letter, result in zip("ab", results.values(), strict=True):

@@ -13,6 +13,7 @@ from ..model.materials import OrthotropicFabric
 SAMPLES = 48
 MAXIMA = 3  # number of maxima compared: a fabric of strongly negative nu has several
 STEPS = 20
+SETTLED = 1e-12  # step of Newton's method whose next one is rounding [rad]
 UNSYMMETRIC = 1e-9  # difference of the shears of a strain over its largest component, beyond rounding
 ROUNDING = 1e-12  # the same, of a strain that was computed from stretches near one
 MARGIN = 1e-6  # margin for taut and slack, beyond the rounding in which the forms may decide otherwise
@@ -117,17 +118,22 @@ def direction(e: NDArray[np.float64], fabric: Woven) -> NDArray[np.float64]:
         fabric: The fabric.
     """
     angles = np.asarray(np.arange(SAMPLES) * (np.pi / SAMPLES), dtype=np.float64)
-    energies = np.stack([_energy(angle, e, fabric) for angle in angles[:, None]])
+    energies = _energy(angles[:, None], e, fabric)
     higher = np.maximum(np.roll(energies, 1, axis=0), np.roll(energies, -1, axis=0))
     peaks = np.where(energies >= higher, energies, -np.inf)
-    best: NDArray[np.float64]
-    best, largest = np.zeros(len(e)), np.full(len(e), -np.inf)
+    best, largest, every = np.zeros(len(e)), np.full(len(e), -np.inf), np.arange(len(e))
     for _ in range(MAXIMA):
         peak = np.argmax(peaks, axis=0)
-        peaks[peak, np.arange(len(e))] = -np.inf
-        angle = _refined(angles[peak], e, fabric)
-        energy = _energy(angle, e, fabric)
-        best, largest = np.where(energy > largest, angle, best), np.maximum(energy, largest)
+        # A maximum where t is shortened can lead to the narrow cone of extended directions, until that is found.
+        cells = np.flatnonzero((peaks[peak, every] > 0) | ((largest <= 0) & (peaks[peak, every] > -np.inf)))
+        if not len(cells):
+            break
+        peaks[peak, every] = -np.inf
+        some = fabric.of(cells) if isinstance(fabric, Moduli) else fabric
+        angle = _refined(angles[peak[cells]], e[cells], some)
+        energy = _energy(angle, e[cells], some)
+        best[cells] = np.where(energy > largest[cells], angle, best[cells])
+        largest[cells] = np.maximum(energy, largest[cells])
     return best
 
 
@@ -156,12 +162,17 @@ def _refined(
 ) -> NDArray[np.float64]:
     """Refine the maximum beside a sample by Newton's method within a bracket that bisection narrows."""
     low, high = angle - np.pi / SAMPLES, angle + np.pi / SAMPLES
+    settled = np.zeros(len(angle), dtype=bool)  # cell by cell: the angle does not depend on other cells
     for _ in range(STEPS):
         f, slope = _stationarity(angle, e, fabric)
         low, high = np.where(f > 0, angle, low), np.where(f > 0, high, angle)
         with np.errstate(divide="ignore", invalid="ignore"):
             newton = angle - f / slope
-        angle = np.where((newton >= low) & (newton <= high), newton, (low + high) / 2)
+        last, angle = angle, np.where((newton >= low) & (newton <= high), newton, (low + high) / 2)
+        angle = np.where(settled, last, angle)
+        settled |= np.abs(angle - last) < SETTLED
+        if settled.all():
+            break
     return angle
 
 

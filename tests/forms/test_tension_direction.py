@@ -92,6 +92,17 @@ def test_public_helper_takes_moduli_of_each_cell():
         np.testing.assert_array_equal(found[here][wrinkled], expected)
 
 
+def test_search_ends_when_it_has_settled(monkeypatch):
+    """Newton's method settles in few steps, and a fabric of positive nu has one maximum where it is extended."""
+    rng = np.random.default_rng(23)
+    fabric = OrthotropicFabric(900.0, 600.0, 0.3, 300.0)
+    e = random_strains(rng, "strains", fabric)
+    steps, stationarity = [], wrinkling_direction._stationarity
+    monkeypatch.setattr(wrinkling_direction, "_stationarity", lambda *of: steps.append(1) or stationarity(*of))
+    wrinkling_direction.direction(e[state_of(e, fabric) == 1][:, ROW, COLUMN], fabric)
+    assert len(steps) < 10
+
+
 def test_public_helper_on_a_process_without_cells():
     assert tension_direction(np.empty((0, 2, 2)), 1e5, 1e5, 0.3, 1e4).shape == (0,)
 

@@ -1,9 +1,7 @@
 """Sentences of the sources: at most 20 words, a noun or a verb first, no 'such' for a thing that has a name."""
 
 import ast
-import io
 import re
-import tokenize
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -25,6 +23,7 @@ WORD = re.compile(r"""["'(\[]*(a|I|[A-Za-z][A-Za-z'-]+)["')\]]*[.,;:!?]*["')\]]*
 END = re.compile(r"(?<=[.!?:;])[\"')\]]*\s+")
 REFERENCE = re.compile(r"\b(1[89]|20)\d\d\b")
 SECTION = re.compile(r"(Args|Returns|Raises|Attributes|Yields|Warns):$")
+TOKEN = re.compile(r"""(\"{3}|'{3})(?:\\.|.)*?\1|"(?:\\.|[^"\\])*"|'(?:\\.|[^'\\])*'|#[^\n]*""", re.DOTALL)
 ENTRY = re.compile(r"[*\w., ]+: (?=[A-Z])")
 
 
@@ -71,16 +70,18 @@ def documented(tree: ast.AST) -> Iterator[ast.Constant]:
 
 def comments(source: str) -> Iterator[str]:
     """Comments, those on consecutive lines as one."""
-    text, last = "", 0
-    for token in tokenize.generate_tokens(io.StringIO(source).readline):
-        if token.type == tokenize.COMMENT:
-            body, alone = token.string.lstrip("# %"), token.line.strip().startswith("#")
-            if alone and token.start[0] == last + 1 and body and not body.startswith(("- ", "[markdown]")):
-                text += f" {body}"
-            else:
-                yield text
-                text = body
-            last = token.start[0] if alone else 0
+    text, end = "", -1  # end of the last comment that has a line of its own
+    for found in TOKEN.finditer(source):
+        if not found[0].startswith("#"):
+            continue
+        body, begin = found[0].lstrip("# %"), source.rfind("\n", 0, found.start()) + 1
+        alone = not source[begin : found.start()].strip()
+        if alone and begin == end + 1 and body and not body.startswith(("- ", "[markdown]")):
+            text += f" {body}"
+        else:
+            yield text
+            text = body
+        end = found.end() if alone else -1
     yield text
 
 

@@ -1,32 +1,17 @@
 """Flattening: equal seams, straight threads, laws of all kinds, strips that cannot be laid flat."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from ufl import inner, tr
 
 from fx_membrane import Fabric, Membrane, NeoHooke, OrthotropicFabric, Structure, rectangle
 from fx_membrane.patterns.flat_shapes import flatten, flattened_strips, largest_difference, thread_angles
 from fx_membrane.patterns.strips import Edge, Strips
 from gores import catenoid, cone, gores
+from own_laws import Foil
 
-
-@dataclass(frozen=True)
-class Own:
-    """Isotropic law of a user's own, without a relaxed energy."""
-
-    Et: float
-
-    def energy(self, E, sigma0, parameters):
-        return inner(sigma0, E) + parameters.Et * (inner(E, E) + tr(E) ** 2 / 4) / 2
-
-    @property
-    def stiffness(self):
-        return self.Et
-
-
-LAWS = [Fabric(5e5, 0.3), OrthotropicFabric(6e5, 4e5, 0.3, 2e4), NeoHooke(1e5), Own(4e5)]
+LAWS = [Fabric(5e5, 0.3), OrthotropicFabric(6e5, 4e5, 0.3, 2e4), NeoHooke(1e5), Foil(4e5)]
 
 
 def unequal(strips):

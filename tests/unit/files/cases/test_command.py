@@ -35,43 +35,51 @@ for words in sys.argv[1:]:
 """
 
 
-def run(folder, *arguments, processes=1, script=COMMAND[1]):
-    """Run the command in a process of its own, or several, in a folder: exit code, stdout, stderr."""
+def run(folder, *arguments, processes=1, script=COMMAND[1], module=False):
+    """Run the command, as a script or a module, in its own processes in a folder: exit code, stdout, stderr."""
     several = [launch.launcher(), "-n", str(processes)] if processes > 1 else []
     environment = dict(os.environ) | launch.ENVIRONMENT | {"PYTHONPATH": str(Path(__file__).parents[4])}
-    command = [*several, sys.executable, "-c", script, *arguments]
+    command = [*several, sys.executable, *(["-m", "fx_membrane.cli"] if module else ["-c", script]), *arguments]
     ended = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
     return ended.returncode, ended.stdout, ended.stderr
 
 
+@pytest.fixture(scope="module")
+def by_two(tmp_path_factory):
+    """Folder in which two processes ran some commands, one after the other, their exit code, stdout and stderr."""
+    folder = tmp_path_factory.mktemp("two")
+    (folder / "roof.toml").write_text(WITHOUT_SERIES, encoding="utf-8")
+    commands = "init a.toml", "init a.toml", "demo tilted_masts", "run roof.toml"
+    return folder, *run(folder, *commands, processes=2, script=IN_TURN)
+
+
 def test_first_case_from_nothing_to_results(tmp_path):
-    code, words, _ = run(tmp_path, "init")
+    code, words = said("init", tmp_path / "case.toml")
     assert code == 0
     assert "case.toml" in words
     assert json.loads((tmp_path / "fx-membrane.schema.json").read_text())["type"] == "object"
-    assert run(tmp_path, "check", "case.toml")[0] == 0
-    code, words, _ = run(tmp_path, "run", "case.toml", "--quiet", "--log", "table.txt")
-    assert (code, words) == (0, "")
+    assert said("check", tmp_path / "case.toml")[0] == 0
+    command = ["run", "case.toml", "--quiet", "--log", "table.txt"]
+    assert run(tmp_path, *command, module=True)[:2] == (0, "")
     assert "PASS" in (tmp_path / "table.txt").read_text()
     names = {path.name for path in (tmp_path / "case").iterdir()}
     assert names >= {"checkpoint.sqlite", "results.fxm", "summary.json", "nodes.csv", "membranes.csv"}
     assert said("init", tmp_path / "case.toml")[0] == 2
 
 
-def test_results_are_kept_unless_told_otherwise(tmp_path):
-    (tmp_path / "roof.toml").write_text(WITHOUT_SERIES, encoding="utf-8")
-    case = read_case(tmp_path / "roof.toml")
+def test_results_are_kept_unless_told_otherwise(by_two):
+    folder, code, words, _ = by_two
+    case = read_case(folder / "roof.toml")
     expected = Analysis(case.structure, case.solver).run(case.stages)["snow"].displacement
-    code, words, _ = run(tmp_path, "run", "roof.toml", processes=2)
     assert code == 0
     assert words.count("Stage 'snow'") == 1
-    found = load_results(tmp_path / "out" / "results.fxm")["snow"].displacement
+    found = load_results(folder / "out" / "results.fxm")["snow"].displacement
     assert np.allclose(found, expected, rtol=0, atol=1e-12)
-    code, complaint = said("run", tmp_path / "roof.toml")
+    code, complaint = said("run", folder / "roof.toml")
     assert code == 2
     assert "--resume" in complaint
-    assert said("run", tmp_path / "roof.toml", "--resume", "--quiet") == (0, "")
-    assert said("run", tmp_path / "roof.toml", "--overwrite", "--quiet") == (0, "")
+    assert said("run", folder / "roof.toml", "--resume", "--quiet") == (0, "")
+    assert said("run", folder / "roof.toml", "--overwrite", "--quiet") == (0, "")
 
 
 def test_failed_stage_leaves_the_results_before_it(tmp_path):
@@ -184,17 +192,8 @@ def test_closed_pipe_is_silent(tmp_path):
     assert words == ""
 
 
-def test_module_of_the_command_runs_it(tmp_path):
-    environment = dict(os.environ) | launch.ENVIRONMENT | {"PYTHONPATH": str(Path(__file__).parents[4])}
-    command = [sys.executable, "-m", "fx_membrane.cli", "check", "none.toml"]
-    ended = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
-    assert ended.returncode == 2
-    assert "none.toml" in ended.stderr
-
-
-def test_files_to_begin_with_are_written_once_by_several_processes(tmp_path):
-    commands = "init a.toml", "init a.toml", "demo tilted_masts"
-    code, words, complaint = run(tmp_path, *commands, processes=2, script=IN_TURN)
-    assert [words.count(f"ended with {end}") for end in (code, 2)] == [4, 2]
+def test_files_to_begin_with_are_written_once_by_several_processes(by_two):
+    _, code, words, complaint = by_two
+    assert [words.count(f"ended with {end}") for end in (code, 2)] == [6, 2]
     assert [words.count(f"Wrote {files}") for files in ("a.toml", "tilted_masts.toml, tilted_masts.obj")] == [1, 1]
     assert complaint.count("a.toml exists") == 1
