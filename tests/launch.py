@@ -23,12 +23,13 @@ ENVIRONMENT = {
 
 
 SCRIPTS = Path(__file__).parent
+OWN = Path(sys.executable).with_name("mpiexec")  # the launcher of the wheel; that of Debian is on the path
+PROCESSES = 2 if OWN.exists() else 3  # MPICH of the wheel spins while it waits, and test machines have 2 cores
 
 
 def launcher():
-    """Find the launcher: beside the interpreter for the wheel, on the path for Debian."""
-    own = Path(sys.executable).with_name("mpiexec")
-    return str(own) if own.exists() else shutil.which("mpirun")
+    """Find the launcher that belongs to the interpreter."""
+    return str(OWN) if OWN.exists() else shutil.which("mpirun")
 
 
 def start(arguments, processes, timeout=1500):

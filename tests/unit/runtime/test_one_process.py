@@ -59,7 +59,7 @@ EXPECTED = {
 }
 
 
-@pytest.fixture(scope="module", params=[3])
+@pytest.fixture(scope="module", params=[launch.PROCESSES])
 def ended(request, tmp_path_factory):
     output = launch.start([launch.SCRIPTS / "one_process.py", tmp_path_factory.mktemp("one")], request.param)
     cases = [ast.literal_eval(text) for text in re.findall(r"^CASE (.*)$", output, re.MULTILINE)]
