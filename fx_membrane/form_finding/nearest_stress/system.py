@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import weakref
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
@@ -248,4 +249,6 @@ def _solver(matrix: sparse.csr_matrix) -> Callable[[Array, Array], Array]:
             factorization.release(ksp)  # the order of pivots is that of the first values: take one of these
         raise RuntimeError("Newton's equations of the nearest stress are singular")
 
+    for each in (ksp, A, b, x):
+        weakref.finalize(solved, each.destroy)  # petsc4py 3.18 keeps what nobody destroys
     return solved
