@@ -19,9 +19,10 @@ from ..checks.values import counted
 from ..model.digests import of_settings
 from ..model.structure import Structure
 from ..results.evaluation import StateEvaluator
+from ..results.load_increments import NO_CHAMBERS, Increment
 from ..results.owner import Owned, problem_of
 from ..results.remarks import remarked, warn_of_remarks
-from ..results.states import NO_CHAMBERS, Increment, StageResult
+from ..results.states import StageResult
 from ..runtime.notebook_pictures import picture_html, picture_png
 from ..runtime.processes import refuse_differences, together
 from ..solvers.base import Iteration

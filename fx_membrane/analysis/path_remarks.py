@@ -9,8 +9,8 @@ from typing import NamedTuple
 from ..assembly.actions import between
 from ..assembly.problem import Problem
 from ..results.evaluation import StateEvaluator
+from ..results.load_increments import Increment
 from ..results.remarks import remarked
-from ..results.states import Increment
 from ..results.told_states import UnstableStateWarning
 from ..runtime.processes import together
 from ..solvers.curvature import wrinkling_threshold

@@ -32,8 +32,9 @@ from .assembler import Assembler
 from .discretization import Discretization
 from .fitting import check_actions, check_matrix, check_vector, nodal_values
 from .forms_of_parts import PartForms, part_forms
+from .loaded_structure import of_actions
 from .matrix_forms import mass_form
-from .problem_under_actions import LoadedProblem, loaded_problem
+from .problem_under_actions import LoadedProblem
 from .rounding import magnitudes
 from .stabilization import Stabilization
 
@@ -110,7 +111,8 @@ class Problem:
         """
         actions = unloaded(self.structure) if actions is None else actions
         check_actions("actions", actions, self.structure)
-        return loaded_problem(self._assembler, self._stabilizer, self.magnitudes, actions)
+        fields = of_actions(self._assembler, self.magnitudes, actions)
+        return LoadedProblem(assembler=self._assembler, stabilizer=self._stabilizer, **fields)
 
     def allow_natural_shapes(self, parts: Iterable[str], given: Iterable[str] = ()) -> None:
         """Compile the forms of a natural shape for some parts, which else happens when one is first met.

@@ -14,13 +14,12 @@ from ..model.energy_terms import Term
 from ..runtime.processes import refuse_differences, summed, together
 from . import stress_changes
 from .actions import Actions, between
-from .assembler import Assembler
 from .fitting import check_actions, check_matrix, check_vector
 from .integral_energies import Borders, IntegralEnergies, add_rate
 from .loaded_structure import LoadedStructure, of_actions
 from .one_integral import IntegralEnergy
 from .parameter_derivatives import by_parameter
-from .rounding import UNIT, Magnitudes
+from .rounding import UNIT
 from .stabilization import Stabilization
 from .work_on_line import work
 
@@ -289,10 +288,3 @@ class LoadedProblem(LoadedStructure):
             return self.discretization.create_vector()
         check_vector("b", b, self.discretization.rows)
         return b
-
-
-def loaded_problem(
-    assembler: Assembler, stabilizer: Stabilization, magnitudes: Magnitudes, actions: Actions
-) -> LoadedProblem:
-    """View of a problem under actions."""
-    return LoadedProblem(assembler=assembler, stabilizer=stabilizer, **of_actions(assembler, magnitudes, actions))
