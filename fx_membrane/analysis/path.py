@@ -44,6 +44,14 @@ class PathPoint(NamedTuple):
         kept: Fraction of each `compression_stiffness` in effect: 1, but 0.01 at a limit point with wrinkled or slack
             cells, so that they carry no compression there. It is 1 at a limit point where no point was found with less.
         chambers: Gas in the chambers, by name.
+
+    Example:
+        >>> points = [(-1, 0, 0), (1, 0, 0), (0, 0, 0.4)]
+        >>> truss = Structure(points, {"bars": Mast([[0, 2], [1, 2]], 1e5)}, [Support([0, 1]), Support(2, "y")])
+        >>> path = equilibrium_path(truss, Stage("push", [PointLoad(2, (0, 0, -3e3))], increments=5))
+        >>> top = next(point for point in path.points if point.limit)
+        >>> round(top.load_factor, 4), round(float(top.displacement[2, 2]), 4)
+        (0.6572, -0.1691)
     """
 
     load_factor: float
@@ -69,6 +77,13 @@ class EquilibriumPath(Owned):
         reason: Sentence on why it ends there: it is complete, it has the maximum number of points, or the message of
             its `PathError`.
         owner: The problem on which the path was computed; None in a copy, see `problem`.
+
+    Example:
+        >>> points = [(-1, 0, 0), (1, 0, 0), (0, 0, 0.4)]
+        >>> truss = Structure(points, {"bars": Mast([[0, 2], [1, 2]], 1e5)}, [Support([0, 1]), Support(2, "y")])
+        >>> path = equilibrium_path(truss, Stage("push", [PointLoad(2, (0, 0, -3e3))], increments=5))
+        >>> path.complete, len(path.limit_points), int(path.negative_pivots.max())
+        (True, 2, 1)
     """
 
     name: str

@@ -56,6 +56,14 @@ class Actions:
         ponds: Water on membranes, with factors, each pond once.
         gas: Gas in the chambers, by name; others are open, without pressure.
         air: The air around; None if no stage has given it.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> pull = Stage("pull", [PointLoad(1, (0, 0, -10.0))])
+        >>> actions = Problem(rope).actions_of(pull)
+        >>> actions.loads[1].tolist(), actions.held[0].tolist(), actions.changes_stress
+        ([0.0, 0.0, -10.0], [True, True, True], False)
     """
 
     loads: Array

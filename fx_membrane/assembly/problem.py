@@ -52,15 +52,6 @@ class Problem:
     3 block_of_node[node] + c. `to_petsc` and `to_numpy` translate vectors. Matrices are sparse (AIJ, block size 3),
     with the pattern of all parts together. Processes own consecutive rows.
 
-    Example: derivative of the displacement by the stiffness of a fabric, at a state.
-
-        state = results["snow"]
-        problem = state.problem
-        loaded, x = problem.under(state.actions), problem.to_petsc(state.displacement)
-        K, dR = loaded.tangent(x), loaded.derivative(x, "fabric", "Et")
-        loaded.constraints.zero_constrained(dR)
-        loaded.constraints.constrain_tangent(x, K, dR)  # K du = -dR
-
     Args:
         structure: The structure.
         comm: The processes that share the work; each must give the same structure.
@@ -76,6 +67,22 @@ class Problem:
         parts: Forms of the parts of which this process has cells.
         magnitudes: Typical forces and stiffnesses.
         number: Number of this problem, equal on all its processes.
+
+    Example:
+        Derivative of the displacement by the stiffness of the cable, at a state:
+
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> pull = Stage("pull", [PointLoad(1, (0, 0, -10.0))])
+        >>> state = Analysis(rope).run([pull])["pull"]
+        >>> problem = state.problem
+        >>> loaded, x = problem.under(state.actions), problem.to_petsc(state.displacement)
+        >>> K, dR = loaded.tangent(x), loaded.derivative(x, "rope", "axial_stiffness")
+        >>> loaded.constraints.zero_constrained(dR)
+        >>> loaded.constraints.constrain_tangent(x, K, dR)
+        >>> du = -np.linalg.solve(K.getValues(range(9), range(9)), dR.array)  # K du = -dR
+        >>> round(1e9 * float(du.max()), 3)  # nm for each N
+        0.174
     """
 
     def __init__(self, structure: Structure, comm: MPI.Intracomm = MPI.COMM_WORLD, elastic: bool = True):

@@ -144,6 +144,11 @@ class NeoHooke:
 
     Source:
         `forms.hyperelasticity`; A. C. Pipkin (1986), D. J. Steigmann (1990), see `forms.wrinkling`.
+
+    Example:
+        >>> foil = NeoHooke.from_modulus(E=3e6, thickness=1e-3)
+        >>> foil, round(foil.stiffness, 6)
+        (NeoHooke(Gt=1000.0), 3000.0)
     """
 
     dimension: ClassVar[int] = 2
@@ -184,6 +189,11 @@ class MooneyRivlin:
 
     Source:
         `forms.hyperelasticity`; A. C. Pipkin (1986), D. J. Steigmann (1990), see `forms.wrinkling`.
+
+    Example:
+        >>> foil = MooneyRivlin.from_moduli(C10=2e5, C01=5e4, thickness=1e-3)
+        >>> foil, round(foil.stiffness, 6)
+        (MooneyRivlin(C10t=200.0, C01t=50.0), 1500.0)
     """
 
     dimension: ClassVar[int] = 2
@@ -220,6 +230,13 @@ class Axial:
 
     Raises:
         ValueError: The stiffness is not positive.
+
+    Example:
+        >>> law = Axial(1e7)  # that of Cable(cells, 1e7)
+        >>> law.stiffness
+        10000000.0
+        >>> law.strain(np.array([[[2e4]]])).tolist()  # under 20 kN
+        [[[0.002]]]
     """
 
     dimension: ClassVar[int] = 1

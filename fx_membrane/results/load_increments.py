@@ -26,6 +26,13 @@ class Increment(NamedTuple):
         chambers: Gas in the chambers at its end, by name.
         basins: Rain in the basins of membranes at its end.
         events: Water that ran over, and basins that merged or parted, at its end.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> pull = Stage("pull", [PointLoad(1, (0, 0, -10.0))], increments=2)
+        >>> [(one.load_factor, one.outcome.name) for one in Analysis(rope).run([pull])["pull"].increments]
+        [(0.5, 'CONVERGED'), (1.0, 'CONVERGED')]
     """
 
     load_factor: float

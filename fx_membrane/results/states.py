@@ -218,6 +218,14 @@ class StageResults(dict[str, StageResult]):
         limits: Its limits, for checks; None without.
         failure: Stage that found no equilibrium, and ended the run; None if it is complete.
         last: Last state of that stage, named with its load factor; its start if no stage is complete; or else None.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> stages = [Stage("rest"), Stage("pull", [PointLoad(1, (0, 0, -10.0))], after="rest")]
+        >>> results = Analysis(rope).run(stages)
+        >>> list(results), results["pull"].name, results.failure is None
+        (['rest', 'pull'], 'pull', True)
     """
 
     def __init__(self, results: Mapping[str, StageResult] = MappingProxyType({}), stages: Sequence[Stage] = ()):

@@ -64,6 +64,14 @@ class SteepestDescent:
         rtol: Relative tolerance of the unbalanced forces: their 2-norm over that of all nodal forces, reactions and
             loads included. Rounding counts as converged. A start converges only at rounding.
         max_iterations: Maximum number of iterations for one load increment.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> pull = Stage("pull", [PointLoad(1, (0, 0, -10.0))])
+        >>> state = Analysis(rope, SteepestDescent("tangent")).run([pull])["pull"]
+        >>> state.cable("rope").force.round(1).tolist()
+        [1012.2, 1012.2]
     """
 
     preconditioner: Kind = None
@@ -95,6 +103,14 @@ class ConjugateGradient:
         preconditioner: As of `SteepestDescent`; beta is then that of the preconditioned forces.
         rtol: As of `SteepestDescent`.
         max_iterations: Maximum number of iterations for one load increment.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> pull = Stage("pull", [PointLoad(1, (0, 0, -10.0))])
+        >>> state = Analysis(rope, ConjugateGradient(preconditioner="jacobi")).run([pull])["pull"]
+        >>> state.cable("rope").force.round(1).tolist()
+        [1012.2, 1012.2]
     """
 
     beta: Literal["FR", "PR"] = "PR"

@@ -32,6 +32,13 @@ class Depression:
         spill: Node over which it spills.
         level: Height of that node along the upward direction [m].
         pits: Lowest nodes of all ponds that have merged in it by then, the lowest first, shape (k,).
+
+    Example:
+        >>> points, triangles = rectangle(8.0, 8.0, 8, 8)
+        >>> points[:, 2] = 0.05 * (points[:, 0] ** 2 + points[:, 1] ** 2)  # a bowl, lowest on the rim at 0.8
+        >>> pond = drainage((points, triangles)).depressions[0]
+        >>> pond.place.tolist(), round(pond.depth, 6), round(pond.level, 6)
+        ([0.0, 0.0, 0.0], 0.8, 0.8)
     """
 
     node: int
@@ -57,6 +64,13 @@ class Drainage:
         valleys: Edges that water of the cells at them runs into, and then along, shape (k, 2); those of walls, too.
         valley_slope: Slope of each, shape (k,) [-].
         length_unit: Name of the length unit, in words and tables.
+
+    Example:
+        >>> points, triangles = rectangle(4.0, 2.0, 4, 2)
+        >>> points[:, 2] = 0.1 * points[:, 0]
+        >>> found = drainage((points, triangles))
+        >>> found.drains, round(found.least_slope, 6)
+        (True, 0.1)
     """
 
     depressions: Sequence[Depression]
