@@ -48,7 +48,7 @@ def _carried(problem: Problem, path: EquilibriumPath, pulse: Pulse) -> Iterator[
     for number, point in enumerate(path.points):
         pulse(f"looking for slack parts at point {number} of {len(path.points)}")
         loaded = problem.under(between(path.start, path.end, point.load_factor))
-        loaded = loaded.without_compression_stiffness(point.kept)
+        loaded = loaded.without_compression_stiffness(point.compression_stiffness)
         x = problem.discretization.to_petsc(point.displacement)
         state = record(path.name, loaded, x, (Increment(point.load_factor, point.iterations),))
         for remark in remarked(state, None).remarks:
