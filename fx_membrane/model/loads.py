@@ -115,6 +115,11 @@ class Pressure(ByValue):
     cells: ArrayLike | None = None
 
     def __post_init__(self) -> None:
+        if isinstance(self.pressure, list | tuple) or np.ndim(self.pressure):
+            raise ValueError(
+                f"Pressure pressure is {validation.short_repr(self.pressure)}; give one number for its `cells`, and an "
+                "energy term for one that differs from cell to cell, see `EnergyTerm`."
+            )
         validation.store(self, validation.number, "pressure")
         _check_cells(self)
 
