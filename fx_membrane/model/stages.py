@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..checks import validation
+from .base_classes import AnyChange, AnyLoad
 from .by_value import ByValue
 from .changes import Change, check_change
+from .energy_terms import Term
 from .gas import GasChange, check_gas_change, refuse_two_gases
 from .loads import Load, check_load, checked_loads
 from .structure import Structure
@@ -86,6 +88,18 @@ class Stage(ByValue):
     increments: int = 1
     after: str | None = None
     changes: Sequence[Change | GasChange] = ()
+
+    if TYPE_CHECKING:  # lists of several kinds
+
+        def __init__(
+            self,
+            name: str,
+            loads: Sequence[AnyLoad | Term] = ...,
+            displacements: Sequence[PrescribedDisplacement] = ...,
+            increments: int = ...,
+            after: str | None = ...,
+            changes: Sequence[AnyChange] = ...,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         validation.keep(self, name=validation.name("stage", self.name))

@@ -18,6 +18,7 @@ from ..checks.values import counted
 from ..geometry.sizes import normals, projected
 from ..runtime.notebook_pictures import picture_html, picture_png, table
 from . import energy_terms, laws, slivers
+from .base_classes import AnyPart
 from .by_value import ByValue
 from .chambers import Chamber, checked_chambers
 from .coincidence import CoincidentNodesWarning, checked_pairs, coincident_nodes
@@ -94,7 +95,7 @@ class Structure(ByValue):
         def __init__(
             self,
             points: ArrayLike,
-            parts: Mapping[str, Part],
+            parts: Mapping[str, AnyPart],
             supports: Sequence[Support] = ...,
             separate: Sequence[tuple[str, str]] = ...,
             terms: Sequence[Term] = ...,
