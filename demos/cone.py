@@ -114,12 +114,8 @@ for name in bars:
 up, x = np.sign(form.structure.normals("fabric")[0, 2]), points[triangles].mean(axis=1)[:, 0]
 windward, leeward = np.flatnonzero(x < 0), np.flatnonzero(x > 0)
 wind = [Pressure(-up * 0.3, "fabric", windward), Pressure(up * 0.5, "fabric", leeward)]
-stages = [
-    Stage("prestress"),
-    Stage("snow", [PlanLoad((0, 0, -0.6), "fabric")], after="prestress"),
-    Stage("uplift", [Pressure(up * 0.5, "fabric")], after="prestress"),
-    Stage("wind", wind, after="prestress"),
-]
+stages = [Stage("prestress"), Stage("snow", [PlanLoad((0, 0, -0.6), "fabric")], after="prestress")]
+stages += [Stage("uplift", [Pressure(up * 0.5, "fabric")], after="prestress"), Stage("wind", wind, after="prestress")]
 results = Analysis(form.structure).run(stages)
 strength = {"warp": 23.0, "weft": 20.0, "edge cables": 65.0, "hangers": 15.0, "mast": 189.0}
 numbers = {"heights [m]": form.points[node[:, 0], 2].tolist(), "hangers [kN]": form.forces["hangers"].tolist()}
