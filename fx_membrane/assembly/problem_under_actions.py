@@ -45,9 +45,8 @@ class LoadedProblem(LoadedStructure):
     Example:
         >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
         >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
-        >>> pull = Stage("pull", [PointLoad(1, (0, 0, -10.0))])
         >>> problem = Problem(rope)
-        >>> loaded = problem.under(problem.actions_of(pull))
+        >>> loaded = problem.under(problem.actions_of(Stage("pull", [PointLoad(1, (0, 0, -10.0))])))
         >>> problem.to_numpy(loaded.residual(problem.create_vector())).round(6).tolist()
         [[-1000.0, 0.0, 0.0], [0.0, 0.0, 10.0], [1000.0, 0.0, 0.0]]
     """
