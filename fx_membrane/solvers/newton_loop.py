@@ -22,7 +22,7 @@ from . import factorization, petsc_options
 from .backends import by_dolfinx, by_snes
 from .base import LIMITS, Iteration, Monitor, Solution, diverged, max_norm, no_monitor, tolerance
 from .bordered_system import BorderedSystem
-from .convergence import at_rest
+from .convergence import at_rest, stagnant
 from .curvature import wrinkling_threshold
 from .diagnosis import linear_failure, loose_nodes, stagnation_message
 from .inertia_correction import ShiftControl
@@ -144,8 +144,7 @@ class NewtonLoop:
     def without_end(self, x: PETSc.Vec) -> _Stop:
         """Outcome and reason of an iteration whose last iterate is no solution."""
         last = self.history[-1].residual
-        # Small, and no longer falling.
-        at_rounding = len(self.history) > 2 and self.history[-2].residual < 10 * last < 1e4 * self.tolerance
+        at_rounding = stagnant(self.history, self.tolerance)
         outcome = Outcome.STAGNATED if at_rounding else Outcome.MAX_ITERATIONS
         return _Stop(outcome, stagnation_message(self.problem, x, len(self.history) - 1, last, at_rounding))
 
