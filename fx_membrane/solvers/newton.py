@@ -150,7 +150,8 @@ class _Globalized:
         motion = free() or slack_mechanism(self.problem, start)
         if not motion:
             return replace(solution, reason=solution.reason + units)
-        if free() and not has_fallen() and self.cut_short(solution, thorough):
+        # What has fallen proceeds no further, and has no homotopy: only the limit cuts it off.
+        if free() and self.cut_short(solution, thorough or has_fallen()):
             words = mechanism_or_too_few(motion, self.settings.max_iterations, self.loop.history[-1].residual)
             return replace(solution, outcome=Outcome.MAX_ITERATIONS, reason=words + units, motion=motion.motion)
         outcome = Outcome.MECHANISM if free() else Outcome.SLACK_MECHANISM

@@ -1,5 +1,7 @@
 """Bound on the iterations of Newton's method for one try of a load increment, those of all strategies together."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -23,7 +25,7 @@ from fx_membrane.assembly.actions import unloaded
 from fx_membrane.assembly.problem import Problem
 from fx_membrane.solvers.newton_loop import NewtonLoop
 from fx_membrane.solvers.outcome import Outcome
-from hard_structures import FABRIC, pulled
+from hard_structures import FABRIC, hanging, pulled
 
 
 def iterations(structure, stages, solver):
@@ -128,8 +130,17 @@ def test_failure_in_each_increment_tells_of_the_iterations_first():
         Analysis(structure, Newton(max_iterations=20)).run(stages)
 
 
+@pytest.mark.parametrize("most", [10, 20, 60])
+def test_cable_that_falls_is_no_mechanism_where_iterations_run_out(most):
+    """It hangs down by most of its length, and needs 21 iterations."""
+    *_, solution = iterations(*hanging(2.0, 1e3), Newton(max_iterations=most))
+    assert solution.outcome is (Outcome.MAX_ITERATIONS if most < 21 else Outcome.CONVERGED)
+    if most < 21:
+        assert re.match(rf"the iterations ran out \(at most {most} are .* is a mechanism", solution.reason)
+
+
 @pytest.mark.mpi
-def test_structure_that_has_fallen_is_a_mechanism_however_few_the_iterations():
+def test_structure_that_has_fallen_is_a_mechanism_where_iterations_are_left():
     """Two hinged masts with a cable between their tops are pushed aside."""
     points = [[0.0, 0, 0], [4, 0, 0], [0, 0, 3], [4, 0, 3]]
     parts = {"masts": Mast([[0, 2], [1, 3]], 1e6), "tie": Cable([[2, 3]], 1e5)}
