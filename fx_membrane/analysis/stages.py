@@ -208,12 +208,12 @@ class Analysis:
             while control.state.factor < 1:
                 _dolfinx.free_dropped(self._comm)
                 self.problem.discretization.to_petsc(control.state.displacement, x)
-                work.iterates.clear()
+                count = work.count
                 solve = partial(self._solved, x=x, work=work, thorough=control.thorough)
                 rest = at_rest(self.problem, course, control.next(), x, solve)
                 shape = self.problem.to_numpy(x) if rest.solution.converged else None
                 waters[control.factor] = rest.course, rest.basins, rest.events
-                verdict = control.judge(rest.solution, shape, len(work.iterates))
+                verdict = control.judge(rest.solution, shape, work.count - count)
                 if verdict is Verdict.HALVE:
                     continue
                 if verdict is Verdict.STOP or work.over or not self._located(course, control, work):
@@ -244,6 +244,7 @@ class Analysis:
 
     def _solved(self, loaded: LoadedProblem, x: PETSc.Vec, work: Work, thorough: bool) -> Solution:
         """Solve an increment; once the limit of work is used up, allow no retry."""
+        work.iterates.clear()
         try:
             return undefined_start(loaded, x) or self._solve(loaded, x, work, thorough)
         except WorkDone as done:

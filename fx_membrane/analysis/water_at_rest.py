@@ -29,7 +29,7 @@ from ..model.basins import StandingWater, restored
 from ..model.standing_water import Solved, renewed
 from ..model.water_events import BasinResult, WaterEvent
 from ..results.water_of_state import basins_of_state
-from ..solvers.base import Solution
+from ..solvers.base import Solution, joined
 from ..solvers.outcome import Outcome
 from .course import Course
 
@@ -71,20 +71,20 @@ def at_rest(problem: Problem, course: Course, factor: Fraction, x: PETSc.Vec, so
     for _ in range(ROUNDS):
         loaded = problem.under(course.actions(factor))
         solution = solve(loaded)
-        joined = solution if before is None else _joined(before, solution)
+        total = solution if before is None else _joined(before, solution)
         if not solution.converged:
-            return Rest(course, joined, loaded)
+            return Rest(course, total, loaded)
         waters, found, moved = _renewed(loaded, problem.to_numpy(x), x, float(factor))
         if not waters:
-            return Rest(course, joined, loaded)
+            return Rest(course, total, loaded)
         events += found
         course = course.with_water(waters)
         if not moved:
             loaded = problem.under(course.actions(factor))
-            return Rest(course, joined, loaded, basins_of_state(loaded, x), _summed(events))
-        before = joined
+            return Rest(course, total, loaded, basins_of_state(loaded, x), _summed(events))
+        before = total
     words = "water goes on running from basin to basin, and the shape with it; give more increments or less rain"
-    return Rest(course, replace(joined, outcome=Outcome.MAX_ITERATIONS, reason=words), loaded)
+    return Rest(course, replace(total, outcome=Outcome.MAX_ITERATIONS, reason=words), loaded)
 
 
 def _renewed(
@@ -127,7 +127,7 @@ def _joined(before: Solution, after: Solution) -> Solution:
     return replace(
         after,
         outcome=before.outcome if after.outcome is Outcome.CONVERGED else after.outcome,
-        iterations=before.iterations + after.iterations,
+        iterations=joined(before, after),
         extra_iterations=before.extra_iterations + after.extra_iterations,
         lost_stability=before.lost_stability or after.lost_stability,
     )

@@ -65,8 +65,9 @@ class Solution(ByValue):
         outcome: Outcome.
         reason: Sentence on why the solve stopped and, after a failure, on the remedy.
         iterations: The iterates, the start first. Of several attempts, those of the one that gives the outcome: the one
-            after the homotopy if it converged, or else the first.
-        extra_iterations: Number of iterates missing from `iterations`: those of rejected attempts and of the homotopy.
+            after the homotopy if it converged, or else the first. Those of an escape from a saddle follow.
+        extra_iterations: Number of iterations missing from `iterations`: those of rejected attempts and of the
+            homotopy.
         lost_stability: True if the start was stable, but negative curvature appeared during the iteration, beyond that
             of wrinkled and slack cells: that of masts or a pressure. Iterates can be far off, so smaller load
             increments may avoid it.
@@ -131,6 +132,11 @@ class Solver(Protocol):
     def prepare(self, problem: Problem, /) -> Solve:
         """Return a function that brings a vector to equilibrium and keeps its workspace between calls."""
         ...
+
+
+def joined(before: Solution, after: Solution) -> tuple[Iteration, ...]:
+    """Join the iterates of two solves, of which the second starts at the end of the first; they keep one start."""
+    return before.iterations + after.iterations[1:]
 
 
 def no_monitor(number: int, iterate: Iteration) -> None:

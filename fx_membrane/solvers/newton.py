@@ -20,7 +20,7 @@ from ..assembly.problem import Problem
 from ..assembly.problem_under_actions import LoadedProblem
 from ..checks import validation
 from . import factorization, petsc_options
-from .base import LIMITS, Iteration, Monitor, Solution, max_norm, no_monitor
+from .base import LIMITS, Iteration, Monitor, Solution, joined, max_norm, no_monitor
 from .convergence import Patience, nearer
 from .curvature import negative_between
 from .diagnosis import collapsed, mechanism, mechanism_or_too_few, slack_mechanism, unlikely_units
@@ -115,7 +115,7 @@ class _Globalized:
         lost = loop.lost_stability
         if solution.converged and loop.from_stable and not lost:
             lost = negative_between(self.problem, start, x)  # a step may pass over a snap-through
-        return replace(solution, extra_iterations=loop.iterates - len(solution.iterations), lost_stability=lost)
+        return replace(solution, extra_iterations=loop.taken - (len(solution.iterations) - 1), lost_stability=lost)
 
     def release(self) -> None:
         """Free the factorization until the next solve; collective."""
@@ -204,5 +204,5 @@ class _Globalized:
             if not onward.converged:
                 self.before.copy(x)
                 break
-            solution = replace(onward, outcome=solution.outcome, iterations=solution.iterations + onward.iterations)
+            solution = replace(onward, outcome=solution.outcome, iterations=joined(solution, onward))
         return replace(solution, outcome=Outcome.UNSTABLE)
