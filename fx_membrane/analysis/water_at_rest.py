@@ -6,7 +6,7 @@ into others (`assembly.cascade`).
 
 At the end of an increment the set is found anew, as an active set: basins merge and part, and outlets change. Where
 that moves water, the same load factor is solved again from the shape found, at most `ROUNDS` times. Most increments
-take one solution, and one more for each merger after another.
+take one solution, and one more for each merger after another. All of them share the iterations that the solver allows.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from ..assembly.actions import Actions, pond_of
 from ..assembly.problem import Problem
 from ..assembly.problem_under_actions import LoadedProblem
 from ..assembly.water import PondEnergy
+from ..checks.values import counted
 from ..model.basins import StandingWater, restored
 from ..model.standing_water import Solved, renewed
 from ..model.water_events import BasinResult, WaterEvent
@@ -35,7 +36,7 @@ from .course import Course
 
 ROUNDS = 60  # most solutions of one load factor, between which water runs
 
-Solve = Callable[[LoadedProblem], Solution]
+Solve = Callable[[LoadedProblem, int], Solution]  # from the problem and the number of iterations in earlier rounds
 
 
 class Rest(NamedTuple):
@@ -70,10 +71,12 @@ def at_rest(problem: Problem, course: Course, factor: Fraction, x: PETSc.Vec, so
     before: Solution | None = None
     for _ in range(ROUNDS):
         loaded = problem.under(course.actions(factor))
-        solution = solve(loaded)
+        taken = 0 if before is None else before.total_iterations
+        solution = solve(loaded, taken)
         total = solution if before is None else _joined(before, solution)
         if not solution.converged:
-            return Rest(course, total, loaded)
+            words = f" Before that, water ran on in rounds, which took {counted(taken, 'iteration')}." * (taken > 0)
+            return Rest(course, replace(total, reason=total.reason + words), loaded)
         waters, found, moved = _renewed(loaded, problem.to_numpy(x), x, float(factor))
         if not waters:
             return Rest(course, total, loaded)

@@ -94,6 +94,11 @@ class Solution(ByValue):
         ) -> None: ...
 
     @property
+    def total_iterations(self) -> int:
+        """Number of iterations, those of rejected attempts and of the homotopy among them."""
+        return len(self.iterations) - 1 + self.extra_iterations
+
+    @property
     def converged(self) -> bool:
         """True if the state is an equilibrium."""
         return self.outcome.converged
@@ -117,6 +122,16 @@ class Solve(Protocol):
                 exception through: it ends the solve at the limit of work.
             thorough: False to omit slow fallbacks that find distant states.
         """
+        ...
+
+
+class SolveOnward(Solve, Protocol):
+    """Solve that may be one round of several, which share the bound of iterations."""
+
+    def __call__(
+        self, loaded: LoadedProblem, x: PETSc.Vec, monitor: Monitor, thorough: bool, taken: int = 0, /
+    ) -> Solution:
+        """Return the outcome; the state is in x, and `taken` counts the iterations of the rounds before."""
         ...
 
 

@@ -55,7 +55,8 @@ class Newton:
         rtol: Relative tolerance of the unbalanced forces: their 2-norm over that of all nodal forces, reactions and
             loads included. Rounding counts as converged. Rounding is that of the forces in each node, or stagnation
             below 1e-8 of all forces. A start converges only at rounding.
-        max_iterations: Maximum number of iterations for one try of a load increment, those of all strategies together.
+        max_iterations: Maximum number of iterations for one try of a load increment, those of all strategies together,
+            and of all rounds in which the water of rain runs on.
             The first attempt takes a fifth of them, at least 50, or more while residuals fall; the homotopy and the
             attempts after it take what remains. Each iteration is one step; a corrected inertia takes several
             factorizations.
@@ -103,11 +104,16 @@ class _Globalized:
         self.start, self.before = create(), create()
 
     def __call__(
-        self, problem: LoadedProblem, x: PETSc.Vec, monitor: Monitor = no_monitor, thorough: bool = True
+        self,
+        problem: LoadedProblem,
+        x: PETSc.Vec,
+        monitor: Monitor = no_monitor,
+        thorough: bool = True,
+        taken: int = 0,
     ) -> Solution:
         loop, start = self.loop, x.copy(self.start)
         self.problem = problem
-        loop.begin(problem, monitor, self.settings.max_iterations)
+        loop.begin(problem, monitor, max(self.settings.max_iterations - taken, 0))
         solution = self.solve(x, start, thorough)
         if not self.told:
             self.told = True
