@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..checks.read_only_data import ReadOnlyDict, read_only
 from ..model.basins import StandingWater
 from ..model.cable_changes import ELASTIC
 from ..model.cell_tensors import once
@@ -69,6 +70,13 @@ class Actions:
     ponds: tuple[ActingPond, ...] = ()
     gas: Mapping[str, Gas] = field(default_factory=dict)
     air: Air | None = None
+
+    def __post_init__(self) -> None:
+        for entry in fields(self):
+            value = getattr(self, entry.name)
+            if isinstance(value, Mapping):
+                value = ReadOnlyDict({key: read_only(each) for key, each in value.items()})
+            object.__setattr__(self, entry.name, read_only(value))
 
     @property
     def pressed(self) -> bool:

@@ -172,7 +172,7 @@ class Problem:
             A: Matrix for the result; a new one if None.
 
         Raises:
-            ValueError: The matrix is another problem's.
+            ValueError: Its rows are not those of this problem in number or distribution.
 
         Warns:
             UserWarning: No part has mass: all entries are zero.
@@ -205,7 +205,8 @@ class Problem:
         """Nodal values in the user's order on every process, shape (n, 3); zero at nodes that no part uses.
 
         Raises:
-            ValueError: It is not a vector of this problem.
+            ValueError: Its rows are not those of this problem in number or distribution. A vector of another problem
+                with as many rows is not told apart.
         """
         check_vector("to_numpy vector", vector, self.discretization.rows)
         return self.discretization.to_numpy(vector)

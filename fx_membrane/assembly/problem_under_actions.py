@@ -214,7 +214,8 @@ class LoadedProblem(LoadedStructure):
 
         Args:
             x: Displacement [m].
-            part: Name of the part or of a chamber; or an energy term that acts here, of the structure or of a stage.
+            part: Name of the part or of a chamber; or an energy term that acts here, the object itself that the
+                structure or a stage has: terms that are equal act separately.
             parameter: "prestress" of the part; "natural_stretch", the natural shape in these actions, with the changes
                 of stages; "pressure", of a membrane; or a number of the material: "axial_stiffness" of cables and
                 masts; "Et" and "nu" of a `Fabric`; "Et_warp", "Et_weft", "nu" and "Gt" of an `OrthotropicFabric`; or
@@ -279,7 +280,7 @@ class LoadedProblem(LoadedStructure):
         displacement = float(x.norm(PETSc.NormType.NORM_INFINITY))
         sizes = np.zeros(b.local_size)
         self.integrals.add_force_sizes(x, sizes)
-        rounding = self.magnitudes.scales.rounding(displacement) + UNIT * sizes
+        rounding = np.repeat(self.magnitudes.scales.rounding(displacement), 3) + UNIT * sizes
         rounding[self.constraints.rows] = UNIT * self.magnitudes.stiffness * displacement
         return self._norm(np.maximum(np.abs(b.array_r) - rounding, 0.0))
 

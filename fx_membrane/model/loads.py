@@ -10,14 +10,14 @@ from numpy.typing import ArrayLike
 
 from ..checks import validation
 from . import energy_terms
-from .by_value import ByValue
+from .base_classes import AnyLoad
 from .energy_terms import Term
 from .ponds import Pond, check_pond
 from .structure import Structure
 
 
 @dataclass(frozen=True, eq=False)
-class PointLoad(ByValue):
+class PointLoad(AnyLoad):
     """Equal force on each of some nodes.
 
     Args:
@@ -41,7 +41,7 @@ class PointLoad(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class _SpreadLoad(ByValue):
+class _SpreadLoad(AnyLoad):
     """Common fields of loads of fixed direction that are spread over cells."""
 
     load: ArrayLike
@@ -93,7 +93,7 @@ class PlanLoad(_SpreadLoad):
 
 
 @dataclass(frozen=True, eq=False)
-class Pressure(ByValue):
+class Pressure(AnyLoad):
     """A pressure that follows the membrane: per current area, along its current normal.
 
     Args:
@@ -115,6 +115,11 @@ class Pressure(ByValue):
     cells: ArrayLike | None = None
 
     def __post_init__(self) -> None:
+        if isinstance(self.pressure, list | tuple) or np.ndim(self.pressure):
+            raise ValueError(
+                f"Pressure pressure is {validation.short_repr(self.pressure)}; give one number for its `cells`, and an "
+                "energy term for one that differs from cell to cell, see `EnergyTerm`."
+            )
         validation.store(self, validation.number, "pressure")
         _check_cells(self)
 

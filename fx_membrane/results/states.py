@@ -17,6 +17,7 @@ from ..assembly.actions import Actions
 from ..assembly.gas import ChamberResult
 from ..assembly.problem import Problem
 from ..checks import validation
+from ..checks.read_only_data import read_only
 from ..checks.values import counted
 from ..model.parts import Cable, Mast, Membrane, Rope
 from ..model.stages import Stage
@@ -119,6 +120,10 @@ class StageResult(Owned):
     ponds: tuple[PondResult, ...] = ()
     chambers: Mapping[str, ChamberResult] = field(default_factory=dict)
     owner: Problem | None = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        for name in ("displacement", "loads", "reactions"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
 
     def __repr__(self) -> str:
         return (
