@@ -20,7 +20,7 @@ class TrendControl:
         rest: Number of iterations without progress that counts as at rest.
         gain: Fraction of the earlier minimum that counts as progress.
         slow: Ratio of the last two residuals below which they no longer fall: a quadratic end gains more at once.
-        small: Multiple of the tolerance below which such a residual is small: what rounding may leave above it.
+        small: Multiple of the tolerance below which that residual counts as small; rounding may leave as much.
     """
 
     fall: float = 0.8

@@ -55,8 +55,8 @@ class Newton:
         rtol: Relative tolerance of the unbalanced forces: their 2-norm over that of all nodal forces, reactions and
             loads included. Rounding counts as converged. Rounding is that of the forces in each node, or stagnation
             below 1e-8 of all forces. A start converges only at rounding.
-        max_iterations: Maximum number of iterations for one try of a load increment, those of all strategies together,
-            and of all rounds in which the water of rain runs on.
+        max_iterations: Maximum number of iterations for one try of a load increment, those of all strategies together.
+            Rounds of a try in which the water of rain runs on share it.
             The first attempt takes a fifth of them, at least 50, or more while residuals fall; the homotopy and the
             attempts after it take what remains. Each iteration is one step; a corrected inertia takes several
             factorizations.
@@ -156,7 +156,7 @@ class _Globalized:
         motion = free() or slack_mechanism(self.problem, start)
         if not motion:
             return replace(solution, reason=solution.reason + units)
-        # What has fallen proceeds no further, and has no homotopy: only the limit cuts it off.
+        # A fall proceeds no further, and has no homotopy: only the limit cuts it off.
         if free() and self.cut_short(solution, thorough or has_fallen()):
             words = mechanism_or_too_few(motion, self.settings.max_iterations, self.loop.history[-1].residual)
             return replace(solution, outcome=Outcome.MAX_ITERATIONS, reason=words + units, motion=motion.motion)
