@@ -34,7 +34,7 @@ class IncrementLimits:
     Attributes:
         halvings: Maximum number of halvings of the increment that the stage asks for.
         near: Accuracy of the largest load, as a fraction of its load factor, if more would take long.
-        long: Number of lost iterates that is long.
+        long: Number of lost iterations that is long.
     """
 
     halvings: int = 8
@@ -59,7 +59,7 @@ class Ceiling:
 
     Attributes:
         factor: That load factor; None before the first failure.
-        vain: Number of iterates spent on it.
+        vain: Number of iterations spent on it.
         smooth: True if the homotopy may still help; it starts afresh for any increment.
     """
 
@@ -77,12 +77,12 @@ class Ceiling:
         if self.factor is not None and factor >= self.factor:
             self.factor, self.vain, self.smooth = None, 0, True
 
-    def failed(self, factor: Fraction, iterates: int) -> None:
+    def failed(self, factor: Fraction, iterations: int) -> None:
         """Record a load factor without an equilibrium."""
         # A fallback that fails near a load fails closer to it, too; at half of the load it may help.
         self.smooth = self.factor is not None and 2 * factor <= self.factor
         self.factor = factor
-        self.vain += iterates
+        self.vain += iterations
 
     def near(self, start: Fraction) -> bool:
         """Return True if a start is close to the ceiling."""
@@ -151,18 +151,18 @@ class IncrementControl:
         self.factor = self.ceiling.next(self.state.factor, self.state.size)
         return self.factor
 
-    def judge(self, solution: Solution, shape: NDArray[np.float64] | None, iterates: int) -> Verdict:
+    def judge(self, solution: Solution, shape: NDArray[np.float64] | None, iterations: int) -> Verdict:
         """Judge the solution of a try.
 
         Args:
             solution: The solution.
             shape: Its displacement, shape (n, 3) [m]; None of a failure.
-            iterates: Number of iterates that it took.
+            iterations: Number of iterations that it took.
         """
         found = None
         lost = self.bracket.passed(self.state, solution, self.balanced)
         if shape is None:
-            self.ceiling.failed(self.factor, iterates)
+            self.ceiling.failed(self.factor, iterations)
         else:
             found = self._found(solution, shape, lost)
         if lost:

@@ -208,12 +208,11 @@ class Analysis:
             while control.state.factor < 1:
                 _dolfinx.free_dropped(self._comm)
                 self.problem.discretization.to_petsc(control.state.displacement, x)
-                work.iterates.clear()
                 solve = partial(self._solved, x=x, work=work, thorough=control.thorough)
-                rest = at_rest(self.problem, course, control.next(), x, solve)
+                count, rest = work.count, at_rest(self.problem, course, control.next(), x, solve)
                 shape = self.problem.to_numpy(x) if rest.solution.converged else None
                 waters[control.factor] = rest.course, rest.basins, rest.events
-                verdict = control.judge(rest.solution, shape, len(work.iterates))
+                verdict = control.judge(rest.solution, shape, work.count - count)
                 if verdict is Verdict.HALVE:
                     continue
                 if verdict is Verdict.STOP or work.over or not self._located(course, control, work):
@@ -242,10 +241,11 @@ class Analysis:
         if observe:
             observe(self._result(course, state))
 
-    def _solved(self, loaded: LoadedProblem, x: PETSc.Vec, work: Work, thorough: bool) -> Solution:
+    def _solved(self, loaded: LoadedProblem, taken: int, x: PETSc.Vec, work: Work, thorough: bool) -> Solution:
         """Solve an increment; once the limit of work is used up, allow no retry."""
+        work.iterates.clear()
         try:
-            return undefined_start(loaded, x) or self._solve(loaded, x, work, thorough)
+            return undefined_start(loaded, x) or self._solve(loaded, x, work, thorough, taken)
         except WorkDone as done:
             return Solution(Outcome.WORK_LIMIT, f"{done}; {MORE}", tuple(work.iterates))
 
@@ -263,7 +263,7 @@ class Analysis:
         factor = float(control.state.factor) or PROBE * float(reached.factor)  # at the start forces may not show yet
         loaded = self.problem.under(course.actions(factor))
         x = self.problem.discretization.to_petsc(control.state.displacement)
-        if control.state.factor == 0 and not self._solved(loaded, x, work, thorough=False).converged:
+        if control.state.factor == 0 and not self._solved(loaded, 0, x, work, thorough=False).converged:
             return not work.over
         control.note_fallen(held_by_slack_parts(self._record(course.stage.name, loaded, x, ())))
         return True

@@ -6,7 +6,7 @@ into others (`assembly.cascade`).
 
 At the end of an increment the set is found anew, as an active set: basins merge and part, and outlets change. Where
 that moves water, the same load factor is solved again from the shape found, at most `ROUNDS` times. Most increments
-take one solution, and one more for each merger after another.
+take one solution, and one more for each merger after another. All of them share the iterations that the solver allows.
 """
 
 from __future__ import annotations
@@ -25,17 +25,18 @@ from ..assembly.actions import Actions, pond_of
 from ..assembly.problem import Problem
 from ..assembly.problem_under_actions import LoadedProblem
 from ..assembly.water import PondEnergy
+from ..checks.values import counted
 from ..model.basins import StandingWater, restored
 from ..model.standing_water import Solved, renewed
 from ..model.water_events import BasinResult, WaterEvent
 from ..results.water_of_state import basins_of_state
-from ..solvers.base import Solution
+from ..solvers.base import Solution, joined
 from ..solvers.outcome import Outcome
 from .course import Course
 
 ROUNDS = 60  # most solutions of one load factor, between which water runs
 
-Solve = Callable[[LoadedProblem], Solution]
+Solve = Callable[[LoadedProblem, int], Solution]  # from the problem and the number of iterations in earlier rounds
 
 
 class Rest(NamedTuple):
@@ -70,21 +71,23 @@ def at_rest(problem: Problem, course: Course, factor: Fraction, x: PETSc.Vec, so
     before: Solution | None = None
     for _ in range(ROUNDS):
         loaded = problem.under(course.actions(factor))
-        solution = solve(loaded)
-        joined = solution if before is None else _joined(before, solution)
+        taken = 0 if before is None else before.total_iterations
+        solution = solve(loaded, taken)
+        total = solution if before is None else _joined(before, solution)
         if not solution.converged:
-            return Rest(course, joined, loaded)
+            words = f" Before that, water ran on in rounds, which took {counted(taken, 'iteration')}." * (taken > 0)
+            return Rest(course, replace(total, reason=total.reason + words), loaded)
         waters, found, moved = _renewed(loaded, problem.to_numpy(x), x, float(factor))
         if not waters:
-            return Rest(course, joined, loaded)
+            return Rest(course, total, loaded)
         events += found
         course = course.with_water(waters)
         if not moved:
             loaded = problem.under(course.actions(factor))
-            return Rest(course, joined, loaded, basins_of_state(loaded, x), _summed(events))
-        before = joined
+            return Rest(course, total, loaded, basins_of_state(loaded, x), _summed(events))
+        before = total
     words = "water goes on running from basin to basin, and the shape with it; give more increments or less rain"
-    return Rest(course, replace(joined, outcome=Outcome.MAX_ITERATIONS, reason=words), loaded)
+    return Rest(course, replace(total, outcome=Outcome.MAX_ITERATIONS, reason=words), loaded)
 
 
 def _renewed(
@@ -127,7 +130,7 @@ def _joined(before: Solution, after: Solution) -> Solution:
     return replace(
         after,
         outcome=before.outcome if after.outcome is Outcome.CONVERGED else after.outcome,
-        iterations=before.iterations + after.iterations,
+        iterations=joined(before, after),
         extra_iterations=before.extra_iterations + after.extra_iterations,
         lost_stability=before.lost_stability or after.lost_stability,
     )

@@ -58,7 +58,8 @@ class Work:
     """Count of the work of a stage or a path: a monitor that ends the solve at the limit.
 
     Attributes:
-        iterates: Iterates of the present increment, or of the path, the first of each attempt included.
+        iterates: Iterates of the present solve, or of the path: the start, and the others of all attempts.
+        count: Number of iterations.
         what: Name of what is limited.
         over: That the limit is reached, in words; empty before.
     """
@@ -69,7 +70,7 @@ class Work:
     iterates: list[Iteration] = field(default_factory=list)
     over: str = ""
     what: str = "a stage"
-    _count: int = 0
+    count: int = 0
     _began: float = 0.0
 
     def __post_init__(self) -> None:
@@ -81,16 +82,16 @@ class Work:
         Raises:
             WorkDone: The limit is reached; on all processes together.
         """
-        if not self.iterates or entry is not self.iterates[-1]:
+        if not self.iterates or (number > 0 and entry is not self.iterates[-1]):
             self.iterates.append(entry)
-            self._count += number > 0  # the start of an attempt is no iteration
+            self.count += number > 0  # the start of an attempt is no iteration
         self.monitor(number, entry)
-        if self.limit.iterations is not None and self._count > self.limit.iterations:
+        if self.limit.iterations is not None and self.count > self.limit.iterations:
             self._end(f"the limit of {counted(self.limit.iterations, 'iteration')} for {self.what} is used up")
         if self.limit.seconds is not None:
             elapsed = self.comm.bcast(monotonic() - self._began)
             if elapsed >= self.limit.seconds:
-                taken = counted(self._count, "iteration")
+                taken = counted(self.count, "iteration")
                 self._end(f"the limit of {self.limit.seconds:g} s for {self.what} is used up, after {taken}")
 
     def _end(self, reason: str) -> None:

@@ -21,7 +21,8 @@ class Increment(NamedTuple):
         iterations: The iterates of the solver, the start first. Of several attempts of `Newton`, those of the one that
             gives the outcome: the one after the homotopy if it converged, or else the first.
         outcome: Outcome, the gravest of those that apply.
-        extra_iterations: Number of iterates missing from `iterations`: those of rejected attempts and of the homotopy.
+        extra_iterations: Number of iterations missing from `iterations`: those of rejected attempts and of the
+            homotopy.
         fallen: Sentence on the parts that only slack parts held before; empty unless the outcome is FALLEN.
         chambers: Gas in the chambers at its end, by name.
         basins: Rain in the basins of membranes at its end.

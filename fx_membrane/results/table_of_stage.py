@@ -68,7 +68,7 @@ def report(
     iterations = [len(increment.iterations) - 1 for increment in result.increments]
     more = sum(increment.extra_iterations for increment in result.increments)
     outcomes = {increment.outcome for increment in result.increments}
-    remarks = ", stabilized first" * (Outcome.STABILIZED in outcomes) + f" ({counted(more, 'iterate')} more)" * bool(
+    remarks = ", stabilized first" * (Outcome.STABILIZED in outcomes) + f" ({counted(more, 'iteration')} more)" * bool(
         more
     )
     remarks += ", not stable" * (Outcome.UNSTABLE in outcomes)

@@ -74,8 +74,9 @@ class Solution(ByValue):
         outcome: Outcome.
         reason: Sentence on why the solve stopped and, after a failure, on the remedy.
         iterations: The iterates, the start first. Of several attempts, those of the one that gives the outcome: the one
-            after the homotopy if it converged, or else the first.
-        extra_iterations: Number of iterates missing from `iterations`: those of rejected attempts and of the homotopy.
+            after the homotopy if it converged, or else the first. Those of an escape from a saddle follow.
+        extra_iterations: Number of iterations missing from `iterations`: those of rejected attempts and of the
+            homotopy.
         lost_stability: True if the start was stable, but negative curvature appeared during the iteration, beyond that
             of wrinkled and slack cells: that of masts or a pressure. Iterates can be far off, so smaller load
             increments may avoid it.
@@ -110,6 +111,11 @@ class Solution(ByValue):
             lost_stability: bool = ...,
             motion: NDArray[np.float64] | None = ...,
         ) -> None: ...
+
+    @property
+    def total_iterations(self) -> int:
+        """Number of iterations, those of rejected attempts and of the homotopy among them."""
+        return len(self.iterations) - 1 + self.extra_iterations
 
     @property
     def converged(self) -> bool:
@@ -155,6 +161,16 @@ class Solve(Protocol):
         ...
 
 
+class SolveOnward(Solve, Protocol):
+    """Solve that may be one round of several, which share the bound of iterations."""
+
+    def __call__(
+        self, loaded: LoadedProblem, x: PETSc.Vec, monitor: Monitor, thorough: bool, taken: int = 0, /
+    ) -> Solution:
+        """Return the outcome; the state is in x, and `taken` counts the iterations of the rounds before."""
+        ...
+
+
 class Solver(Protocol):
     """Solver of `Analysis`: any object with this method, as `Newton` or one of your own (`demos/own_solver.py`).
 
@@ -178,6 +194,11 @@ class Solver(Protocol):
     def prepare(self, problem: Problem, /) -> Solve:
         """Return a function that brings a vector to equilibrium and keeps its workspace between calls."""
         ...
+
+
+def joined(before: Solution, after: Solution) -> tuple[Iteration, ...]:
+    """Join the iterates of two solves, of which the second starts at the end of the first; they keep one start."""
+    return before.iterations + after.iterations[1:]
 
 
 def no_monitor(number: int, iterate: Iteration) -> None:

@@ -63,7 +63,7 @@ class SteepestDescent:
             many iterations as none.
         rtol: Relative tolerance of the unbalanced forces: their 2-norm over that of all nodal forces, reactions and
             loads included. Rounding counts as converged. A start converges only at rounding.
-        max_iterations: Maximum number of iterations for one load increment.
+        max_iterations: Maximum number of iterations for one load increment, rounds of rain included.
 
     Example:
         >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
@@ -102,7 +102,7 @@ class ConjugateGradient:
         beta: "PR", Polak-Ribiere, or "FR", Fletcher-Reeves, Gil (77).
         preconditioner: As of `SteepestDescent`; beta is then that of the preconditioned forces.
         rtol: As of `SteepestDescent`.
-        max_iterations: Maximum number of iterations for one load increment.
+        max_iterations: Maximum number of iterations for one load increment, rounds of rain included.
 
     Example:
         >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
@@ -167,7 +167,12 @@ class Descent:
         self.preconditioner.release()
 
     def __call__(
-        self, problem: LoadedProblem, x: PETSc.Vec, monitor: Monitor = no_monitor, thorough: bool = True
+        self,
+        problem: LoadedProblem,
+        x: PETSc.Vec,
+        monitor: Monitor = no_monitor,
+        thorough: bool = True,
+        taken: int = 0,
     ) -> Solution:
         """Bring x to equilibrium."""
         self.problem = problem
@@ -180,7 +185,7 @@ class Descent:
         divide = self.preconditioner.at(problem, x)
         if divide is None:
             return Solution(Outcome.INDEFINITE, Outcome.INDEFINITE.value, tuple(self.history))
-        for _ in range(self.settings.max_iterations):
+        for _ in range(self.settings.max_iterations - taken):
             divide(*self.now)
             length = self.step(x)
             if length is None:

@@ -19,12 +19,16 @@ class TrendControl:
         few: Least number of iterations in a quarter that shows a trend.
         rest: Number of iterations without progress that counts as at rest.
         gain: Fraction of the earlier minimum that counts as progress.
+        slow: Ratio of the last two residuals below which they no longer fall: a quadratic end gains more at once.
+        small: Multiple of the tolerance below which that residual counts as small; rounding may leave as much.
     """
 
     fall: float = 0.8
     few: int = 25
     rest: int = 20
     gain: float = 0.5
+    slow: float = 10.0
+    small: float = 1e3
 
 
 @dataclass(frozen=True)
@@ -74,3 +78,11 @@ def at_rest(history: Sequence[Iteration], control: TrendControl = TREND) -> bool
     return bool(before) and min(entry.residual for entry in last) > control.gain * min(
         entry.residual for entry in before
     )
+
+
+def stagnant(history: Sequence[Iteration], tolerance: float, control: TrendControl = TREND) -> bool:
+    """Return True if the last residual is small and no longer falls, so that rounding keeps it above the tolerance."""
+    if len(history) < 3:
+        return False
+    before, last = history[-2].residual, history[-1].residual
+    return before < control.slow * last and last < control.small * tolerance

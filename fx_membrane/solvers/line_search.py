@@ -28,12 +28,17 @@ class SearchControl:
 
     Attributes:
         decrease: Minimum fraction of the linearly predicted decrease.
+        flatness: Accepted slope at the end, as a fraction of that at the start. It has no source: it was chosen by
+            trial on tests/benchmarks/hard_cases.py.
         margin: Fraction of an interval, at both ends, without trials.
+        rounding: Rounding of an energy, over that of one sum: cells, loads and prestress are summed one by one.
         shortest: Length of an interval at which the search ends.
     """
 
     decrease: float = 1e-4
+    flatness: float = 0.1
     margin: float = 0.05
+    rounding: float = 10.0
     shortest: float = 1e-10
 
 
@@ -48,14 +53,13 @@ class Point(NamedTuple):
     slope: float
 
 
-def search(along: Callable[[float], Point], rounding: float, flatness: float = 0.1) -> float | None:
+def search(along: Callable[[float], Point], rounding: float, flatness: float = SEARCH.flatness) -> float | None:
     """Length of a step along which an energy decreases, Gil (72).
 
     Args:
         along: Point at a step length; at zero the slope is negative. Energies that are not numbers count as too high.
         rounding: Rounding of energy differences [J].
-        flatness: Accepted slope at the end, as a fraction of that at zero; a full step may also end on a descent. The
-            default has no source: it was chosen by trial on tests/benchmarks/hard_cases.py.
+        flatness: Accepted slope at the end, as a fraction of that at zero; a full step may also end on a descent.
 
     Returns:
         The length; None if no length lowers the energy.
@@ -109,7 +113,7 @@ def rounding(problem: LoadedProblem, first: Point, start: PETSc.Vec, step: PETSc
     """Error of energy differences by rounding along a step [J]: the prestress works over the whole displacement."""
     way = float(start.norm() + step.norm())
     size = abs(first.energy) + problem.integrals.size(start)
-    return 10 * LIMITS.rounding * (size + problem.magnitudes.prestress_forces * way)
+    return SEARCH.rounding * LIMITS.rounding * (size + problem.magnitudes.prestress_forces * way)
 
 
 def step_back(

@@ -20,7 +20,7 @@ from ..assembly.problem import Problem
 from ..assembly.problem_under_actions import LoadedProblem
 from ..checks import validation
 from . import factorization, petsc_options
-from .base import LIMITS, Iteration, Monitor, Solution, max_norm, no_monitor
+from .base import LIMITS, Iteration, Monitor, Solution, joined, max_norm, no_monitor
 from .convergence import Patience, nearer
 from .curvature import negative_between
 from .diagnosis import collapsed, mechanism, mechanism_or_too_few, slack_mechanism, unlikely_units
@@ -56,6 +56,7 @@ class Newton:
             loads included. Rounding counts as converged. Rounding is that of the forces in each node, or stagnation
             below 1e-8 of all forces. A start converges only at rounding.
         max_iterations: Maximum number of iterations for one try of a load increment, those of all strategies together.
+            Rounds of a try in which the water of rain runs on share it.
             The first attempt takes a fifth of them, at least 50, or more while residuals fall; the homotopy and the
             attempts after it take what remains. Each iteration is one step; a corrected inertia takes several
             factorizations.
@@ -111,11 +112,16 @@ class _Globalized:
         self.start, self.before = create(), create()
 
     def __call__(
-        self, problem: LoadedProblem, x: PETSc.Vec, monitor: Monitor = no_monitor, thorough: bool = True
+        self,
+        problem: LoadedProblem,
+        x: PETSc.Vec,
+        monitor: Monitor = no_monitor,
+        thorough: bool = True,
+        taken: int = 0,
     ) -> Solution:
         loop, start = self.loop, x.copy(self.start)
         self.problem = problem
-        loop.begin(problem, monitor, self.settings.max_iterations)
+        loop.begin(problem, monitor, max(self.settings.max_iterations - taken, 0))
         solution = self.solve(x, start, thorough)
         if not self.told:
             self.told = True
@@ -123,7 +129,7 @@ class _Globalized:
         lost = loop.lost_stability
         if solution.converged and loop.from_stable and not lost:
             lost = negative_between(self.problem, start, x)  # a step may pass over a snap-through
-        return replace(solution, extra_iterations=loop.iterates - len(solution.iterations), lost_stability=lost)
+        return replace(solution, extra_iterations=loop.taken - (len(solution.iterations) - 1), lost_stability=lost)
 
     def release(self) -> None:
         """Free the factorization until the next solve; collective."""
@@ -158,7 +164,8 @@ class _Globalized:
         motion = free() or slack_mechanism(self.problem, start)
         if not motion:
             return replace(solution, reason=solution.reason + units)
-        if free() and not has_fallen() and self.cut_short(solution, thorough):
+        # A fall proceeds no further, and has no homotopy: only the limit cuts it off.
+        if free() and self.cut_short(solution, thorough or has_fallen()):
             words = mechanism_or_too_few(motion, self.settings.max_iterations, self.loop.history[-1].residual)
             return replace(solution, outcome=Outcome.MAX_ITERATIONS, reason=words + units, motion=motion.motion)
         outcome = Outcome.MECHANISM if free() else Outcome.SLACK_MECHANISM
@@ -211,5 +218,5 @@ class _Globalized:
             if not onward.converged:
                 self.before.copy(x)
                 break
-            solution = replace(onward, outcome=solution.outcome, iterations=solution.iterations + onward.iterations)
+            solution = replace(onward, outcome=solution.outcome, iterations=joined(solution, onward))
         return replace(solution, outcome=Outcome.UNSTABLE)

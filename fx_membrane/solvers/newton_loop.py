@@ -22,7 +22,7 @@ from . import factorization, petsc_options
 from .backends import by_dolfinx, by_snes
 from .base import LIMITS, Iteration, Monitor, Solution, diverged, max_norm, no_monitor, tolerance
 from .bordered_system import BorderedSystem
-from .convergence import at_rest
+from .convergence import at_rest, stagnant
 from .curvature import wrinkling_threshold
 from .diagnosis import linear_failure, loose_nodes, stagnation_message
 from .inertia_correction import ShiftControl
@@ -53,8 +53,8 @@ class NewtonLoop:
         length: Length of the last step.
         shift: Shift of the tangent for that step, as a strain.
         left: Number of iterations that remain of the total for the solve.
-        iterates: Number of iterates since the solve began, rejected ones included.
-        first: True in the first attempt of the solve.
+        taken: Number of iterations since the solve began, those of rejected attempts included.
+        attempts: Number of attempts since then.
         counts_pivots: True if the linear solver tells negative curvature by pivots; else it shows along steps only.
         from_stable: True if the first tangent of the solve had no more negative curvature than slack cells have.
         lost_stability: True if a later tangent had more.
@@ -81,7 +81,7 @@ class NewtonLoop:
         """Begin a solve of at most so many iterations."""
         self.problem, self.monitor, self.left = problem, monitor, most
         self.history: list[Iteration] = []
-        self.iterates, self.first = 0, True
+        self.taken = self.attempts = 0
         self.symmetric, self.counts_pivots, self.from_stable, self.lost_stability = True, True, False, False
 
     @property
@@ -108,7 +108,7 @@ class NewtonLoop:
         """
         self.history, self.rtol = [], rtol
         self.most, self.proceed = min(most, self.left), proceed
-        self.first = self.iterates == 0
+        self.attempts += 1
         self.length = self.shift = 0.0
         self.problem = self.problem.settled(x)
         self.symmetric = self.problem.symmetric or self.conservative(x)
@@ -144,8 +144,7 @@ class NewtonLoop:
     def without_end(self, x: PETSc.Vec) -> _Stop:
         """Outcome and reason of an iteration whose last iterate is no solution."""
         last = self.history[-1].residual
-        # Small, and no longer falling.
-        at_rounding = len(self.history) > 2 and self.history[-2].residual < 10 * last < 1e4 * self.tolerance
+        at_rounding = stagnant(self.history, self.tolerance)
         outcome = Outcome.STAGNATED if at_rounding else Outcome.MAX_ITERATIONS
         return _Stop(outcome, stagnation_message(self.problem, x, len(self.history) - 1, last, at_rounding))
 
@@ -155,10 +154,10 @@ class NewtonLoop:
         self.tolerance = tolerance(self.problem, x, b, self.rtol if self.history else LIMITS.rounding)
         self.problem.constraints.constrain_residual(x, b)
         beyond, unbalanced = self.problem.beyond_rounding(x, b), max_norm(b)
+        self.taken += bool(self.history)  # the start of an attempt is no iteration
         self.history.append(Iteration(energy, unbalanced, self.length, self.shift))
         small = beyond < LIMITS.rest * self.tolerance / self.rtol
         self.balanced = beyond < self.tolerance or (small and at_rest(self.history))
-        self.iterates += 1
         self.monitor(len(self.history) - 1, self.history[-1])
         if diverged(self.problem, x, unbalanced):
             raise _Stop(Outcome.DIVERGED, str(self.without_end(x)))
@@ -206,7 +205,7 @@ class NewtonLoop:
                 length = step_back(problem, self.b, None, start, dx, moved)
             if length is None:
                 self.correct_inertia(x, dx)
-        if self.iterates == 1:
+        if self.attempts == len(self.history) == 1:
             # The least shift makes up for slack cells; without slack cells it would hide an unstable start.
             slack = wrinkling_threshold(self.problem.structure) > 0
             self.from_stable = self.shift <= (self.control.first if slack else 0.0)
@@ -233,7 +232,7 @@ class NewtonLoop:
         else:
             negative, zero = int(not self.follows and self.bordered.curvature(self.b, dx, self.forces) <= 0), 0
         # Later attempts begin out of balance.
-        if negative and self.from_stable and self.first:
+        if negative and self.from_stable and self.attempts == 1:
             self.lost_stability |= self.shift > wrinkling_threshold(self.problem.structure)
         return (negative, zero) == (0, 0)
 

@@ -15,7 +15,7 @@ from ..checks.validation import finite, integer, short_repr, truth
 from ..checks.values import with_article
 from ..model.own_classes import home
 from ..runtime.processes import together
-from .base import LIMITS, Iteration, Monitor, Solution, Solve, Solver, iterate, max_norm, no_monitor
+from .base import LIMITS, Iteration, Monitor, Solution, Solve, SolveOnward, Solver, iterate, max_norm, no_monitor
 from .conjugate_gradient import ConjugateGradient, SteepestDescent
 from .newton import Newton
 from .outcome import Outcome
@@ -67,7 +67,7 @@ def _is_plain(value: Any) -> bool:
     return value is None or isinstance(value, bool | int | float | str | np.generic)
 
 
-def prepared(solver: Solver, problem: Problem) -> Solve:
+def prepared(solver: Solver, problem: Problem) -> SolveOnward:
     """Prepare a solver for a problem; answers of a user's own are checked.
 
     Raises:
@@ -100,7 +100,13 @@ class _Checked:
         self.name, self.solve = name, solve
 
     def __call__(
-        self, problem: LoadedProblem, x: PETSc.Vec, monitor: Monitor = no_monitor, thorough: bool = True, /
+        self,
+        problem: LoadedProblem,
+        x: PETSc.Vec,
+        monitor: Monitor = no_monitor,
+        thorough: bool = True,
+        taken: int = 0,  # the protocol does not tell it: each round of rain has the bound of the solver anew
+        /,
     ) -> Solution:
         try:
             solution: Any = self.solve(problem, x, _telling(self.name, monitor), thorough)

@@ -8,7 +8,7 @@ import pytest
 from fx_membrane import Iteration
 from fx_membrane.analysis.increments import LIMITS, Ceiling
 from fx_membrane.analysis.reasons import _largest_load
-from fx_membrane.solvers.convergence import TREND, at_rest, nearer
+from fx_membrane.solvers.convergence import TREND, at_rest, nearer, stagnant
 
 
 def history(residuals):
@@ -49,3 +49,17 @@ def test_nothing_near_a_load_that_took_long_is_overshot():
     assert "load factor 0.495 on no equilibrium" in _largest_load(ceiling, Fraction(99, 200))
     ceiling.found(Fraction(1, 2))
     assert ceiling == Ceiling()
+
+
+@pytest.mark.parametrize(
+    ("residuals", "expected"),
+    [
+        ([1.0, 9.9e-8, 1e-8], True),
+        ([1.0, 1.01e-7, 1e-8], False),  # more than tenfold
+        ([1.0, 2e-7, 0.99e-7], True),
+        ([1.0, 2e-7, 1.01e-7], False),  # above a thousand tolerances
+        ([1e-8, 1e-8], False),  # too few
+    ],
+)
+def test_small_residual_that_falls_no_longer_is_stagnant(residuals, expected):
+    assert stagnant(history(residuals), 1e-10) == expected

@@ -107,6 +107,17 @@ def test_flat_sheet_without_prestress_by_conjugate_gradients(options):
     assert stability(found).stable
 
 
+@pytest.mark.mpi_once
+@pytest.mark.parametrize("backend", ["dolfinx", "snes"])
+def test_linear_solver_that_fails_on_a_singular_tangent_gets_a_shift(backend, options, monkeypatch):
+    """MINRES divides zero by zero there, a failure at which SNES would end."""
+    if backend == "snes":
+        monkeypatch.delattr(cpp.nls.petsc, "NewtonSolver", raising=False)
+    options(ksp_type="minres", pc_type="none")
+    (increment,) = Analysis(sheet(prestress=0.0)).run(SNOW)["snow"].increments
+    assert increment.outcome is Outcome.CONVERGED
+
+
 @pytest.mark.mpi
 def test_controls_of_mumps_reach_the_factorization(options, solvers, monkeypatch):
     monkeypatch.setattr(own, "release", lambda solve: None)  # at the end of the run, factors included

@@ -15,6 +15,9 @@ from fx_membrane import (
     Structure,
     Support,
 )
+from fx_membrane.assembly.actions import unloaded
+from fx_membrane.assembly.problem import Problem
+from hard_structures import hanging
 from models import EDGE, POINTS, TRIANGLES
 
 SUPPORTS = [Support(EDGE)]
@@ -53,3 +56,19 @@ def test_same_words(prestress, solver, monkeypatch):
         words.append((str(failure.value), len(failure.value.failed.iterations)))
         monkeypatch.delattr(cpp.nls.petsc, "NewtonSolver", raising=False)
     assert words[0] == words[1]
+
+
+@pytest.mark.mpi_once
+@pytest.mark.parametrize("most", [1000, 70])
+def test_bound_of_iterations_is_that_of_the_solver(most, monkeypatch):
+    """A wavy cable that hangs down takes 80 iterations; SNES alone would stop at 50."""
+    cable, stages = hanging(0.5, 1.0)
+    problem = Problem(cable)
+    loaded = problem.under(problem.actions_of(stages[0], unloaded(cable)))
+    found = []
+    for _ in range(2):
+        solution = Newton(max_iterations=most).prepare(problem)(loaded, problem.create_vector())
+        found.append((solution.outcome, len(solution.iterations), solution.extra_iterations, solution.reason))
+        monkeypatch.delattr(cpp.nls.petsc, "NewtonSolver", raising=False)
+    assert found[0] == found[1]
+    assert found[0][1] > 1 + 60
