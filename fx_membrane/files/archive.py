@@ -106,7 +106,7 @@ DAMAGED = (  # what a file raises that is none
 CLASSES: dict[str, type] = {
     cls.__name__: cls for cls in (*MODEL, *STAGES, *CHANGES, *GAS, *STATES, *HISTORY, *REMARKS, *FORMS, *PATTERNS)
 }
-GROWN = (*STATES, *HISTORY, *FORMS, *PATTERNS)  # classes whose fields are None where an earlier version had them not
+GROWN = (*STATES, *HISTORY, *FORMS, *PATTERNS)  # classes whose fields are None where an earlier version had none
 WHOLE = (Form, Strips, CuttingPattern, PatternProof)  # kept as they are; results of stages have names beside them
 Saved = StageResults | Form | Strips | CuttingPattern | PatternProof
 
@@ -175,7 +175,7 @@ def load_results(path: str | Path, classes: Sequence[type] = ()) -> Any:
 
     Returns:
         What was saved: `StageResults`, a `Form`, `Strips`, a `CuttingPattern` or a `PatternProof`. Fields
-        that the version had not that saved it are None.
+        unknown to the version that saved it are None.
 
     Raises:
         ValueError: The file does not exist; it is no archive of results, is damaged, or of a later format; it needs a
