@@ -6,10 +6,11 @@ import csv
 import json
 from collections.abc import Iterator
 from pathlib import Path
+from typing import get_args
 
 from .. import __version__
 from ..checks import paths, validation
-from ..model.parts import Cable, Mast, Membrane, Rope
+from ..model.parts import Part
 from ..results.plain_summary import summary
 from ..results.states import StageResult, StageResults
 from ..results.tables import Columns, cell_columns, node_columns
@@ -22,7 +23,7 @@ FORMULA = (
     *"\uff1d\uff0b\uff0d\uff20",
 )  # first letters of computed cells; the last: full width
 LONE = "backslashreplace"  # of lone surrogates in names, which no encoding has
-CELLS = {"membranes.csv": Membrane, "cables.csv": Cable, "masts.csv": Mast, "ropes.csv": Rope}
+CELLS = {f"{kind.__name__.lower()}s.csv": kind for kind in get_args(Part)}
 TABLES = ("nodes.csv", *CELLS, "summary.json")
 
 
