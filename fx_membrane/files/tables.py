@@ -93,11 +93,12 @@ def _write_csv(file: Path, tables: Iterator[tuple[dict[str, str], Columns]]) -> 
         writer = csv.writer(stream)
         for number, (names, columns) in enumerate(tables):
             if number == 0:
-                writer.writerow([*names, *columns])
+                heads = list(columns)
+                writer.writerow([*names, *heads])
             same = [quoted(name) for name in names.values()]
-            writer.writerows(
-                [*same, *row] for row in zip(*(column.tolist() for column in columns.values()), strict=True)
-            )
+            blank = [""] * len(next(iter(columns.values())))  # of a state from an older archive
+            entries = [columns[head].tolist() if head in columns else blank for head in heads]
+            writer.writerows([*same, *row] for row in zip(*entries, strict=True))
 
 
 def quoted(name: str) -> str:
