@@ -113,19 +113,16 @@ for name in bars:
 # %%
 up, x = np.sign(form.structure.normals("fabric")[0, 2]), points[triangles].mean(axis=1)[:, 0]
 windward, leeward = np.flatnonzero(x < 0), np.flatnonzero(x > 0)
-loads = {
-    "snow": [PlanLoad((0, 0, -0.6), "fabric")],
-    "uplift": [Pressure(up * 0.5, "fabric")],
-    "wind": [Pressure(-up * 0.3, "fabric", windward), Pressure(up * 0.5, "fabric", leeward)],
-}
-stages = [Stage("prestress"), *(Stage(name, load, after="prestress") for name, load in loads.items())]
+wind = [Pressure(-up * 0.3, "fabric", windward), Pressure(up * 0.5, "fabric", leeward)]
+stages = [Stage("prestress"), Stage("snow", [PlanLoad((0, 0, -0.6), "fabric")], after="prestress")]
+stages += [Stage("uplift", [Pressure(up * 0.5, "fabric")], after="prestress"), Stage("wind", wind, after="prestress")]
 results = Analysis(form.structure).run(stages)
 strength = {"warp": 23.0, "weft": 20.0, "edge cables": 65.0, "hangers": 15.0, "mast": 189.0}
 numbers = {"heights [m]": form.points[node[:, 0], 2].tolist(), "hangers [kN]": form.forces["hangers"].tolist()}
 say("".join(f"{title:>12}" for title in ["utilisation", *strength, "moves [m]", "wrinkled"]))
 for name, state in results.items():
     threads, wrinkled = state.membrane("fabric").warp_weft_stress, state.membrane("fabric").state != "taut"
-    bar = [np.abs(state.parts[part].force).max() for part in ("edge cables", "hangers", "mast")]
+    bar = [np.abs(state.bars[part].force).max() for part in ("edge cables", "hangers", "mast")]
     used = np.array([*threads.max(axis=0), *bar]) / list(strength.values())
     numbers[f"utilisation in {name} [-]"] = used.tolist()
     say(f"{name:>12}" + "".join(f"{value:12.2f}" for value in [*used, state.largest_displacement, wrinkled.mean()]))

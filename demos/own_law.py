@@ -50,8 +50,8 @@ def rises(columns):
     points, triangles = rectangle(2 * a, 1e-3, columns, 2)
     supports = [Support(range(len(points)), "y"), Support(np.flatnonzero(np.abs(points[:, 0]) > a - 1e-9), "xz")]
     analysis = Analysis(Structure(points, {"foil": Membrane(triangles, law)}, supports), Newton(rtol=1e-12))
-    more = zip(pressures, (None, *pressures), np.diff(pressures, prepend=0), strict=False)
-    stages = [Stage(f"{p} Pa", [Pressure(dp, "foil")], after=last and f"{last} Pa") for p, last, dp in more]
+    more = zip(pressures, [None, *(f"{p} Pa" for p in pressures)], np.diff(pressures, prepend=0), strict=False)
+    stages = [Stage(f"{p} Pa", [Pressure(dp, "foil")], after=last) for p, last, dp in more]
     return [state.displacement[3 * columns // 2 + 1, 2] for state in analysis.run(stages).values()]
 
 

@@ -103,9 +103,8 @@ say(report(results["snow"], [n, n + 1, west, east], force_unit="kN"))
 # Masts of 65 kN with stays of 33 kN: the heads are free, and found where these forces balance those of the sail.
 
 # %%
-parts = guyed.structure.parts | sail
-parts |= {"masts": replace(bars["masts"], prestress=-65.0), "stays": replace(bars["stays"], prestress=33.0)}
-free = updated_reference(replace(guyed.structure, parts=parts))
+parts = sail | {"masts": replace(bars["masts"], prestress=-65.0), "stays": replace(bars["stays"], prestress=33.0)}
+free = updated_reference(Structure(guyed.points, parts, guyed.structure.supports))
 moved = free.points[heads] - points[heads]
 say(f"Free heads move by {moved.round(3).tolist()} m; masts {free.forces['masts'].round(3)} kN")
 

@@ -60,7 +60,7 @@ EQUATIONS = {
     "(74)": ("Newton-Raphson", "fx_membrane.solvers.newton_loop.NewtonLoop.step"),
     "(75)": ("first direction of conjugate gradients", "fx_membrane.solvers.conjugate_gradient.Descent.turn"),
     "(76)": ("next direction of conjugate gradients", "fx_membrane.solvers.conjugate_gradient.Descent.turn"),
-    "(77)": ("Polak-Ribiere; Fletcher-Reeves beside it", "fx_membrane.solvers.conjugate_gradient.polak_ribiere"),
+    "(77)": ("Polak-Ribiere; Fletcher-Reeves beside it", "fx_membrane.solvers.conjugate_directions.polak_ribiere"),
 }
 
 # Not computed: strains and stresses from the unstressed state, the strong form, and steps that lead to (32) and (40).

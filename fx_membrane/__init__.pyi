@@ -90,9 +90,10 @@ from .patterns.strip_proofs import StripProof
 from .patterns.strips import Edge, Strips
 from .results.balance import UnbalancedStateWarning
 from .results.forces_of_state import Equilibrium, PondResult, TermResult
+from .results.load_increments import Increment
 from .results.part_results import BarResult, MembraneResult, RopeResult
 from .results.shear_signs import ShearSignWarning
-from .results.states import Increment, StageResult, StageResults
+from .results.states import StageResult, StageResults
 from .results.strain_limits import LargeStrainWarning
 from .results.table_of_stage import report
 from .results.told_states import CrushedGasWarning, LostPrestressWarning, UnstableStateWarning
@@ -101,11 +102,12 @@ from .solvers.conjugate_gradient import ConjugateGradient, SteepestDescent
 from .solvers.newton import Newton
 from .solvers.outcome import Outcome
 from .solvers.petsc_options import UnusedOptionWarning
+from .surfaces.depressions import Depression, Drainage
 from .surfaces.geodesic_warp import GeodesicDirection
 from .surfaces.planar_cuts import planar_cut
 from .surfaces.remeshing import Remeshed, remeshed
 from .surfaces.round_hole import RoundHole
-from .surfaces.run_off import Depression, Drainage, drainage
+from .surfaces.run_off import drainage
 from .surfaces.sail import SailMesh, sail_mesh
 from .surfaces.stress_lines import stress_trajectories, wrinkle_lines
 from .surfaces.surface_lines import SurfaceLine, geodesic, warp_lines

@@ -13,6 +13,7 @@ from fx_membrane import (
     DistributedLoad,
     Fabric,
     Iteration,
+    LengthChange,
     LoadedProblem,
     Mast,
     Membrane,
@@ -22,6 +23,7 @@ from fx_membrane import (
     PointLoad,
     PrescribedDisplacement,
     Pressure,
+    PrestressFactor,
     Problem,
     RoundHole,
     Slide,
@@ -80,6 +82,11 @@ edge = Cable(rim, 1e7, prestress=[2e4, 2e4, 2e4, 2e4])
 mast = Mast([[0, 1]], 1e7)
 Mast.from_modulus([[0, 1]], 2e11, 1e-3)
 structure = Structure(points, {"roof": roof, "edge": edge}, [Support([0, 1, 2, 3])], terms=[Bed("roof", 10.0)])
+parts = {"roof": roof, "edge": edge}
+loads = [Pressure(10.0, "roof"), PointLoad(4, [0, 0, -1])]
+changes = [LengthChange(-0.01, "edge"), PrestressFactor(1.1, "roof")]
+Structure(points, parts, [Support([0, 1, 2, 3])])
+Stage("all", loads, changes=changes)
 again = replace(structure, points=np.array(points), parts={"roof": replace(roof, prestress=1e3), "edge": edge})
 stages = [
     Stage("rest", [Pressure(10.0, "roof", cells=[0, 1])]),

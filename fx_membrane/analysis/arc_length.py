@@ -211,7 +211,7 @@ class _Tracer:
         if point:
             return self.walk.arrive(last, point)
         relaxed = self.walk.without_compression(last, limit, here)
-        self.record(relaxed or limit, limit=True, kept=self.control.kept if relaxed else 1.0)
+        self.record(relaxed or limit, limit=True, left=self.control.compression_stiffness if relaxed else 1.0)
         return None
 
     def too_few_points(self) -> str:
@@ -291,9 +291,9 @@ class _Tracer:
         change = abs(here.point.factor - last.point.factor)
         return change <= control.coarse * self.share or halvings >= control.patience
 
-    def record(self, found: PathState, complete: bool = False, limit: bool = False, kept: float = 1.0) -> None:
+    def record(self, found: PathState, complete: bool = False, limit: bool = False, left: float = 1.0) -> None:
         """Add a point to the path."""
         x, factor, iterations = found.point
         gas = self.newton.problem.under(between(self.path.start, self.path.end, factor)).chambers(x)
-        point = PathPoint(factor, self.newton.problem.to_numpy(x), found.negative_pivots, iterations, limit, kept, gas)
+        point = PathPoint(factor, self.newton.problem.to_numpy(x), found.negative_pivots, iterations, limit, left, gas)
         self.path = replace(self.path, points=(*self.path.points, point), complete=complete)

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from ..assembly.gas import ChamberResult
 from ..model.water_events import BasinResult, WaterEvent
-from ..results.states import Increment
+from ..results.load_increments import Increment
 from ..solvers.base import Iteration
 from ..solvers.outcome import Outcome
 

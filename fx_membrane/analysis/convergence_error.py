@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..results.states import Increment, StageResult, StageResults
+from ..results.load_increments import Increment
+from ..results.states import StageResult, StageResults
 
 
 class ConvergenceError(RuntimeError):

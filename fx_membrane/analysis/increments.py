@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from ..assembly.gas import ChamberResult
 from ..model.stages import Stage
 from ..model.water_events import BasinResult, WaterEvent
-from ..results.states import Increment
+from ..results.load_increments import Increment
 from ..solvers.base import Solution
 from ..solvers.outcome import Outcome
 from .checkpoint_file import Progress

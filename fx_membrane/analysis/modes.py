@@ -49,6 +49,14 @@ class Modes:
         shapes: Displacements of modal mass 1, phi^T M phi = 1 kg, shape (count, n, 3) [m]; 0 at constrained components.
             Modes of the same frequency are an arbitrary basis of their motions. Flutter takes two places, with shapes a
             and b: u(t) = exp(growth t) (a cos(2 pi frequency t) - b sin(2 pi frequency t)).
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Cable(polyline([0, 1, 2]), 1e6, prestress=1e3, mass=0.5)
+        >>> rest = Analysis(Structure(points, {"rope": rope}, [Support([0, 2])])).run([Stage("rest")])["rest"]
+        >>> modes = natural_frequencies(rest, 2)
+        >>> modes.frequencies.round(3).tolist(), modes.growth.tolist(), modes.shapes.shape
+        ([4.109, 4.109], [0.0, 0.0], (2, 3, 3))
     """
 
     frequencies: Array
@@ -93,6 +101,13 @@ class Stability:
         negative: Number of negative eigenvalues, found or not: 0 in a stable state.
         free: Number of zero eigenvalues, found or not: 0 where every motion meets resistance.
         held_by_slack: Sentence on masts or a node that only slack parts hold; empty if there are none.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> found = stability(Analysis(rope).run([Stage("rest")])["rest"], 2)
+        >>> found.stable, found.stiffnesses.round(1).tolist()
+        (True, [666.7, 666.7])
     """
 
     stiffnesses: Array

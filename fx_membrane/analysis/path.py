@@ -19,9 +19,10 @@ from ..checks.values import counted
 from ..model.digests import of_settings
 from ..model.structure import Structure
 from ..results.evaluation import StateEvaluator
+from ..results.load_increments import NO_CHAMBERS, Increment
 from ..results.owner import Owned, problem_of
 from ..results.remarks import remarked, warn_of_remarks
-from ..results.states import NO_CHAMBERS, Increment, StageResult
+from ..results.states import StageResult
 from ..runtime.notebook_pictures import picture_html, picture_png
 from ..runtime.processes import refuse_differences, together
 from ..solvers.base import Iteration
@@ -40,9 +41,18 @@ class PathPoint(NamedTuple):
             unsymmetric tangent: under a pressure or a `ForceTerm`, without a potential.
         iterations: The iterates of the corrector, the predictor first.
         limit: True if the load factor turns here.
-        kept: Fraction of each `compression_stiffness` in effect: 1, but 0.01 at a limit point with wrinkled or slack
-            cells, so that they carry no compression there. It is 1 at a limit point where no point was found with less.
+        compression_stiffness: Fraction of that of each part in effect: 1, but 0.01 at a limit point with wrinkled or
+            slack cells, so that they carry no compression there. It is 1 at a limit point where no point was found with
+            less.
         chambers: Gas in the chambers, by name.
+
+    Example:
+        >>> points = [(-1, 0, 0), (1, 0, 0), (0, 0, 0.4)]
+        >>> truss = Structure(points, {"bars": Mast([[0, 2], [1, 2]], 1e5)}, [Support([0, 1]), Support(2, "y")])
+        >>> path = equilibrium_path(truss, Stage("push", [PointLoad(2, (0, 0, -3e3))], increments=5))
+        >>> top = next(point for point in path.points if point.limit)
+        >>> round(top.load_factor, 4), round(float(top.displacement[2, 2]), 4), top.compression_stiffness
+        (0.6572, -0.1691, 1.0)
     """
 
     load_factor: float
@@ -50,7 +60,7 @@ class PathPoint(NamedTuple):
     negative_pivots: int | None
     iterations: tuple[Iteration, ...]
     limit: bool = False
-    kept: float = 1.0
+    compression_stiffness: float = 1.0
     chambers: Mapping[str, ChamberResult] = NO_CHAMBERS
 
 
@@ -68,6 +78,13 @@ class EquilibriumPath(Owned):
         reason: Sentence on why it ends there: it is complete, it has the maximum number of points, or the message of
             its `PathError`.
         owner: The problem on which the path was computed; None in a copy, see `problem`.
+
+    Example:
+        >>> points = [(-1, 0, 0), (1, 0, 0), (0, 0, 0.4)]
+        >>> truss = Structure(points, {"bars": Mast([[0, 2], [1, 2]], 1e5)}, [Support([0, 1]), Support(2, "y")])
+        >>> path = equilibrium_path(truss, Stage("push", [PointLoad(2, (0, 0, -3e3))], increments=5))
+        >>> path.complete, len(path.limit_points), int(path.negative_pivots.max())
+        (True, 2, 1)
     """
 
     name: str
@@ -113,8 +130,8 @@ class EquilibriumPath(Owned):
 
         Wrinkled and slack cells keep a fraction of their stiffness, `compression_stiffness`. It raises the load factors
         of the points about in proportion, by 0.05 to 0.2 % at the default of 1e-4. Limit points are those of the
-        structure with a hundredth of that, within 0.01 %. Where their `kept` is 1 they have the same error as the other
-        points. Points beside a limit point can be above it by the difference.
+        structure with a hundredth of that, within 0.01 %. Where their `compression_stiffness` is 1 they have the same
+        error as the other points. Points beside a limit point can be above it by the difference.
         """
         return np.flatnonzero([point.limit for point in self.points])
 
@@ -146,7 +163,7 @@ class EquilibriumPath(Owned):
         refuse_differences(comm, lambda: of_settings({"point": chosen[:2], "end": (self.start, self.end)}))
         problem = problem_of(self, comm)
         view = problem.under(between(self.start, self.end, chosen.load_factor))
-        view = view.without_compression_stiffness(chosen.kept)
+        view = view.without_compression_stiffness(chosen.compression_stiffness)
         x = problem.to_petsc(chosen.displacement)
         increment = Increment(chosen.load_factor, chosen.iterations)
         loaded = abs(chosen.load_factor) > NO_LOAD * np.abs(self.load_factors).max()

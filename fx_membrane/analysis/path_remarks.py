@@ -9,8 +9,8 @@ from typing import NamedTuple
 from ..assembly.actions import between
 from ..assembly.problem import Problem
 from ..results.evaluation import StateEvaluator
+from ..results.load_increments import Increment
 from ..results.remarks import remarked
-from ..results.states import Increment
 from ..results.told_states import UnstableStateWarning
 from ..runtime.processes import together
 from ..solvers.curvature import wrinkling_threshold
@@ -48,7 +48,7 @@ def _carried(problem: Problem, path: EquilibriumPath, pulse: Pulse) -> Iterator[
     for number, point in enumerate(path.points):
         pulse(f"looking for slack parts at point {number} of {len(path.points)}")
         loaded = problem.under(between(path.start, path.end, point.load_factor))
-        loaded = loaded.without_compression_stiffness(point.kept)
+        loaded = loaded.without_compression_stiffness(point.compression_stiffness)
         x = problem.discretization.to_petsc(point.displacement)
         state = record(path.name, loaded, x, (Increment(point.load_factor, point.iterations),))
         for remark in remarked(state, None).remarks:

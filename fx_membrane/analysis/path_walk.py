@@ -68,7 +68,7 @@ class Walk:
 
         None if there are none, or if no point was found.
         """
-        newton = self.newton.without_compression_stiffness(self.control.kept)
+        newton = self.newton.without_compression_stiffness(self.control.compression_stiffness)
         walk = Walk(newton, self.metric, self.control)
         if newton.residual(limit.point.x, limit.point.factor):
             return None

@@ -26,7 +26,7 @@ class StepControl:
         flat: Largest cosine between the path and the axis of the load factor at a limit point.
         exact: Relative error of the load factor at a limit point in a kink of the path.
         search: Maximum number of trials for a limit point.
-        kept: Fraction of the compression stiffness of wrinkled and slack cells in effect at a limit point.
+        compression_stiffness: Fraction of that of wrinkled and slack cells in effect at a limit point.
     """
 
     desired: int = 4
@@ -39,7 +39,7 @@ class StepControl:
     flat: float = 1e-5
     exact: float = 1e-6
     search: int = 30
-    kept: float = 0.01
+    compression_stiffness: float = 0.01
 
     def stretch(self, corrections: int) -> float:
         """Length of the next step as a multiple of the last, from the number of points of its corrector."""

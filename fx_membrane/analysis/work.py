@@ -26,6 +26,17 @@ class WorkLimit:
 
     Raises:
         ValueError: A number is not above zero, or iterations is not a whole number.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> pull = Stage("pull", [PointLoad(1, (0, 0, -10.0))])
+        >>> try:
+        ...     Analysis(rope, limit=WorkLimit(iterations=1)).run([pull])
+        ... except ConvergenceError as error:
+        ...     print(error.failed.outcome.name)
+        ...
+        WORK_LIMIT
     """
 
     iterations: int | None = None

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..checks.read_only_data import ReadOnlyDict, read_only
 from ..model.basins import StandingWater
 from ..model.cable_changes import ELASTIC
 from ..model.cell_tensors import once
@@ -56,6 +57,14 @@ class Actions:
         ponds: Water on membranes, with factors, each pond once.
         gas: Gas in the chambers, by name; others are open, without pressure.
         air: The air around; None if no stage has given it.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> pull = Stage("pull", [PointLoad(1, (0, 0, -10.0))])
+        >>> actions = Problem(rope).actions_of(pull)
+        >>> actions.loads[1].tolist(), actions.held[0].tolist(), actions.changes_stress
+        ([0.0, 0.0, -10.0], [True, True, True], False)
     """
 
     loads: Array
@@ -69,6 +78,13 @@ class Actions:
     ponds: tuple[ActingPond, ...] = ()
     gas: Mapping[str, Gas] = field(default_factory=dict)
     air: Air | None = None
+
+    def __post_init__(self) -> None:
+        for entry in fields(self):
+            value = getattr(self, entry.name)
+            if isinstance(value, Mapping):
+                value = ReadOnlyDict({key: read_only(each) for key, each in value.items()})
+            object.__setattr__(self, entry.name, read_only(value))
 
     @property
     def pressed(self) -> bool:

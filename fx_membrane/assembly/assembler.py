@@ -116,9 +116,9 @@ class Assembler:
             part.set_tensions(data.tensions.get(name))
             part.set_prestress(data.prestress.get(name))
             own = part.mesh.part.compression_stiffness
-            if part.kept is not None and own < 1:
-                part.kept.value = data.compression * own
-            part.follow()
+            if part.compression_stiffness is not None and own < 1:
+                part.compression_stiffness.value = data.compression * own
+            part.update()
         self._set_ropes(data)
         self._data, self._state = data, self.discretization.state
 

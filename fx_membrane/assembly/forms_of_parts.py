@@ -32,8 +32,8 @@ class PartForms:
         E: Green-Lagrange strain with respect to the natural shape, in UFL.
         S: 2nd Piola-Kirchhoff stress with respect to the reference shape, in UFL.
         state: Taut, wrinkled or slack, numbered as in `forms.wrinkling`, in UFL; taut where all stiffness is kept.
-        follow: Updates the wrinkling direction to the displacement.
-        kept: Compression stiffness, as a fraction of the stiffness; None for a part with one energy only.
+        update: Adapts the wrinkling direction to the displacement.
+        compression_stiffness: That of the part, as a fraction of the stiffness; None for one with a single energy.
         q: Load per reference area or length, piecewise constant [N/m2 or N/m].
         p: Pressure along `Structure.normals`, piecewise constant [Pa]; without meaning in cables and masts.
         prestress: Prestress, row by row, piecewise constant [N/m or N].
@@ -60,8 +60,8 @@ class PartForms:
     E: Any
     S: Any
     state: Any
-    follow: Callable[[], None]
-    kept: fem.Constant | None
+    update: Callable[[], None]
+    compression_stiffness: fem.Constant | None
     q: fem.Function
     p: fem.Function
     prestress: fem.Function
@@ -122,8 +122,8 @@ class _Energy(NamedTuple):
 
     density: Any
     state: Any
-    follow: Callable[[], None]
-    kept: fem.Constant | None = None
+    update: Callable[[], None]
+    compression_stiffness: fem.Constant | None = None
     moduli: Mapping[str, fem.Constant] = {}
 
 
@@ -168,8 +168,8 @@ def part_forms(
         E=E_e,
         S=stress.second_piola_kirchhoff(density, E),
         state=state,
-        follow=w.follow,
-        kept=w.kept,
+        update=w.update,
+        compression_stiffness=w.compression_stiffness,
         q=q,
         p=p,
         prestress=prestress,
@@ -229,8 +229,8 @@ def _rope_forms(mesh: PartMesh) -> PartForms:
         E=ufl.as_matrix([[strain]]),
         S=stress.second_piola_kirchhoff(tension * length, E),
         state=state,
-        follow=relaxation.nothing,
-        kept=None,
+        update=relaxation.no_update,
+        compression_stiffness=None,
         q=q,
         p=mesh.zero_field(1),
         prestress=mesh.cell_field(mesh.part.prestress_tensors()),
@@ -264,7 +264,7 @@ def stiffness(part: Part) -> float:
 
 
 def _prescribed_stress(E: Any, sigma0: Any) -> _Energy:
-    return _Energy(elasticity.strain_energy(E, sigma0, 0 * E), ufl.as_ufl(wrinkling.TAUT), relaxation.nothing)
+    return _Energy(elasticity.strain_energy(E, sigma0, 0 * E), ufl.as_ufl(wrinkling.TAUT), relaxation.no_update)
 
 
 def moduli(part: Part) -> dict[str, float]:
@@ -278,8 +278,8 @@ def _strain_energy(mesh: PartMesh, E: Any, sigma0: Any, prestress: fem.Function)
     constants = parameters._asdict()
     full = law.energy(E, sigma0, parameters)
     if part.is_strut or laws.carries_compression(law, part.dimension):
-        return _Energy(full, ufl.as_ufl(wrinkling.TAUT), relaxation.nothing, moduli=constants)
-    relaxed, follow = relaxation.relaxed(mesh, E, sigma0, prestress, parameters)
+        return _Energy(full, ufl.as_ufl(wrinkling.TAUT), relaxation.no_update, moduli=constants)
+    relaxed, update = relaxation.relaxed(mesh, E, sigma0, prestress, parameters)
     eta = fem.Constant(mesh.mesh, np.float64(part.compression_stiffness))
     state = ufl.conditional(ufl.lt(eta, 1), relaxed.state, wrinkling.TAUT)
-    return _Energy(wrinkling.blend(relaxed.energy, full, eta), state, follow, eta, constants)
+    return _Energy(wrinkling.blend(relaxed.energy, full, eta), state, update, eta, constants)

@@ -35,6 +35,15 @@ class ChamberResult(NamedTuple):
         dp_dV: Derivative of the pressure of the gas by the volume [Pa/m3]: 0 where open, minus infinity for a given
             volume.
         state: "open", "closed" or "given volume".
+
+    Example:
+        >>> points = [(1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1)]
+        >>> foil = Membrane([[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]], Fabric(4e5, 0.3), prestress=100.0)
+        >>> bag = Structure(points, {"foil": foil}, [Support(range(4))], chambers={"bag": Chamber({"foil": 1})})
+        >>> blown = Analysis(bag).run([Stage("blow", changes=[GasPressure(50.0, "bag")])])["blow"]
+        >>> gas = blown.chambers["bag"]
+        >>> gas.pressure, round(gas.volume, 6), gas.state
+        (50.0, 2.666667, 'open')
     """
 
     pressure: float

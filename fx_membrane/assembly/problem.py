@@ -32,8 +32,9 @@ from .assembler import Assembler
 from .discretization import Discretization
 from .fitting import check_actions, check_matrix, check_vector, nodal_values
 from .forms_of_parts import PartForms, part_forms
+from .loaded_structure import of_actions
 from .matrix_forms import mass_form
-from .problem_under_actions import LoadedProblem, loaded_problem
+from .problem_under_actions import LoadedProblem
 from .rounding import magnitudes
 from .stabilization import Stabilization
 
@@ -51,15 +52,6 @@ class Problem:
     3 block_of_node[node] + c. `to_petsc` and `to_numpy` translate vectors. Matrices are sparse (AIJ, block size 3),
     with the pattern of all parts together. Processes own consecutive rows.
 
-    Example: derivative of the displacement by the stiffness of a fabric, at a state.
-
-        state = results["snow"]
-        problem = state.problem
-        loaded, x = problem.under(state.actions), problem.to_petsc(state.displacement)
-        K, dR = loaded.tangent(x), loaded.derivative(x, "fabric", "Et")
-        loaded.constraints.zero_constrained(dR)
-        loaded.constraints.constrain_tangent(x, K, dR)  # K du = -dR
-
     Args:
         structure: The structure.
         comm: The processes that share the work; each must give the same structure.
@@ -75,6 +67,22 @@ class Problem:
         parts: Forms of the parts of which this process has cells.
         magnitudes: Typical forces and stiffnesses.
         number: Number of this problem, equal on all its processes.
+
+    Example:
+        Derivative of the displacement by the stiffness of the cable, at a state:
+
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> pull = Stage("pull", [PointLoad(1, (0, 0, -10.0))])
+        >>> state = Analysis(rope).run([pull])["pull"]
+        >>> problem = state.problem
+        >>> loaded, x = problem.under(state.actions), problem.to_petsc(state.displacement)
+        >>> K, dR = loaded.tangent(x), loaded.derivative(x, "rope", "axial_stiffness")
+        >>> loaded.constraints.zero_constrained(dR)
+        >>> loaded.constraints.constrain_tangent(x, K, dR)
+        >>> du = -np.linalg.solve(K.getValues(range(9), range(9)), dR.array)  # K du = -dR
+        >>> round(1e9 * float(du.max()), 3)  # nm for each N
+        0.174
     """
 
     def __init__(self, structure: Structure, comm: MPI.Intracomm = MPI.COMM_WORLD, elastic: bool = True):
@@ -110,7 +118,8 @@ class Problem:
         """
         actions = unloaded(self.structure) if actions is None else actions
         check_actions("actions", actions, self.structure)
-        return loaded_problem(self._assembler, self._stabilizer, self.magnitudes, actions)
+        fields = of_actions(self._assembler, self.magnitudes, actions)
+        return LoadedProblem(assembler=self._assembler, stabilizer=self._stabilizer, **fields)
 
     def allow_natural_shapes(self, parts: Iterable[str], given: Iterable[str] = ()) -> None:
         """Compile the forms of a natural shape for some parts, which else happens when one is first met.
@@ -172,7 +181,7 @@ class Problem:
             A: Matrix for the result; a new one if None.
 
         Raises:
-            ValueError: The matrix is another problem's.
+            ValueError: Its rows are not those of this problem in number or distribution.
 
         Warns:
             UserWarning: No part has mass: all entries are zero.
@@ -205,7 +214,8 @@ class Problem:
         """Nodal values in the user's order on every process, shape (n, 3); zero at nodes that no part uses.
 
         Raises:
-            ValueError: It is not a vector of this problem.
+            ValueError: Its rows are not those of this problem in number or distribution. A vector of another problem
+                with as many rows is not told apart.
         """
         check_vector("to_numpy vector", vector, self.discretization.rows)
         return self.discretization.to_numpy(vector)

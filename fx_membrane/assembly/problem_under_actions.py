@@ -14,13 +14,12 @@ from ..model.energy_terms import Term
 from ..runtime.processes import refuse_differences, summed, together
 from . import stress_changes
 from .actions import Actions, between
-from .assembler import Assembler
 from .fitting import check_actions, check_matrix, check_vector
 from .integral_energies import Borders, IntegralEnergies, add_rate
 from .loaded_structure import LoadedStructure, of_actions
 from .one_integral import IntegralEnergy
 from .parameter_derivatives import by_parameter
-from .rounding import UNIT, Magnitudes
+from .rounding import UNIT
 from .stabilization import Stabilization
 from .work_on_line import work
 
@@ -42,6 +41,14 @@ class LoadedProblem(LoadedStructure):
         stabilizer: Stabilization of unit shift.
         shift: Size of the stabilization, a tension in all parts, as a strain. It is in the energy, the residual and the
             tangent; nonzero only during a homotopy.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> problem = Problem(rope)
+        >>> loaded = problem.under(problem.actions_of(Stage("pull", [PointLoad(1, (0, 0, -10.0))])))
+        >>> problem.to_numpy(loaded.residual(problem.create_vector())).round(6).tolist()
+        [[-1000.0, 0.0, 0.0], [0.0, 0.0, 10.0], [1000.0, 0.0, 0.0]]
     """
 
     stabilizer: Stabilization
@@ -214,7 +221,8 @@ class LoadedProblem(LoadedStructure):
 
         Args:
             x: Displacement [m].
-            part: Name of the part or of a chamber; or an energy term that acts here, of the structure or of a stage.
+            part: Name of the part or of a chamber; or an energy term that acts here, the object itself that the
+                structure or a stage has: terms that are equal act separately.
             parameter: "prestress" of the part; "natural_stretch", the natural shape in these actions, with the changes
                 of stages; "pressure", of a membrane; or a number of the material: "axial_stiffness" of cables and
                 masts; "Et" and "nu" of a `Fabric`; "Et_warp", "Et_weft", "nu" and "Gt" of an `OrthotropicFabric`; or
@@ -279,7 +287,7 @@ class LoadedProblem(LoadedStructure):
         displacement = float(x.norm(PETSc.NormType.NORM_INFINITY))
         sizes = np.zeros(b.local_size)
         self.integrals.add_force_sizes(x, sizes)
-        rounding = self.magnitudes.scales.rounding(displacement) + UNIT * sizes
+        rounding = np.repeat(self.magnitudes.scales.rounding(displacement), 3) + UNIT * sizes
         rounding[self.constraints.rows] = UNIT * self.magnitudes.stiffness * displacement
         return self._norm(np.maximum(np.abs(b.array_r) - rounding, 0.0))
 
@@ -289,10 +297,3 @@ class LoadedProblem(LoadedStructure):
             return self.discretization.create_vector()
         check_vector("b", b, self.discretization.rows)
         return b
-
-
-def loaded_problem(
-    assembler: Assembler, stabilizer: Stabilization, magnitudes: Magnitudes, actions: Actions
-) -> LoadedProblem:
-    """View of a problem under actions."""
-    return LoadedProblem(assembler=assembler, stabilizer=stabilizer, **of_actions(assembler, magnitudes, actions))

@@ -29,11 +29,11 @@ class Relaxation(NamedTuple):
     """Relaxed energy and state in UFL, and the update of what they hold constant to the displacement."""
 
     relaxed: Relaxed
-    follow: Callable[[], None]
+    update: Callable[[], None]
 
 
-def nothing() -> None:
-    """Update of energies that hold nothing constant."""
+def no_update() -> None:
+    """Leave energies as they are that hold nothing constant."""
 
 
 def relaxed(mesh: PartMesh, E: Any, sigma0: Any, prestress: fem.Function, parameters: Any) -> Relaxation:
@@ -51,7 +51,7 @@ def relaxed(mesh: PartMesh, E: Any, sigma0: Any, prestress: fem.Function, parame
         return _woven(mesh, law, E, sigma0, parameters)
     formula = laws.member(law, "relaxed_energy")
     if formula is not None:
-        return Relaxation(formula(E, sigma0, parameters), nothing)
+        return Relaxation(formula(E, sigma0, parameters), no_update)
     return _tension_field(mesh, E, sigma0, prestress, parameters)
 
 
@@ -61,12 +61,12 @@ def _woven(mesh: PartMesh, fabric: OrthotropicFabric, E: Any, sigma0: Any, param
     e = E + fabric.elastic_strain(sigma0, parameters)
     strains = _dolfinx.cell_expression(ufl.as_vector(forms.components(e)), mesh.mesh)
 
-    def follow() -> None:
+    def update() -> None:
         values = strains()
         cells = np.flatnonzero(wrinkling_direction.may_wrinkle(values, fabric))
         angle.x.array[cells] = wrinkling_direction.direction(values[cells], fabric)
 
-    return Relaxation(fabric.relaxed_energy(E, sigma0, parameters, angle[0]), follow)
+    return Relaxation(fabric.relaxed_energy(E, sigma0, parameters, angle[0]), update)
 
 
 def _tension_field(mesh: PartMesh, E: Any, sigma0: Any, prestress: fem.Function, parameters: Any) -> Relaxation:
@@ -90,7 +90,7 @@ def _tension_field(mesh: PartMesh, E: Any, sigma0: Any, prestress: fem.Function,
 
     known: dict[str, Array] = {}  # strains and prestress of the wrinkles, and the strains without stress
 
-    def follow() -> None:
+    def update() -> None:
         now = strains()
         if not known or not np.array_equal(known["prestress"], prestress.x.array):
             known["prestress"] = prestress.x.array.copy()
@@ -104,4 +104,4 @@ def _tension_field(mesh: PartMesh, E: Any, sigma0: Any, prestress: fem.Function,
 
     energy = forms.relaxed_energy(lambda e: law.energy(e, sigma0, parameters), E, b, K)
     # With all stiffness kept, the relaxed energy does not count: no wrinkles, and none looked for.
-    return Relaxation(Relaxed(energy, state[0]), nothing if mesh.part.carries_compression else follow)
+    return Relaxation(Relaxed(energy, state[0]), no_update if mesh.part.carries_compression else update)

@@ -47,7 +47,7 @@ class Magnitudes(NamedTuple):
     Attributes:
         prestress_forces: 2-norm of the prestress forces of all cells, before they balance [N].
         stiffness: Typical stiffness, the median over the cells [N/m].
-        scales: Sizes of the forces at the components of this process, in the order of a PETSc vector.
+        scales: Sizes of the forces at the nodes of this process, in the order of a PETSc vector.
         elastic: False if the prestress is the only stress.
         changed: True if actions change the stress in the reference shape.
     """
@@ -77,7 +77,7 @@ def magnitudes(
         actions: Actions whose natural shapes and prestress factors count; None for the prestress of the structure.
     """
     sizes, prestress = _sizes(structure), prestresses(structure, actions)
-    owned = (np.repeat(values[owned_nodes], 3) for values in _scales(structure, elastic, sizes, prestress))
+    owned = (values[owned_nodes] for values in _scales(structure, elastic, sizes, prestress))
     forces = [prestress[name] * _width(part, sizes[name]) for name, part in structure.parts.items()]
     stiffnesses = [stiffness(part) / _length(part, sizes[name]) for name, part in structure.parts.items()]
     return Magnitudes(

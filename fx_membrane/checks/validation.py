@@ -199,7 +199,8 @@ def cells(name: str, value: ArrayLike, nodes: int, distinct: bool = True, row: s
     wanted = f"an array of whole numbers of shape (n, {nodes}) with n >= 1"
     array = entries(name, value, wanted)
     if array.ndim != 2 or array.shape[1] != nodes or not len(array):
-        raise ValueError(f"{name} must be {wanted}, not {described(value)}.")
+        remedy = "; split quadrilaterals into triangles" if (nodes, *array.shape[1:]) == (3, 4) else ""
+        raise ValueError(f"{name} must be {wanted}, not {described(value)}{remedy}.")
     if not all_are(is_whole, array):
         found = misfit(is_whole, value) if isinstance(value, list | tuple) else described(value)
         raise ValueError(f"{name} must be {wanted}, not {found}.")

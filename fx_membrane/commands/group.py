@@ -60,6 +60,8 @@ class Group(click.Group):
             if error.filename is None:  # the output itself
                 raise
             code, words = 2, f"{error.filename}: {error.strerror}; give another place."
+        except click.exceptions.Exit:  # after the help of a command; a RuntimeError, too
+            raise
         except RuntimeError as error:
             code, words = 1, str(error)
         say(in_words(words), err=True)

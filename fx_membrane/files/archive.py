@@ -43,9 +43,10 @@ from ..patterns.strips import Edge, Strips
 from ..results.balance import UnbalancedStateWarning
 from ..results.forces_of_state import Equilibrium, PondResult, TermResult
 from ..results.limits import Limits
+from ..results.load_increments import Increment
 from ..results.part_results import BarResult, MembraneResult, RopeResult
 from ..results.shear_signs import ShearSignWarning
-from ..results.states import Increment, StageResult, StageResults
+from ..results.states import StageResult, StageResults
 from ..results.strain_limits import LargeStrainWarning
 from ..results.told_states import CrushedGasWarning, LostPrestressWarning, UnstableStateWarning
 from ..results.unfinished_stages import Failure

@@ -26,6 +26,15 @@ class Net(NamedTuple):
         supports: Rows of the nodes whose attribute `is_support` or `is_anchor` is true, shape (s,).
         force_densities: Attribute `q` of the edges, shape (edges,); zero without it.
         loads: Attributes `px`, `py`, `pz` of the nodes, shape (n, 3); zero without them.
+
+    Example:
+        >>> import json
+        >>> from pathlib import Path
+        >>> nodes = {"a": {"x": 0, "y": 0, "z": 0, "is_support": True}, "b": {"x": 3, "y": 0, "z": 1}}
+        >>> _ = Path("net.json").write_text(json.dumps({"node": nodes, "edge": {"a": {"b": {"q": 2.0}}}}))
+        >>> net = read_compas("net.json")
+        >>> net.edges.tolist(), net.supports.tolist(), net.force_densities.tolist()
+        ([[0, 1]], [0], [2.0])
     """
 
     points: NDArray[np.float64]

@@ -36,6 +36,17 @@ class PartFunctions:
             membranes also "warp", the unit vectors of `Structure.warp`, shape (3,) [-].
         node_rows: Row in `Structure.points` of each node of this process, in the order of the dofs, ghosts included.
         cell_rows: Row in the `cells` of the part of each cell of this process.
+
+    Example:
+        >>> points, triangles = rectangle(2.0, 2.0, 2, 2)
+        >>> rim = Support(np.unique(boundary_edges(triangles)))
+        >>> sheet = Structure(points, {"sheet": Membrane(triangles, Fabric(4e5, 0.3), prestress=2e3)}, [rim])
+        >>> state = Analysis(sheet).run([Stage("rest")])["rest"]
+        >>> functions = to_dolfinx(state, "sheet")
+        >>> functions.displacement.x.array.size == 3 * len(functions.node_rows)
+        True
+        >>> functions.cells["principal"].x.array[:2].round(6).tolist()
+        [2000.0, 2000.0]
     """
 
     mesh: Mesh

@@ -27,6 +27,15 @@ class FormStep(NamedTuple):
             cables and masts between nodes that do not slide, the relative change of length if it is larger [-].
             `prescribed_stress` counts the changes of area and stress and all motion, too.
         stress_error: Largest difference of the stress in the shape from the prescribed one, relative to the latter.
+
+    Example:
+        >>> points, triangles = rectangle(2.0, 2.0, 2, 2)
+        >>> rim = Support(np.unique(boundary_edges(triangles)))
+        >>> points[4, 2] = 0.5  # the middle, off the plane of its supports
+        >>> sheet = Structure(points, {"sheet": Membrane(triangles, Fabric(4e5, 0.3), prestress=2e3)}, [rim])
+        >>> step = updated_reference(sheet).steps[-1]
+        >>> round(step.area, 6), bool(step.stress_error < 1e-3)
+        (4.0, True)
     """
 
     area: float
@@ -55,6 +64,12 @@ class Form:
             them.
         force_unit: Name of the unit of force, for pages and files; nothing is converted.
         length_unit: Name of the unit of length.
+
+    Example:
+        >>> corners = [(0, 0, 0), (2, 0, 1), (2, 2, 0), (0, 2, 1), (9, 9, 9)]
+        >>> form = force_density(corners, [[0, 4], [1, 4], [2, 4], [3, 4]], 100.0, [Support(range(4))])
+        >>> form.points[4].round(9).tolist(), form.converged
+        ([1.0, 1.0, 0.5], True)
     """
 
     points: NDArray[np.float64]

@@ -21,6 +21,13 @@ class Axial:
 
     Raises:
         ValueError: The stiffness is not positive.
+
+    Example:
+        >>> law = Axial(1e7)  # that of Cable(cells, 1e7)
+        >>> law.stiffness
+        10000000.0
+        >>> law.strain(np.array([[[2e4]]])).tolist()  # under 20 kN
+        [[[0.002]]]
     """
 
     dimension: ClassVar[int] = 1

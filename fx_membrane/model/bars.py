@@ -12,11 +12,11 @@ from numpy.typing import ArrayLike, NDArray
 from ..checks import validation
 from . import cell_tensors, laws, materials, natural_shape
 from .axial_law import Axial
-from .by_value import ByValue
+from .base_classes import AnyPart
 from .laws import Law
 
 
-class AxialPart(ByValue):
+class AxialPart(AnyPart):
     """Lines with an axial force: bars and ropes.
 
     `is_strut` tells those that stand by compression, and fall where nothing holds them. `shares_tension` tells those

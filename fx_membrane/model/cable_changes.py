@@ -12,7 +12,7 @@ from ..checks import validation
 from ..checks.values import with_article
 from ..geometry.sizes import lengths, measures
 from .axial_law import Axial
-from .by_value import ByValue
+from .base_classes import AnyChange
 from .structure import Structure
 
 Array = NDArray[np.float64]
@@ -27,7 +27,7 @@ def store_cells(change: Any) -> None:
 
 
 @dataclass(frozen=True, eq=False)
-class GivenForce(ByValue):
+class GivenForce(AnyChange):
     """Cables or a rope stressed to a force, which they keep in every shape until another stage fixes them.
 
     The force grows from that at the start of the stage to the given one, and stays in later stages: a jack that
@@ -56,7 +56,7 @@ class GivenForce(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class UnstressedLength(ByValue):
+class UnstressedLength(AnyChange):
     """Cables, masts or a rope of a given length without stress, from this stage on.
 
     Args:
@@ -82,7 +82,7 @@ class UnstressedLength(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class FixedLength(ByValue):
+class FixedLength(AnyChange):
     """Cables or a rope of given force, fixed with the length that they have at the start of the stage.
 
     From then on they are elastic: further loads change their force. The stage must follow another.

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..checks import validation
+from ..checks.read_only_data import ReadOnlyDict
 from .by_value import ByValue
 from .chamber_surfaces import surface
 
@@ -57,7 +58,7 @@ class Chamber(ByValue):
                         f"Chamber part {name!r} has the sense {validation.short_repr(sense)}; give 1 if its normals "
                         "point out of the chamber, or -1."
                     )
-            validation.keep(self, parts={name: int(sense) for name, sense in given.items()})
+            validation.keep(self, parts=ReadOnlyDict({name: int(sense) for name, sense in given.items()}))
         else:
             validation.keep(self, parts=tuple(names))
         exponent = validation.number("Chamber exponent", self.exponent)

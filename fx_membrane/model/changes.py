@@ -12,7 +12,7 @@ from ..checks import validation
 from ..checks.values import with_article
 from ..geometry.sizes import measures
 from . import cell_tensors, natural_shape
-from .by_value import ByValue
+from .base_classes import AnyChange
 from .cable_changes import FixedLength, GivenForce, UnstressedLength, check_cable_change, store_cells
 from .structure import Structure
 
@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class NaturalStretch(ByValue):
+class NaturalStretch(AnyChange):
     """Natural shape times a stretch: cutting (compensation), shrinkage, creep, a new length by a factor.
 
     Args:
@@ -54,7 +54,7 @@ class NaturalStretch(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class TemperatureChange(ByValue):
+class TemperatureChange(AnyChange):
     """Warming or cooling of a part, free to expand by its coefficient.
 
     It takes expansion x difference from the Green-Lagrange strain with respect to the natural shape. So changes add up,
@@ -98,7 +98,7 @@ class TemperatureChange(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class LengthChange(ByValue):
+class LengthChange(AnyChange):
     """Change of the unstressed length of a cable or a mast: a stay that is shortened, a mast that is jacked.
 
     Args:
@@ -125,7 +125,7 @@ class LengthChange(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class PrestressFactor(ByValue):
+class PrestressFactor(AnyChange):
     """Prestress times a factor: the loss by creep and relaxation, or the gain by stressing again.
 
     Args:

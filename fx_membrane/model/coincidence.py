@@ -20,7 +20,7 @@ class CoincidentNodesWarning(UserWarning):
     """Coincident nodes that no part shares: shared nodes join parts, equal positions do not."""
 
 
-def checked_pairs(separate: Any, parts: Mapping[str, Part]) -> list[tuple[str, str]]:
+def checked_pairs(separate: Any, parts: Mapping[str, Part]) -> tuple[tuple[str, str], ...]:
     """Pairs of names of parts that may coincide.
 
     Args:
@@ -39,7 +39,7 @@ def checked_pairs(separate: Any, parts: Mapping[str, Part]) -> list[tuple[str, s
                 raise ValueError(
                     f"separate names part {validation.short_repr(name)}, which does not exist; those are {list(parts)}."
                 )
-    return [(validation.text("separate", a), validation.text("separate", b)) for a, b in pairs]
+    return tuple((validation.text("separate", a), validation.text("separate", b)) for a, b in pairs)
 
 
 def coincident_nodes(

@@ -46,17 +46,19 @@ MOST = 30  # quadrature degree
 class EnergyTerm(Protocol):
     """Energy term of your own: a frozen dataclass with a part, parameters and an energy in UFL.
 
-    It need not be derived from this class. The module `fx_membrane.model.energy_terms` says what else it may have::
+    It need not be derived from this class. The module `fx_membrane.model.energy_terms` says what else it may have.
 
-        from dataclasses import dataclass
-
-        @dataclass(frozen=True)
-        class ElasticBed:
-            part: str
-            k: float  # [N/m3]
-
-            def energy(self, state, parameters):
-                return parameters.k * state.u[2] ** 2 / 2
+    Example:
+        >>> from dataclasses import dataclass
+        >>> @dataclass(frozen=True)
+        ... class ElasticBed:
+        ...     part: str
+        ...     k: float  # [N/m3]
+        ...     def energy(self, state, parameters):
+        ...         return parameters.k * state.u[2] ** 2 / 2
+        ...
+        >>> Stage("lowered", [ElasticBed("roof", k=2e4)]).loads[0]
+        ElasticBed(part='roof', k=20000.0)
     """
 
     if TYPE_CHECKING:  # a property of this class would take the place of a derived dataclass's field
@@ -75,21 +77,23 @@ class EnergyTerm(Protocol):
 class ForceTerm(Protocol):
     """Term of your own that has no potential: like `EnergyTerm`, with the virtual work of its forces.
 
-    An example is a pressure that grows with depth, on a surface with a free edge::
+    Example:
+        A pressure that grows with depth, on a surface with a free edge:
 
-        from dataclasses import dataclass
-        from ufl import conditional, dot, gt
-
-        @dataclass(frozen=True)
-        class Water:
-            part: str
-            weight: float  # [N/m3]
-            level: float  # [m]
-
-            def virtual_work(self, state, v, parameters):
-                depth = parameters.level - state.x[2]
-                # It stands on the side of the normals, and presses against them.
-                return -parameters.weight * conditional(gt(depth, 0), depth, 0) * dot(state.n, v)
+        >>> from dataclasses import dataclass
+        >>> from ufl import conditional, dot, gt
+        >>> @dataclass(frozen=True)
+        ... class Water:
+        ...     part: str
+        ...     weight: float  # [N/m3]
+        ...     level: float  # [m]
+        ...     def virtual_work(self, state, v, parameters):
+        ...         depth = parameters.level - state.x[2]
+        ...         # It stands on the side of the normals, and presses against them.
+        ...         return -parameters.weight * conditional(gt(depth, 0), depth, 0) * dot(state.n, v)
+        ...
+        >>> Stage("flood", [Water("dam", weight=9810.0, level=0.5)]).loads[0]
+        Water(part='dam', weight=9810.0, level=0.5)
     """
 
     if TYPE_CHECKING:  # a property of this class would take the place of a derived dataclass's field

@@ -23,6 +23,11 @@ class NeoHooke:
 
     Source:
         `forms.hyperelasticity`; A. C. Pipkin (1986), D. J. Steigmann (1990), see `forms.wrinkling`.
+
+    Example:
+        >>> foil = NeoHooke.from_modulus(E=3e6, thickness=1e-3)
+        >>> foil, round(foil.stiffness, 6)
+        (NeoHooke(Gt=1000.0), 3000.0)
     """
 
     dimension: ClassVar[int] = 2
@@ -63,6 +68,11 @@ class MooneyRivlin:
 
     Source:
         `forms.hyperelasticity`; A. C. Pipkin (1986), D. J. Steigmann (1990), see `forms.wrinkling`.
+
+    Example:
+        >>> foil = MooneyRivlin.from_moduli(C10=2e5, C01=5e4, thickness=1e-3)
+        >>> foil, round(foil.stiffness, 6)
+        (MooneyRivlin(C10t=200.0, C01t=50.0), 1500.0)
     """
 
     dimension: ClassVar[int] = 2

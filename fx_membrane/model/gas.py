@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..checks import validation
-from .by_value import ByValue
+from .base_classes import AnyChange
 
 GAUGE = 0.5  # absolute pressure of a gas, as a fraction of that around, below which it is taken for a gauge pressure
 COLD = 100.0  # [K]
@@ -19,7 +19,7 @@ REMEDY = "give absolute pressures, that of the atmosphere being about 101325 Pa"
 
 
 @dataclass(frozen=True, eq=False)
-class Ambient(ByValue):
+class Ambient(AnyChange):
     """The air around the structure, at the end of a stage; later stages keep it.
 
     In the first stage that has it, it does not change in the stage: it holds from its start.
@@ -64,7 +64,7 @@ class Ambient(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class GasPressure(ByValue):
+class GasPressure(AnyChange):
     """A chamber open to a fan that holds a pressure.
 
     Args:
@@ -88,7 +88,7 @@ class GasPressure(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class GasVolume(ByValue):
+class GasVolume(AnyChange):
     """A chamber with a given volume, as of a liquid that fills it; its pressure follows.
 
     Args:
@@ -112,7 +112,7 @@ class GasVolume(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class GasAmount(ByValue):
+class GasAmount(AnyChange):
     """A closed chamber with an amount of gas, given by a state of it: pressure and volume.
 
     For an amount in a volume V, p V^n / T is constant. p is the absolute pressure, n the `exponent` of the chamber, and
@@ -143,7 +143,7 @@ class GasAmount(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class Seal(ByValue):
+class Seal(AnyChange):
     """Closing of a chamber with the gas that is in it at the start of the stage; its pressure then follows.
 
     Args:

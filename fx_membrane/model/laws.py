@@ -51,25 +51,26 @@ STRETCHES = np.geomspace(1e-3, 1e4, 36)  # strains at which a compressive prestr
 class Law(Protocol):
     """Material law: an energy in UFL and its parameters. The module says what else it may have.
 
-    A law of your own is a frozen dataclass, derived from this class or from none::
-
-        from dataclasses import dataclass
-        from ufl import inner
-
-        @dataclass(frozen=True)
-        class Stiffening:
-            EA: float  # [N]
-            k: float  # [N]
-
-            def energy(self, E, sigma0, parameters):
-                e = E[0, 0]
-                return inner(sigma0, E) + parameters.EA * e**2 / 2 + parameters.k * e**4 / 4
-
-            @property
-            def stiffness(self):
-                return self.EA
+    A law of your own is a frozen dataclass, derived from this class or from none.
 
     Take numbers from `parameters`: one from `self` is compiled into the form, and each value compiles another.
+
+    Example:
+        >>> from dataclasses import dataclass
+        >>> from ufl import inner
+        >>> @dataclass(frozen=True)
+        ... class Stiffening:
+        ...     EA: float  # [N]
+        ...     k: float  # [N]
+        ...     def energy(self, E, sigma0, parameters):
+        ...         e = E[0, 0]
+        ...         return inner(sigma0, E) + parameters.EA * e**2 / 2 + parameters.k * e**4 / 4
+        ...     @property
+        ...     def stiffness(self):
+        ...         return self.EA
+        ...
+        >>> Cable([[0, 1]], material=Stiffening(1e6, 4e6)).axial_stiffness
+        1000000.0
     """
 
     def energy(self, E: Any, sigma0: Any, parameters: Any) -> Any:

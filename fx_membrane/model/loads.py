@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 from ..checks import validation
 from ..geometry.sizes import normals
 from . import energy_terms
-from .by_value import ByValue
+from .base_classes import AnyLoad
 from .energy_terms import Term
 from .ponds import Pond, check_pond
 from .structure import Structure
 
 
 @dataclass(frozen=True, eq=False)
-class PointLoad(ByValue):
+class PointLoad(AnyLoad):
     """Equal force on each of some nodes.
 
     Args:
@@ -42,7 +42,7 @@ class PointLoad(ByValue):
 
 
 @dataclass(frozen=True, eq=False)
-class SpreadLoad(ByValue):
+class SpreadLoad(AnyLoad):
     """Common fields of loads of fixed direction that are spread over cells."""
 
     load: ArrayLike
@@ -94,7 +94,7 @@ class PlanLoad(SpreadLoad):
 
 
 @dataclass(frozen=True, eq=False)
-class Pressure(ByValue):
+class Pressure(AnyLoad):
     """A pressure that follows the membrane: per current area, along its current normal.
 
     Args:
@@ -116,6 +116,11 @@ class Pressure(ByValue):
     cells: ArrayLike | None = None
 
     def __post_init__(self) -> None:
+        if isinstance(self.pressure, list | tuple) or np.ndim(self.pressure):
+            raise ValueError(
+                f"Pressure pressure is {validation.short_repr(self.pressure)}; give one number for its `cells`, and an "
+                "energy term for one that differs from cell to cell, see `EnergyTerm`."
+            )
         validation.store(self, validation.number, "pressure")
         _check_cells(self)
 

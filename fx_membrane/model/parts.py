@@ -13,7 +13,7 @@ from ..checks import validation
 from ..geometry.one_side import with_one_side
 from . import cell_tensors, laws, materials, natural_shape
 from .bars import Bar, Cable, Mast
-from .by_value import ByValue
+from .base_classes import AnyPart
 from .laws import Law
 from .ropes import Rope
 
@@ -21,7 +21,7 @@ __all__ = ["Bar", "Cable", "Kind", "Line", "Mast", "Membrane", "Part", "Rope"]
 
 
 @dataclass(frozen=True, eq=False)
-class Membrane(ByValue):
+class Membrane(AnyPart):
     """Three-node membrane elements of one fabric.
 
     Args:

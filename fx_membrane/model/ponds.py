@@ -13,7 +13,7 @@ from ..checks import validation
 from ..geometry.sizes import normals
 from ..geometry.topology import boundary_edges
 from ..geometry.water_on_triangles import plan_areas
-from .by_value import ByValue
+from .base_classes import AnyLoad
 
 if TYPE_CHECKING:
     from .structure import Structure
@@ -25,7 +25,7 @@ HOW = ("level", "volume", "rain")
 
 
 @dataclass(frozen=True, eq=False)
-class Pond(ByValue):
+class Pond(AnyLoad):
     """Water on a membrane in the current shape; its weight acts as pressure on the wet area.
 
     Water of a given level or volume has one level, and stands wherever the membrane is below it. A volume fills up to

@@ -35,8 +35,8 @@ def refuse_loose_nodes(structure: Structure, held: NDArray[np.bool_], stages: Se
         node, ends = int(loose[0]), {int(rope.nodes[0]), int(rope.nodes[-1])}
         if node in ends and len(ends) == 2:
             raise ValueError(
-                f"Rope {name!r} ends in the air at node {node}, without another part, a support or a load: hold that "
-                "node, join it to a part, or load it."
+                f"Rope {name!r} has a free end at node {node}, without another part, a support or a load: support that "
+                "node, connect it to a part, or load it."
             )
         raise ValueError(
             f"Rope {name!r} passes node {node}, which has no other part, support or load, so that its place on the "

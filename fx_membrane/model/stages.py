@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..checks import validation
+from .base_classes import AnyChange, AnyLoad
 from .by_value import ByValue
 from .changes import Change, check_change
-from .gas import GasChange, check_gas_change, refuse_among_loads, refuse_two_gases
+from .energy_terms import Term
+from .gas import GasChange, check_gas_change, refuse_two_gases
 from .loads import Load, check_load, checked_loads
 from .structure import Structure
 
@@ -86,11 +89,23 @@ class Stage(ByValue):
     after: str | None = None
     changes: Sequence[Change | GasChange] = ()
 
+    if TYPE_CHECKING:  # lists of several kinds
+
+        def __init__(
+            self,
+            name: str,
+            loads: Sequence[AnyLoad | Term] = ...,
+            displacements: Sequence[PrescribedDisplacement] = ...,
+            increments: int = ...,
+            after: str | None = ...,
+            changes: Sequence[AnyChange] = ...,
+        ) -> None: ...
+
     def __post_init__(self) -> None:
         validation.keep(self, name=validation.name("stage", self.name))
         what = f"Stage {self.name!r}:"
         moves = validation.instances(f"{what} displacements", self.displacements, PrescribedDisplacement)
-        refuse_among_loads(f"{what} loads", self.loads, "give it in changes")
+        _refuse_misplaced(f"{what} loads", self.loads)
         validation.keep(self, loads=checked_loads(f"{what} loads", self.loads), displacements=moves)
         validation.keep(self, changes=validation.instances(f"{what} changes", self.changes, Change | GasChange))
         refuse_two_gases(what, self.changes)
@@ -99,6 +114,14 @@ class Stage(ByValue):
         )
         if self.after is not None:
             validation.keep(self, after=validation.text(f"{what} after", self.after))
+
+
+def _refuse_misplaced(what: str, loads: Any) -> None:
+    """Refuse changes and prescribed displacements that are given as loads."""
+    for load in loads if isinstance(loads, list | tuple) else ():
+        for kind, place in ((Change | GasChange, "changes"), (PrescribedDisplacement, "displacements")):
+            if isinstance(load, kind):
+                raise ValueError(f"{what} has {validation.short_repr(load)}, which is no load; give it in {place}.")
 
 
 def check_stages(structure: Structure, stages: Sequence[Stage]) -> None:

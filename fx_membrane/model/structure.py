@@ -13,10 +13,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
+from ..checks.read_only_data import ReadOnlyDict
 from ..checks.values import counted
 from ..geometry.sizes import normals, projected
 from ..runtime.notebook_pictures import picture_html, picture_png, table
 from . import energy_terms, laws, slivers
+from .base_classes import AnyPart
 from .by_value import ByValue
 from .chambers import Chamber, checked_chambers
 from .coincidence import CoincidentNodesWarning, checked_pairs, coincident_nodes
@@ -93,7 +95,7 @@ class Structure(ByValue):
         def __init__(
             self,
             points: ArrayLike,
-            parts: Mapping[str, Part],
+            parts: Mapping[str, AnyPart],
             supports: Sequence[Support] = ...,
             separate: Sequence[tuple[str, str]] = ...,
             terms: Sequence[Term] = ...,
@@ -110,23 +112,22 @@ class Structure(ByValue):
         object.__setattr__(self, "supports", validation.instances("supports", self.supports, Support))
         if not self.parts:
             raise ValueError("The structure has no parts; give at least one Membrane, Cable, Mast or Rope.")
-        count = len(self.points)
         for name, part in self.parts.items():
             validation.plain(f"Part {name!r}", part, Part)
-            for cell in np.flatnonzero(((part.cells < 0) | (part.cells >= count)).any(axis=1))[:1]:
-                validation.in_range(f"Part {name!r}, cell {cell},", part.cells[cell], count, "node")
+            for cell in np.flatnonzero(((part.cells < 0) | (part.cells >= len(self.points))).any(axis=1))[:1]:
+                validation.in_range(f"Part {name!r}, cell {cell},", part.cells[cell], len(self.points), "node")
             slivers.check(self.points, name, part)
         for name, membrane in self.parts_of(Membrane).items():
             if membrane.warp is not None:
                 self.warp(name)
-        object.__setattr__(self, "parts", {name: self._fitted(name, part) for name, part in self.parts.items()})
+        validation.keep(self, parts=ReadOnlyDict((name, self._fitted(name, part)) for name, part in parts.items()))
         for number, support in enumerate(self.supports):
             self.check_nodes(f"Support {number}", np.asarray(support.nodes))
         object.__setattr__(self, "separate", checked_pairs(self.separate, self.parts))
         object.__setattr__(self, "terms", energy_terms.checked("terms", self.terms))
         for term in self.terms:
             energy_terms.check_on(self, "terms", term)
-        object.__setattr__(self, "chambers", checked_chambers(self))
+        object.__setattr__(self, "chambers", ReadOnlyDict(checked_chambers(self)))
         self._warn_of_coincident_nodes()
 
     def __repr__(self) -> str:
@@ -224,13 +225,12 @@ class Structure(ByValue):
         Raises:
             ValueError: It has a shear, and the part has only one side, like a Moebius strip, or branches.
         """
-        values = np.asarray(tensor)
-        if name not in self._no_sides or values.shape[-2:] != (2, 2):
+        if name not in self._no_sides or np.shape(tensor)[-2:] != (2, 2):
             return
-        shear = values[..., [0, 1], [1, 0]].reshape(-1, 2)
+        values = np.reshape(tensor, (-1, 2, 2))
+        shear = values[:, [0, 1], [1, 0]]
         if shear[0].any() and (shear == shear[0]).all():
-            first = values.reshape(-1, 2, 2)[0].tolist()
-            raise ValueError(f"Part {name!r}, with shear in its {what} {first}, {self._no_sides[name]}")
+            raise ValueError(f"Part {name!r}, with shear in its {what} {values[0].tolist()}, {self._no_sides[name]}")
 
     @property
     def membranes(self) -> dict[str, Membrane]:
@@ -276,9 +276,9 @@ class Structure(ByValue):
         validation.in_range(what, nodes, len(self.points), "node")
         loose = nodes[~self.used[nodes]]
         if len(loose):
-            where = validation.format_point(self.points[loose[0]])
             raise ValueError(
-                f"{what} is on node {loose[0]}, which no part uses, at {where}; mend the number or add the part."
+                f"{what} is on node {loose[0]}, which no part uses, at "
+                f"{validation.format_point(self.points[loose[0]])}; mend the number or add the part."
             )
 
     def _warn_of_coincident_nodes(self) -> None:

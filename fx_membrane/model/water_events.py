@@ -31,6 +31,14 @@ class WaterEvent(NamedTuple):
         node: Node over which the water runs.
         place: Position of that node, shape (3,) [m].
         volume: Volume that has run over in the increment, or that of the other basin [m3].
+
+    Example:
+        >>> points, triangles = rectangle(2.0, 2.0, 8, 8)
+        >>> points[:, 2] = np.maximum(np.abs(points[:, 0]), np.abs(points[:, 1])) - 1  # a pyramid, upside down
+        >>> tub = Structure(points, {"tub": Membrane(triangles, Fabric(1e9, 0.0), 1e6)}, [Support(range(len(points)))])
+        >>> rained = Analysis(tub).run([Stage("rain", [Pond("tub", rain=0.6)])])["rain"]
+        >>> [(event.kind, event.basin) for event in rained.water_events]
+        [('spill', 40)]
     """
 
     part: str
@@ -55,6 +63,14 @@ class BasinResult(NamedTuple):
         area: Wet area in plan [m2].
         spill: Node over which it spills; -1 if walls close it.
         is_full: True if the water stands at the height of that node.
+
+    Example:
+        >>> points, triangles = rectangle(2.0, 2.0, 8, 8)
+        >>> points[:, 2] = np.maximum(np.abs(points[:, 0]), np.abs(points[:, 1])) - 1  # a pyramid, upside down
+        >>> tub = Structure(points, {"tub": Membrane(triangles, Fabric(1e9, 0.0), 1e6)}, [Support(range(len(points)))])
+        >>> basin = Analysis(tub).run([Stage("rain", [Pond("tub", rain=0.01)])])["rain"].ponds[0].basins[0]
+        >>> basin.node, round(basin.volume, 6), basin.is_full
+        (40, 0.04, False)
     """
 
     part: str

@@ -96,6 +96,15 @@ class Piece:
         marks: Marks for assembly at the seams.
         warp: Warp arrow from its tail to its head, shape (2, 2) [m].
         labels: Its name, names along its edges, and numbers of marks.
+
+    Example:
+        >>> points, triangles = rectangle(2.0, 2.0, 2, 2)
+        >>> parts = {"roof": Membrane(triangles, Fabric(5e5, 0.3), 2e3), "valley": Cable([[3, 4], [4, 5]], 1e7)}
+        >>> roof = Structure(points, parts, [Support(np.unique(boundary_edges(triangles)))])
+        >>> pattern = cutting_pattern(cut_strips(roof, ["valley"]))
+        >>> piece = cut_pieces(pattern, Allowances(seam=0.02, border=0.05))["strip 1"]
+        >>> round(piece.sewn_area, 3), round(piece.cut_area, 3)
+        (1.989, 2.235)
     """
 
     name: str

@@ -25,6 +25,14 @@ class Side:
         edge: Name of the edge.
         rows: Rows of the flat points along it, counter-clockwise around the strip; `nodes[rows]` are the nodes of the
             edge, or these in reverse order, shape (n,).
+
+    Example:
+        >>> points, triangles = rectangle(2.0, 2.0, 2, 2)
+        >>> parts = {"roof": Membrane(triangles, Fabric(5e5, 0.3), 2e3), "valley": Cable([[3, 4], [4, 5]], 1e7)}
+        >>> roof = Structure(points, parts, [Support(np.unique(boundary_edges(triangles)))])
+        >>> strip = flatten(cut_strips(roof, ["valley"]))["strip 1"]
+        >>> {side.edge: round(float(strip.side_lengths(side).sum()), 6) for side in strip.sides}
+        {'border 1': 2.0, 'border 3': 1.0, 'seam 1': 2.0, 'border 2': 1.0}
     """
 
     edge: str
@@ -41,6 +49,14 @@ class FlatStrip:
         points: Flat points, warp along the first axis, seen from the positive side of the surface, shape (n, 2) [m].
         triangles: Cells in the order of the strip's cells, as rows of `points`, shape (k, 3).
         sides: Sides counter-clockwise around the strip; a tube that is cut once has one edge on two sides.
+
+    Example:
+        >>> points, triangles = rectangle(2.0, 2.0, 2, 2)
+        >>> parts = {"roof": Membrane(triangles, Fabric(5e5, 0.3), 2e3), "valley": Cable([[3, 4], [4, 5]], 1e7)}
+        >>> roof = Structure(points, parts, [Support(np.unique(boundary_edges(triangles)))])
+        >>> strip = flatten(cut_strips(roof, ["valley"]))["strip 1"]
+        >>> round(strip.length, 6), round(strip.width, 6), round(strip.area, 6)
+        (2.0, 1.0, 2.0)
     """
 
     name: str
@@ -95,6 +111,13 @@ class CuttingPattern:
         decompensated: Names of edges whose cloth is as long as the surface, and nodes around which it is not
             compensated.
         fit: Errors of the stress before and after `nearest_stress_pattern`; None without it.
+
+    Example:
+        >>> points, triangles = rectangle(2.0, 2.0, 2, 2)
+        >>> parts = {"roof": Membrane(triangles, Fabric(5e5, 0.3), 2e3), "valley": Cable([[3, 4], [4, 5]], 1e7)}
+        >>> roof = Structure(points, parts, [Support(np.unique(boundary_edges(triangles)))])
+        >>> cutting_pattern(cut_strips(roof, ["valley"]), compensation=0.99)
+        CuttingPattern(2 strips, area of cloth 3.92)
     """
 
     strips: Strips

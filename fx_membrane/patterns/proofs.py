@@ -47,6 +47,14 @@ class PatternProof:
         changes: Changes of the stage beside these loads.
         design_error: Mean stress error of the design before it is cut, in its own equilibrium, infinite if it finds
             none; None where the stress error of most of the area is no larger than the wanted one [-].
+
+    Example:
+        >>> points, triangles = rectangle(2.0, 2.0, 2, 2)
+        >>> parts = {"roof": Membrane(triangles, Fabric(5e5, 0.3), 2e3), "valley": Cable([[3, 4], [4, 5]], 1e7)}
+        >>> roof = Structure(points, parts, [Support(np.unique(boundary_edges(triangles)))])
+        >>> proof = prove_pattern(cutting_pattern(cut_strips(roof, ["valley"])))
+        >>> list(proof.strips), proof.stress_error < 0.1
+        (['strip 1', 'strip 2'], True)
     """
 
     pattern: CuttingPattern

@@ -55,6 +55,15 @@ class RollLayout:
         rows: Start and length of each row along the roll, shape (n, 2) [m].
         width: Width of the roll [m].
         cut_area: Area of all pieces and their copies [m2].
+
+    Example:
+        >>> points, triangles = rectangle(2.0, 2.0, 2, 2)
+        >>> parts = {"roof": Membrane(triangles, Fabric(5e5, 0.3), 2e3), "valley": Cable([[3, 4], [4, 5]], 1e7)}
+        >>> roof = Structure(points, parts, [Support(np.unique(boundary_edges(triangles)))])
+        >>> pieces = cut_pieces(cutting_pattern(cut_strips(roof, ["valley"])))
+        >>> layout = laid_on_roll(pieces, width=2.5)
+        >>> round(layout.length, 2), layout.area > layout.cut_area
+        (2.09, True)
     """
 
     placements: tuple[Placement, ...]

@@ -21,6 +21,14 @@ class SeamLengths(NamedTuple):
         surface: On the surface.
         flat: In the flat shapes, on each of its sides, shape (sides,).
         cloth: In the cloth, on each of its sides, shape (sides,).
+
+    Example:
+        >>> points, triangles = rectangle(2.0, 2.0, 2, 2)
+        >>> parts = {"roof": Membrane(triangles, Fabric(5e5, 0.3), 2e3), "valley": Cable([[3, 4], [4, 5]], 1e7)}
+        >>> roof = Structure(points, parts, [Support(np.unique(boundary_edges(triangles)))])
+        >>> seam = prove_pattern(cutting_pattern(cut_strips(roof, ["valley"]))).edges["seam 1"]
+        >>> round(seam.surface, 6), seam.flat.round(6).tolist(), seam.difference < 1e-6
+        (2.0, [2.0, 2.0], True)
     """
 
     surface: float

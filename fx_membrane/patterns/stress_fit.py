@@ -23,6 +23,15 @@ class StressErrors(NamedTuple):
         border_largest: The largest of these.
         inside_rms: Of all other cells.
         inside_largest: The largest of these.
+
+    Example:
+        >>> points, triangles = rectangle(2.0, 2.0, 2, 2)
+        >>> parts = {"roof": Membrane(triangles, Fabric(5e5, 0.3), 2e3), "valley": Cable([[3, 4], [4, 5]], 1e7)}
+        >>> roof = Structure(points, parts, [Support(np.unique(boundary_edges(triangles)))])
+        >>> short = cutting_pattern(cut_strips(roof, ["valley"]), compensation=0.99)  # too short for the prestress
+        >>> fit = nearest_stress_pattern(short, progress=False).fit
+        >>> fit.after.rms < fit.before.rms
+        True
     """
 
     rms: float
@@ -43,6 +52,15 @@ class StressFit:
         iterations: Number of trial patterns, each in equilibrium or refused.
         converged: No step lowers the error any more.
         remark: Reason for an early end; empty without one.
+
+    Example:
+        >>> points, triangles = rectangle(2.0, 2.0, 2, 2)
+        >>> parts = {"roof": Membrane(triangles, Fabric(5e5, 0.3), 2e3), "valley": Cable([[3, 4], [4, 5]], 1e7)}
+        >>> roof = Structure(points, parts, [Support(np.unique(boundary_edges(triangles)))])
+        >>> short = cutting_pattern(cut_strips(roof, ["valley"]), compensation=0.99)  # too short for the prestress
+        >>> fit = nearest_stress_pattern(short, progress=False).fit
+        >>> fit.converged, fit.gain > 0.5
+        (True, True)
     """
 
     before: StressErrors

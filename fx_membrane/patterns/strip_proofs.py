@@ -39,6 +39,14 @@ class StripProof:
             that belongs to the share, K the curvature that 95 % of its area keep to. Infinite for a developable
             strip [m].
         utilisation: Largest principal stress over the strength, shape (cells,) [-]; None without one.
+
+    Example:
+        >>> points, triangles = rectangle(2.0, 2.0, 2, 2)
+        >>> parts = {"roof": Membrane(triangles, Fabric(5e5, 0.3), 2e3), "valley": Cable([[3, 4], [4, 5]], 1e7)}
+        >>> roof = Structure(points, parts, [Support(np.unique(boundary_edges(triangles)))])
+        >>> strip = prove_pattern(cutting_pattern(cut_strips(roof, ["valley"]))).strips["strip 1"]
+        >>> strip.mean(strip.found).round(0).tolist(), bool(strip.stress_error.max() < 0.1)
+        ([2000.0, 2000.0], True)
     """
 
     wanted: Array

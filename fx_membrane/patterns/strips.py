@@ -27,6 +27,14 @@ class Edge:
             border the one strip.
         line: Name of the part that runs along it, as an edge or valley cable, or None.
         held: Nodes are supported in all directions, as on a ring or a rail.
+
+    Example:
+        >>> points, triangles = rectangle(2.0, 2.0, 2, 2)
+        >>> parts = {"roof": Membrane(triangles, Fabric(5e5, 0.3), 2e3), "valley": Cable([[3, 4], [4, 5]], 1e7)}
+        >>> roof = Structure(points, parts, [Support(np.unique(boundary_edges(triangles)))])
+        >>> strips = cut_strips(roof, ["valley"])
+        >>> [(edge.name, edge.strips) for edge in strips.edges if edge.is_seam]
+        [('seam 1', ('strip 1', 'strip 2'))]
     """
 
     name: str
@@ -54,6 +62,16 @@ class Strips:
         force_unit: Name of the unit of force, that of the form, for tables and files; nothing is converted.
         length_unit: Name of the unit of length.
         membranes: Name of the membrane that each strip is cut from, by the name of the strip.
+
+    Example:
+        >>> points, triangles = rectangle(2.0, 2.0, 2, 2)
+        >>> parts = {"roof": Membrane(triangles, Fabric(5e5, 0.3), 2e3), "valley": Cable([[3, 4], [4, 5]], 1e7)}
+        >>> roof = Structure(points, parts, [Support(np.unique(boundary_edges(triangles)))])
+        >>> strips = cut_strips(roof, ["valley"])
+        >>> strips
+        Strips(2 strips, 0 of them cut as others, 1 seam, 6 borders)
+        >>> strips.names
+        ('strip 1', 'strip 2')
     """
 
     structure: Structure

@@ -21,7 +21,7 @@ from ..runtime.processes import by_the_first
 from ..solvers.progress import Pulse
 from .contour_maps import VIEW
 from .field_panels import checked_fields, checked_options, means, panels_of
-from .fields import Checked, Field
+from .fields import Checked
 from .figures import empty, plain
 from .marks import Strokes, strokes
 from .movies import checked_movie, write
@@ -42,7 +42,7 @@ def animation(
     states: States,
     path: str | Path,
     *,
-    fields: Callable[[Any], Mapping[str, Field]] | None = None,
+    fields: Callable[[Any], Mapping[str, Any]] | None = None,
     motion: ArrayLike | None = None,
     frames: int = 24,
     seconds: float | None = None,

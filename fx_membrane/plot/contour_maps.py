@@ -6,13 +6,13 @@ import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from ..checks import validation
 from ..model.parts import Membrane
 from ..runtime.processes import by_the_first
 from ..solvers.progress import Pulse
 from .field_panels import checked_fields, checked_options, means, panels_of
-from .fields import Field
 from .figures import DOTS, checked_path, empty, save
 from .marks import TRAJECTORIES, strokes
 from .panels import Look, Panel, checked_look, draw_panels, setting, size, without_unseen
@@ -27,7 +27,7 @@ MANY = 10_000  # triangles in a picture, from which it takes seconds
 @by_the_first
 def contours(
     result: Shape,
-    fields: Mapping[str, Field],
+    fields: Mapping[str, Any],
     path: str | Path,
     *,
     scale: float = 1.0,
@@ -94,7 +94,7 @@ def contours(
 
 def small_picture(
     result: Shape,
-    fields: Mapping[str, Field],
+    fields: Mapping[str, Any],
     path: Path,
     ends: tuple[float, float] | None = None,
     symmetric: bool = False,
@@ -151,7 +151,7 @@ def trajectories(
 
 def _panels(
     subject: Shown,
-    fields: Mapping[str, Field],
+    fields: Mapping[str, Any],
     antisymmetric: Sequence[str],
     ranges: Mapping[str, Sequence[float]] | None,
     smoothed: Sequence[str],

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
 from ..checks.array_entries import entries
-from ..model.parts import Part
+from ..model.base_classes import AnyPart
 from ..runtime.processes import by_the_first
 from .figures import checked_path, empty, plain, save
 from .scene import INK
@@ -21,7 +21,7 @@ from .windows import screen_axes
 @by_the_first
 def wireframe(
     points: ArrayLike,
-    parts: Mapping[str, Part | NDArray[np.int64]],
+    parts: Mapping[str, AnyPart | NDArray[np.int64]],
     path: str | Path,
     *,
     view: Sequence[float] | None = None,
@@ -79,7 +79,7 @@ def wireframe(
     save(figure, file)
 
 
-def _cells(name: str, part: Part | NDArray[np.int64], count: int) -> NDArray[np.int64]:
+def _cells(name: str, part: AnyPart | NDArray[np.int64], count: int) -> NDArray[np.int64]:
     """Cells of a part, or cells given directly, shape (cells, 2) or (cells, 3)."""
     given: Any = getattr(part, "cells", part)
     nodes = 3 if entries(f"Part {name!r}", given, "an array of cells").shape[1:] == (3,) else 2

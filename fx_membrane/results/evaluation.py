@@ -20,8 +20,9 @@ from ..assembly.ropes import RopeState, unstressed_length
 from ..forms import kinematics, stress
 from ..solvers.base import LIMITS
 from .forces_of_state import Equilibrium, TermResult
+from .load_increments import Increment
 from .part_results import BarResult, MembraneResult, RopeResult
-from .states import Increment, StageResult
+from .states import StageResult
 from .water_of_state import pond_results
 
 STATES = np.array(["taut", "wrinkled", "slack"])  # in the order of `forms.wrinkling`

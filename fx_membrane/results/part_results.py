@@ -45,6 +45,14 @@ class MembraneResult:
             wrinkles nor slackens: all cells are "taut", even if `principal` shows compression.
         cauchy_projected: Cauchy stress of Gil (19) with J = det(I + grad u), the paper's Table 2, in global axes, shape
             (cells, 3, 3) [N/m]. It is larger than `cauchy` where cells have turned.
+
+    Example:
+        >>> points, triangles = rectangle(2.0, 2.0, 2, 2)
+        >>> rim = Support(np.unique(boundary_edges(triangles)))
+        >>> sheet = Structure(points, {"sheet": Membrane(triangles, Fabric(4e5, 0.3), prestress=2e3)}, [rim])
+        >>> state = Analysis(sheet).run([Stage("rest")])["rest"].membrane("sheet")
+        >>> state.principal[0].round(6).tolist(), bool(state.taut.all())
+        ([2000.0, 2000.0], True)
     """
 
     dimension: ClassVar[Literal[2]] = 2
@@ -94,6 +102,14 @@ class BarResult:
             length, shape (cells,) [-].
         force: Axial force in the current shape, tension positive, shape (cells,) [N].
         slack: Cells without tension, shape (cells,); False for masts, and for cables with `compression_stiffness=1`.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> pull = Stage("pull", [PointLoad(1, (0, 0, -10.0))])
+        >>> bar = Analysis(rope).run([pull])["pull"].cable("rope")
+        >>> bar.force.round(1).tolist(), bar.state.tolist()
+        ([1012.2, 1012.2], ['taut', 'taut'])
     """
 
     dimension: ClassVar[Literal[1]] = 1
@@ -138,6 +154,13 @@ class RopeResult(BarResult):
         length: Current length of the whole rope [m].
         unstressed_length: Its length without stress, for a rope with a prestress [m]: by the Green-Lagrange strain
             that belongs to it. Of a rope of given force, the length that gives this force when it is fixed.
+
+    Example:
+        >>> points = [(0, 0, 0), (4, 0, -3), (10, 0, 2)]
+        >>> line = Structure(points, {"rope": Rope([0, 1, 2], 1e6, unstressed_length=12.0)}, [Support([0, 2])])
+        >>> rope = Analysis(line).run([Stage("weight", [PointLoad(1, (0, 0, -1e4))])])["weight"].rope("rope")
+        >>> round(rope.tension, 2), round(rope.length, 6), rope.unstressed_length
+        (8872.72, 12.105088, 12.0)
     """
 
     length: float

@@ -16,8 +16,8 @@ def hanging_ends(state: StageResult) -> str:
     for name in state.structure.parts_of(Cable):
         for cell, node in loose_ends(state.structure, name, state.actions.held)[:1]:
             return (
-                f" Cell {cell} of {name!r} ends in the air at node {node}, where it can only hang by a weight: hold "
-                "that node, or join it to a part."
+                f" Cable {name!r}, cell {cell} has a free end at node {node}: support that node, or connect it to a "
+                "part."
             )
     return ""
 

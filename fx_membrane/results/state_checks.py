@@ -174,6 +174,6 @@ def _ends(result: StageResult) -> Iterator[Check]:
     for name in result.structure.bars:
         ends = loose_ends(result.structure, name, result.actions.held)
         if ends:
-            remedy = f"Cell {ends[0][0]} ends in the air there; connect or support it."
+            remedy = f"Cell {ends[0][0]} has a free end there; connect or support it."
             place = node_place(result.structure, ends[0][1])
             yield _noted(f"loose ends of {name!r}", str(len(ends)), "0", remedy, place)

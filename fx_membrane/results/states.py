@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, NamedTuple, cast
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,15 +17,16 @@ from ..assembly.actions import Actions
 from ..assembly.gas import ChamberResult
 from ..assembly.problem import Problem
 from ..checks import validation
+from ..checks.read_only_data import read_only
 from ..checks.values import counted
 from ..model.parts import Cable, Mast, Membrane, Rope
 from ..model.stages import Stage
 from ..model.structure import Structure
-from ..model.water_events import BasinResult, WaterEvent
+from ..model.water_events import WaterEvent
 from ..runtime.notebook_pictures import picture_png
 from ..solvers.base import Iteration
-from ..solvers.outcome import Outcome
 from .forces_of_state import Equilibrium, PondResult, TermResult
+from .load_increments import Increment
 from .owner import Owned
 from .part_results import BarResult, MembraneResult, RopeResult
 from .told_states import Remark
@@ -33,38 +34,6 @@ from .unfinished_stages import Failure
 from .water_depth import mean_depths
 
 Array = NDArray[np.float64]
-
-NO_CHAMBERS: dict[str, ChamberResult] = {}
-
-
-class Increment(NamedTuple):
-    """Load increment.
-
-    Attributes:
-        load_factor: Fraction of the stage's own loads and displacements, in (0, 1].
-        iterations: The iterates of the solver, the start first. Of several attempts of `Newton`, those of the one that
-            gives the outcome: the one after the homotopy if it converged, or else the first.
-        outcome: Outcome, the gravest of those that apply.
-        extra_iterations: Number of iterates missing from `iterations`: those of rejected attempts and of the homotopy.
-        fallen: Sentence on the parts that only slack parts held before; empty unless the outcome is FALLEN.
-        chambers: Gas in the chambers at its end, by name.
-        basins: Rain in the basins of membranes at its end.
-        events: Water that ran over, and basins that merged or parted, at its end.
-    """
-
-    load_factor: float
-    iterations: tuple[Iteration, ...]
-    outcome: Outcome = Outcome.CONVERGED
-    extra_iterations: int = 0
-    fallen: str = ""
-    chambers: Mapping[str, ChamberResult] = NO_CHAMBERS
-    basins: tuple[BasinResult, ...] = ()
-    events: tuple[WaterEvent, ...] = ()
-
-    @property
-    def total_iterations(self) -> int:
-        """Number of iterations, those of rejected attempts and of the homotopy among them."""
-        return len(self.iterations) - 1 + self.extra_iterations
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -118,6 +87,10 @@ class StageResult(Owned):
     ponds: tuple[PondResult, ...] = ()
     chambers: Mapping[str, ChamberResult] = field(default_factory=dict)
     owner: Problem | None = field(default=None, kw_only=True)
+
+    def __post_init__(self) -> None:
+        for name in ("displacement", "loads", "reactions"):
+            object.__setattr__(self, name, read_only(getattr(self, name)))
 
     def __repr__(self) -> str:
         return (
@@ -250,6 +223,14 @@ class StageResults(dict[str, StageResult]):
         limits: Its limits, for checks; None without.
         failure: Stage that found no equilibrium, and ended the run; None if it is complete.
         last: Last state of that stage, named with its load factor; its start if no stage is complete; or else None.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> stages = [Stage("rest"), Stage("pull", [PointLoad(1, (0, 0, -10.0))], after="rest")]
+        >>> results = Analysis(rope).run(stages)
+        >>> list(results), results["pull"].name, results.failure is None
+        (['rest', 'pull'], 'pull', True)
     """
 
     def __init__(self, results: Mapping[str, StageResult] = MappingProxyType({}), stages: Sequence[Stage] = ()):

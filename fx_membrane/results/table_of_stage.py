@@ -107,7 +107,7 @@ def _bars(result: StageResult, name: str, given: Line, first: int, force_unit: s
     slack = "" if given.is_strut else f", {part.slack.sum()} of {len(part.slack)} cells slack"
     where = _where(result, name, np.abs(force) if given.is_strut else force)
     ends = loose_ends(result.structure, name, result.actions.held)
-    hanging = [f"ends in the air: {len(ends)}, first cell {ends[0][0]} at node {ends[0][1] + first}"] if ends else []
+    hanging = [f"free ends: {len(ends)}, first cell {ends[0][0]} at node {ends[0][1] + first}"] if ends else []
     total = part.strain + (0.0 if before is None else before[:, 0, 0])
     size = np.abs(total) if given.is_strut else total
     natural = name in result.actions.natural

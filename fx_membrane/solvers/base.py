@@ -49,6 +49,15 @@ class Iteration(NamedTuple):
         step: Length of the step that led here, in (0, 1]; 0 at the start.
         shift: Shift of the tangent for that step, lambda in K + lambda T with the stabilization matrix T: the stiffness
             of a tension of strain one in all parts [-]; 0 without a shift.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> pull = Stage("pull", [PointLoad(1, (0, 0, -10.0))])
+        >>> increment = Analysis(rope).run([pull])["pull"].increments[0]
+        >>> residuals = [iteration.residual for iteration in increment.iterations]
+        >>> residuals[-1] < 1e-6 < residuals[0]
+        True
     """
 
     energy: float
@@ -71,6 +80,16 @@ class Solution(ByValue):
             of wrinkled and slack cells: that of masts or a pressure. Iterates can be far off, so smaller load
             increments may avoid it.
         motion: Free motion of a mechanism that made the solve fail, its largest displacement of size one, shape (n, 3).
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> pull = Stage("pull", [PointLoad(1, (0, 0, -10.0))])
+        >>> problem = Problem(rope)
+        >>> solve = Newton().prepare(problem)
+        >>> solution = solve(problem.under(problem.actions_of(pull)), problem.create_vector())
+        >>> solution.converged, solution.reason
+        (True, 'equilibrium was found.')
     """
 
     outcome: Outcome
@@ -102,7 +121,24 @@ Monitor = Callable[[int, Iteration], None]
 
 
 class Solve(Protocol):
-    """Function that brings a vector to equilibrium and reports each iterate to the monitor."""
+    """Function that brings a vector to equilibrium and reports each iterate to the monitor.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> pull = Stage("pull", [PointLoad(1, (0, 0, -10.0))])
+        >>> class Told:
+        ...     def prepare(self, problem):
+        ...         solve = Newton().prepare(problem)
+        ...         def told(loaded, x, monitor, thorough):
+        ...             solution = solve(loaded, x, monitor, thorough)
+        ...             print(solution.outcome.name)
+        ...             return solution
+        ...         return told
+        ...
+        >>> states = Analysis(rope, Told()).run([pull])
+        CONVERGED
+    """
 
     def __call__(self, loaded: LoadedProblem, x: PETSc.Vec, monitor: Monitor, thorough: bool, /) -> Solution:
         """Return the outcome; the state is in x.
@@ -126,6 +162,17 @@ class Solver(Protocol):
     failure with an outcome whose `retry` is true halves the increment. A state called an equilibrium is refused if it
     breaks the constraints; if its forces do not balance, `UnbalancedStateWarning` tells. Processes compare the class of
     a solver and those public attributes that are numbers or texts.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> pull = Stage("pull", [PointLoad(1, (0, 0, -10.0))])
+        >>> class Strict:
+        ...     def prepare(self, problem):
+        ...         return Newton(rtol=1e-13).prepare(problem)
+        ...
+        >>> Analysis(rope, Strict()).run([pull])["pull"].cable("rope").force.round(1).tolist()
+        [1012.2, 1012.2]
     """
 
     def prepare(self, problem: Problem, /) -> Solve:

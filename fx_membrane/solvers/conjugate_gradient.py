@@ -8,9 +8,8 @@ Source: J. Nocedal, S. J. Wright, Numerical optimization (2006), section 5.2.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Literal
 
 from petsc4py import PETSc
 
@@ -19,6 +18,7 @@ from ..assembly.problem_under_actions import LoadedProblem
 from ..checks import validation
 from . import petsc_options
 from .base import LIMITS, Iteration, Monitor, Solution, diverged, no_monitor, tolerance
+from .conjugate_directions import Beta, Gradient, fletcher_reeves, no_memory, polak_ribiere
 from .diagnosis import first_order_advice, stagnation_message
 from .line_search import Point, line, rounding, search
 from .outcome import Outcome
@@ -64,6 +64,14 @@ class SteepestDescent:
         rtol: Relative tolerance of the unbalanced forces: their 2-norm over that of all nodal forces, reactions and
             loads included. Rounding counts as converged. A start converges only at rounding.
         max_iterations: Maximum number of iterations for one load increment.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> pull = Stage("pull", [PointLoad(1, (0, 0, -10.0))])
+        >>> state = Analysis(rope, SteepestDescent("tangent")).run([pull])["pull"]
+        >>> state.cable("rope").force.round(1).tolist()
+        [1012.2, 1012.2]
     """
 
     preconditioner: Kind = None
@@ -75,7 +83,7 @@ class SteepestDescent:
 
     def prepare(self, problem: Problem) -> Descent:
         """Return a function that brings a vector to equilibrium and keeps its workspace between calls."""
-        return Descent(self, _no_memory, problem)
+        return Descent(self, no_memory, problem)
 
 
 @dataclass(frozen=True)
@@ -95,6 +103,14 @@ class ConjugateGradient:
         preconditioner: As of `SteepestDescent`; beta is then that of the preconditioned forces.
         rtol: As of `SteepestDescent`.
         max_iterations: Maximum number of iterations for one load increment.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> pull = Stage("pull", [PointLoad(1, (0, 0, -10.0))])
+        >>> state = Analysis(rope, ConjugateGradient(preconditioner="jacobi")).run([pull])["pull"]
+        >>> state.cable("rope").force.round(1).tolist()
+        [1012.2, 1012.2]
     """
 
     beta: Literal["FR", "PR"] = "PR"
@@ -110,30 +126,6 @@ class ConjugateGradient:
     def prepare(self, problem: Problem) -> Descent:
         """Return a function that brings a vector to equilibrium and keeps its workspace between calls."""
         return Descent(self, fletcher_reeves if self.beta == "FR" else polak_ribiere, problem)
-
-
-class Gradient(NamedTuple):
-    """Gradient of the energy: the unbalanced forces g at the free components, and s = M^-1 g for a preconditioner M."""
-
-    g: PETSc.Vec
-    s: PETSc.Vec
-
-
-Beta = Callable[[Gradient, Gradient], float]
-
-
-def fletcher_reeves(now: Gradient, before: Gradient) -> float:
-    """Fraction beta of the previous direction, the first of Gil (77); preconditioned, Nocedal & Wright (5.41a)."""
-    return float(now.g.dot(now.s) / before.g.dot(before.s))
-
-
-def polak_ribiere(now: Gradient, before: Gradient) -> float:
-    """Fraction beta of the previous direction, the second of Gil (77); it may be negative."""
-    return float((now.g.dot(now.s) - before.g.dot(now.s)) / before.g.dot(before.s))
-
-
-def _no_memory(now: Gradient, before: Gradient) -> float:
-    return 0.0
 
 
 def _check(settings: SteepestDescent | ConjugateGradient) -> None:

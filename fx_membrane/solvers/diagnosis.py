@@ -184,8 +184,8 @@ def unlikely_units(problem: LoadedProblem, x: PETSc.Vec) -> str:
     if not share > 1:
         return ""
     return (
-        f" The loads are {share:.2g} times what doubles its length: check that loads, stiffness and lengths are in the "
-        "same system of units."
+        f" The loads are {share:.2g} times the force that doubles the structure's length: check that loads, stiffness "
+        "and lengths are in the same system of units."
     )
 
 

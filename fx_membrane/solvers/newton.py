@@ -61,6 +61,14 @@ class Newton:
             factorizations.
         line_search: False gives the method of the textbook: full steps, with the tangent as it is. For loads without a
             potential (follower pressure in general) the energy includes their work along the step, which is exact.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> pull = Stage("pull", [PointLoad(1, (0, 0, -10.0))])
+        >>> state = Analysis(rope, Newton(rtol=1e-12, max_iterations=50)).run([pull])["pull"]
+        >>> state.cable("rope").force.round(1).tolist()
+        [1012.2, 1012.2]
     """
 
     rtol: float = 1e-10

@@ -30,6 +30,14 @@ class Outcome(Enum):
         NO_EQUILIBRIUM: Failure: a solver calls a state an equilibrium that breaks its constraints.
         UNDEFINED: Failure: an energy term is not a number at the start.
         WORK_LIMIT: Failure: the limit of work is used up.
+
+    Example:
+        >>> points = [(0, 0, 0), (3, 0, 0), (6, 0, 0)]
+        >>> rope = Structure(points, {"rope": Cable(polyline([0, 1, 2]), 1e6, prestress=1e3)}, [Support([0, 2])])
+        >>> pull = Stage("pull", [PointLoad(1, (0, 0, -10.0))])
+        >>> outcome = Analysis(rope).run([pull])["pull"].increments[-1].outcome
+        >>> outcome.name, outcome.converged, outcome.lost_stability
+        ('CONVERGED', True, False)
     """
 
     CONVERGED = "equilibrium was found."

@@ -33,6 +33,16 @@ class Remeshed:
     Attributes:
         structure: The structure, with the stress of the old one as prestress.
         nodes: For each node of the old structure its number in the new one, -1 if it is gone, shape (old nodes,).
+
+    Example:
+        >>> points, triangles = rectangle(2.0, 2.0, 2, 2)
+        >>> rim = Support(np.unique(boundary_edges(triangles)))
+        >>> sheet = Structure(points, {"sheet": Membrane(triangles, Fabric(4e5, 0.3), prestress=2e3)}, [rim])
+        >>> finer = remeshed(sheet, 0.5)
+        >>> len(finer.structure.points) > len(points)
+        True
+        >>> finer.structure.points[finer.nodes[2]].round(6).tolist(), points[2].tolist()  # a corner
+        ([1.0, -1.0, 0.0], [1.0, -1.0, 0.0])
     """
 
     structure: Structure

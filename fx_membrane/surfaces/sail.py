@@ -31,6 +31,12 @@ class SailMesh:
         lines: Nodes along each edge, hole and line, by name, shape (k,), for `polyline`; those around a hole end with
             the first. The edge from corner "A" to "B" is named "A-B".
         nodes: Node of each corner and each point, by name.
+
+    Example:
+        >>> mesh = sail_mesh({"A": (0, 0, 0), "B": (4, 0, 1), "C": (0, 4, 1)}, size=4.0)
+        >>> list(mesh.lines), mesh.points[mesh.nodes["B"]].tolist()
+        (['A-B', 'B-C', 'C-A'], [4.0, 0.0, 1.0])
+        >>> edge = Cable(polyline(mesh.lines["A-B"]), 1e7)
     """
 
     points: Array

@@ -34,6 +34,14 @@ class SurfaceLine:
         points: Places along the line, where it crosses edges or nodes, and its ends, shape (k, 3) [m].
         cells: Cell between each two of them, shape (k - 1,): numbers of the part, or of all membranes one after the
             other.
+
+    Example:
+        >>> points, triangles = rectangle(2.0, 2.0, 2, 2)
+        >>> roof = Membrane(triangles, Fabric(4e5, 0.3), warp=(1, 0, 0))
+        >>> sheet = Structure(points, {"roof": roof}, [Support(np.unique(boundary_edges(triangles)))])
+        >>> line = warp_lines(sheet, [(0.3, 0.5, 0.0)])[0]
+        >>> round(line.length, 6), line.directions[0].round(6).tolist()
+        (2.0, [1.0, 0.0, 0.0])
     """
 
     points: Array

@@ -21,12 +21,16 @@ def test_nothing_is_loaded_before_it_is_used():
     assert output(script) == []
 
 
-def test_command_shows_its_help_without_dolfinx():
+@pytest.mark.parametrize("command", [[], ["run"], ["patterns"]])
+def test_command_shows_its_help_without_dolfinx(command):
     script = (
         "import sys; from click.testing import CliRunner; from fx_membrane.cli import main; "
-        "print('Usage' in CliRunner().invoke(main, ['--help']).output, 'dolfinx' in sys.modules)"
+        f"done = CliRunner().invoke(main, {[*command, '--help']}); "
+        "print('Usage' in done.output, done.exit_code, *done.output.split()[-1:], 'dolfinx' in sys.modules)"
     )
-    assert output(script) == ["True", "False"]
+    shown, code, last, loaded = output(script)
+    assert (shown, code, loaded) == ("True", "0", "False")
+    assert last != "0"  # the code as a message
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Recipes of README and of docstrings, as a reader types them: in a process of their own; and the places they name."""
 
 import ast
+import doctest
 import re
 import subprocess
 import sys
@@ -43,6 +44,12 @@ def code(text):
     return textwrap.dedent("\n".join(block))
 
 
+def defined(public):
+    """Return imports and class of an example in a docstring, without the last line, which uses them."""
+    examples = doctest.DocTestParser().get_examples(public.__doc__)
+    return "".join(example.source for example in examples[:-1])
+
+
 def test_names_of_the_recipes():
     assert list(RECIPES) == ["A law", "A load", "An element", "A result", "A file format"]
 
@@ -50,16 +57,16 @@ def test_names_of_the_recipes():
 def test_code_runs_as_typed():
     """In one process, whose names each recipe finds as a reader does: none of those before it."""
     uses = [
-        (RECIPES["A law"], "Membrane(triangles, Foil(4e5))\nassert 0 < solve(Foil(4e5)) < 0.1"),
+        (code(RECIPES["A law"]), "Membrane(triangles, Foil(4e5))\nassert 0 < solve(Foil(4e5)) < 0.1"),
         (
-            RECIPES["A load"],
+            code(RECIPES["A load"]),
             'bed = ElasticBed("fabric", 2e3)\nassert solve(loads=[bed]) < 0.99 * free > solve(terms=[bed])',
         ),
-        (fx_membrane.Law.__doc__, "Cable(edges, material=Stiffening(1e6, 1e8))"),
-        (fx_membrane.EnergyTerm.__doc__, 'assert solve(terms=[ElasticBed("fabric", 2e3)]) < 0.99 * free'),
-        (fx_membrane.ForceTerm.__doc__, 'assert solve(terms=[Water("fabric", 2e3, 0.2)]) != free'),
+        (defined(fx_membrane.Law), "Cable(edges, material=Stiffening(1e6, 1e8))"),
+        (defined(fx_membrane.EnergyTerm), 'assert solve(terms=[ElasticBed("fabric", 2e3)]) < 0.99 * free'),
+        (defined(fx_membrane.ForceTerm), 'assert solve(terms=[Water("fabric", 2e3, 0.2)]) != free'),
     ]
-    scripts = [f"{code(text)}\n{SHEET}\n{use}" for text, use in uses]
+    scripts = [f"{typed}\n{SHEET}\n{use}" for typed, use in uses]
     in_turn = f"{SHEET}free = solve()\nfor script in {scripts!r}: exec(script, {{'free': free}})"
     done = subprocess.run([sys.executable, "-W", "error", "-c", in_turn], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr

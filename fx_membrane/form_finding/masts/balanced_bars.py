@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...checks import validation
-from ...model.parts import Cable, Mast
+from ...model.parts import Bar, Cable, Mast
 from ...model.structure import Structure
 from ...model.supports import Support
 from ..form import Form, refuse_unfit
@@ -25,7 +25,7 @@ MET = 1e-3  # accepted difference from a wanted force, relative to the largest o
 
 def masts_and_stays(
     form: Form,
-    bars: Mapping[str, Mast | Cable],
+    bars: Mapping[str, Bar],
     points: ArrayLike = (),
     heads: ArrayLike | None = None,
     components: str = "xyz",

@@ -18,7 +18,7 @@ import interrupted
 from fx_membrane import Analysis, Stage
 from fx_membrane.analysis.checkpoint import CheckpointWarning, opened
 from fx_membrane.analysis.checkpoint_file import Progress
-from fx_membrane.results.states import Increment
+from fx_membrane.results.load_increments import Increment
 from interrupted import Killed, assert_same, counted, stages, structure
 from models import POINTS
 

@@ -15,7 +15,7 @@ from fx_membrane import Analysis, Outcome, Stage, Structure, Support
 from fx_membrane.analysis import checkpoint_file
 from fx_membrane.analysis.checkpoint import opened
 from fx_membrane.analysis.checkpoint_file import Progress
-from fx_membrane.results.states import Increment
+from fx_membrane.results.load_increments import Increment
 from fx_membrane.solvers.base import Iteration
 from interrupted import Killed, counted, cut_short, stages, structure
 from models import EDGE, POINTS

@@ -65,10 +65,12 @@ def test_view_does_not_depend_on_other_views(problem):
 @pytest.mark.mpi
 def test_view_keeps_the_actions_that_it_got(problem):
     actions = end(problem, Pressure(3e3, "fabric"))
-    actions = Actions(actions.loads.copy(), actions.held.copy(), actions.displacement.copy(), actions.pressures)
+    given = actions.loads.copy(), actions.held.copy(), actions.displacement.copy(), actions.pressures["fabric"].copy()
+    actions = Actions(*given[:3], {"fabric": given[3]})
     view, at = problem.under(actions), state(problem.structure)
     before = answers(view, at)
-    actions.loads[:], actions.pressures["fabric"][:], actions.held[:], actions.displacement[:] = 1e3, 1e6, True, 5.0
+    for array, value in zip(given, (1e3, True, 5.0, 1e6), strict=True):
+        array[:] = value
     assert same(answers(view, at), before)
     assert not view.constraints.moved()
 

@@ -116,7 +116,7 @@ def test_shared_wall():
         (lambda: Ambient(0.0), "Ambient pressure is 0"),
         (lambda: Ambient(temperature=-5.0), "Ambient temperature is -5"),
         (lambda: Ambient(temperature=20.0), "Ambient temperature is 20, at which air is no gas; give kelvins"),
-        (lambda: Stage("s", [GasPressure(9.0, "gas")]), "loads has GasPressure(pressure=9.0, chamber='gas'), a change"),
+        (lambda: Stage("s", [GasPressure(9.0, "gas")]), "loads has GasPressure(pressure=9.0, chamber='gas'), which"),
         (
             lambda: Stage("s", changes=[GasPressure(9.0, "gas"), Seal("gas")]),
             "Stage 's': changes has GasPressure and Seal of chamber 'gas'; give one of them",

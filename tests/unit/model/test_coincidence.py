@@ -63,7 +63,7 @@ def test_coincident_nodes_of_separate_parts_are_meant(separate, recwarn):
     points = np.vstack([POINTS, POINTS])
     structure = Structure(points, skins, separate=separate)
     assert not recwarn.list
-    assert replace(structure, points=2 * points).separate == [tuple(separate[0])]  # kept by a copy
+    assert replace(structure, points=2 * points).separate == (tuple(separate[0]),)  # kept by a copy
     assert not recwarn.list
     cable = Cable(np.array([[0, 1]]), 1e6)  # of the top, so that its crossings with the bottom are intended, too
     Structure(points, {**skins, "cable": cable}, separate=separate)

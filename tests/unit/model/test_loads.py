@@ -7,6 +7,7 @@ from fx_membrane import (
     Cable,
     DistributedLoad,
     Fabric,
+    LengthChange,
     Membrane,
     PlanLoad,
     PointLoad,
@@ -45,7 +46,7 @@ NOWHERE = (0.0, 0.0, 0.0)
         (lambda: DistributedLoad(NOWHERE, 5), "^DistributedLoad part is 5; give a text"),
         (lambda: PlanLoad(NOWHERE, None), "^PlanLoad part is None; give a text"),
         (lambda: Pressure(1.0, 3), "^Pressure part is 3; give a text"),
-        (lambda: Pressure(NOWHERE, "fabric"), r"^Pressure pressure.*number.*\(0\.0, 0\.0, 0\.0\)"),
+        (lambda: Pressure(NOWHERE, "fabric"), r"^Pressure pressure.*\(0\.0, 0\.0, 0\.0\).*number"),
         (
             lambda: DistributedLoad((np.nan, 0, 0), "fabric"),
             r"^DistributedLoad load has .* not finite \(nan\) at index \(0,\)",
@@ -88,7 +89,8 @@ def test_steps_may_be_a_number_of_numpy():
     ("data", "message"),
     [
         ({"loads": [5.0]}, r"^Stage 'snow': loads.*5\.0.*list.*PointLoad"),
-        ({"loads": [PrescribedDisplacement(0, NOWHERE)]}, "^Stage 'snow': loads has a PrescribedDisplacement; give"),
+        ({"loads": [PrescribedDisplacement(0, NOWHERE)]}, "^Stage 'snow': loads has a Prescribed.*displacements"),
+        ({"loads": [LengthChange(0.1, "edge")]}, "^Stage 'snow': loads has .*LengthChange.* changes"),
         ({"displacements": [5.0]}, r"^Stage 'snow': displacements.*5\.0.*list.*PrescribedDisplacement"),
         ({"displacements": [PointLoad(0, NOWHERE)]}, "^Stage 'snow': displacements has a PointLoad; give"),
     ],
@@ -158,3 +160,8 @@ def test_stages_that_fit():
         Stage("wind", [DistributedLoad((0, 0, -1), "ridge")], after="prestress"),
     ]
     check_stages(STRUCTURE, stages)
+
+
+def test_pressure_of_several_cells_names_the_remedy():
+    with pytest.raises(ValueError, match=r"Pressure pressure.*cells.*EnergyTerm"):
+        Pressure(np.ones(3), "fabric")

@@ -124,8 +124,8 @@ def test_path_that_ends_where_it_begins_is_a_ring():
 @pytest.mark.parametrize(
     ("supports", "stages", "words"),
     [
-        ([0], [Stage("rest")], r"'rope' ends in the air at node 2.*hold that node"),
-        ([0, 2], [Stage("rest")], r"'rope' passes node 1,.*leave that node out"),
+        ([0], [Stage("rest")], r"'rope'.* node 2\b"),
+        ([0, 2], [Stage("rest")], r"'rope' passes node 1\b"),
         ([0, 2], [Stage("rest"), Stage("pull", [PointLoad(1, (0, 0, -10.0))], after="rest")], ""),
     ],
     ids=["free end", "loose node", "node loaded later"],

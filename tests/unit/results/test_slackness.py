@@ -1,5 +1,7 @@
 """Sentences on slack parts where no equilibrium is found."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -68,14 +70,13 @@ def test_failure_names_slack_parts():
 
 
 @pytest.mark.mpi_once
-@pytest.mark.parametrize(("supports", "words"), [([0, 2], "'side' ends in the air at node 3"), ([0, 2, 3], "")])
-def test_failure_names_a_cable_that_ends_in_the_air(supports, words):
+@pytest.mark.parametrize(("supports", "named"), [([0, 2], True), ([0, 2, 3], False)])
+def test_failure_names_a_cable_with_a_free_end(supports, named):
     structure = Structure(POINTS, PARTS, [Support(supports), Support(1, "z")])
     short = Analysis(structure, Newton(max_iterations=1, rtol=1e-15, line_search=False))
     with pytest.raises(ConvergenceError) as failure:
         short.run([Stage("load", [PointLoad(1, (0, 2e3, 0))])])
-    assert words in str(failure.value)
-    assert ("in the air" in str(failure.value)) == bool(words)
+    assert bool(re.search(r"'side', cell 0\b.* node 3\b", str(failure.value))) == named
 
 
 @pytest.mark.parametrize(("strain", "force"), [(0.009, -0.1), (0.011, 1e3)])

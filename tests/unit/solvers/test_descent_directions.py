@@ -13,7 +13,7 @@ from scipy.sparse import linalg
 from fx_membrane import Cable, ConjugateGradient, SteepestDescent, Structure, Support
 from fx_membrane.assembly.actions import Actions
 from fx_membrane.assembly.problem import Problem
-from fx_membrane.solvers.conjugate_gradient import Gradient, fletcher_reeves, polak_ribiere
+from fx_membrane.solvers.conjugate_directions import Gradient, fletcher_reeves, polak_ribiere
 from models import CENTRE, INCLINED, inclined_sheet, sheet
 
 KINDS = [None, "jacobi", "tangent"]

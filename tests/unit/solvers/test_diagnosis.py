@@ -232,4 +232,5 @@ def test_loads_out_of_proportion_point_to_the_units(load, said):
     loads[12, 2] = load
     problem = Problem(structure).under(Actions(loads, structure.supported, np.zeros(POINTS.shape)))
     words = unlikely_units(problem, problem.discretization.create_vector())
-    assert ("system of units" in words) == said
+    share = load / (problem.magnitudes.stiffness * structure.size)
+    assert bool(words) == said == (f" {share:.2g} " in words)
