@@ -50,15 +50,17 @@ from .form_finding.wishes import RadialDirection
 from .geometry.edges import edges_where
 from .geometry.grids import polyline, rectangle
 from .geometry.topology import boundary_edges
+from .model.axial_law import Axial
 from .model.cable_changes import FixedLength, GivenForce, UnstressedLength
 from .model.chambers import Chamber
 from .model.changes import LengthChange, NaturalStretch, PrestressFactor, TemperatureChange
 from .model.coincidence import CoincidentNodesWarning
 from .model.energy_terms import EnergyTerm, ForceTerm
+from .model.fabrics import Fabric, OrthotropicFabric
+from .model.foils import MooneyRivlin, NeoHooke
 from .model.gas import Ambient, GasAmount, GasPressure, GasVolume, Seal
 from .model.laws import Law
 from .model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
-from .model.materials import Axial, Fabric, MooneyRivlin, NeoHooke, OrthotropicFabric
 from .model.natural_shape import natural_stretch
 from .model.parts import Cable, Mast, Membrane
 from .model.ponds import Pond

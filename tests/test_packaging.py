@@ -136,7 +136,7 @@ def test_types_are_seen_through_an_editable_install(sources, tmp_path):
     script.write_text("from fx_membrane import Fabric\nreveal_type(Fabric(1e5, 0.3).Et)\nFabric('soft', 0.3)\n")
     # `make lint` reads the other modules, and numpy, which take half a minute.
     (tmp_path / "mypy.ini").write_text(
-        "[mypy]\nfollow_imports = skip\n[mypy-fx_membrane,fx_membrane.model.materials]\nfollow_imports = normal\n"
+        "[mypy]\nfollow_imports = skip\n[mypy-fx_membrane,fx_membrane.model.fabrics]\nfollow_imports = normal\n"
     )
     command = [sys.executable, "-m", "mypy", "--python-executable", python, "--cache-dir", os.devnull, str(script)]
     environment = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "MYPYPATH")}

@@ -51,7 +51,7 @@ class PartForms:
         pressure: Compiled virtual work of p; None for cables and masts.
         kind: All that the formulas depend on, numbers aside; see `kind_of`.
         rope: State of a rope, in the forms; None for other parts. The energy of a rope is that of its length, which the
-            forms have not: its `energy` is the elongation.
+            forms do not have: its `energy` is the elongation.
     """
 
     mesh: PartMesh

@@ -9,13 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..checks import validation
-from ..geometry.sizes import normals
 from ..model.basins import dry, has_basins
 from ..model.cable_changes import FixedLength, GivenForce, UnstressedLength, fixed, tensions_after
 from ..model.changes import Change, PrestressFactor, natural_after
 from ..model.energy_terms import Acting, is_term
 from ..model.gas import GasChange, air_after, gas_after
-from ..model.loads import PlanLoad, PointLoad, Pressure
+from ..model.loads import PointLoad, Pressure, per_size
 from ..model.ponds import Pond, check_together, rim_height
 from ..model.stages import Stage
 from ..model.structure import Structure
@@ -57,10 +56,8 @@ def at_end(
             on_cells = pressures.setdefault(load.part, np.zeros(len(cells)))
             on_cells[chosen] += load.pressure
             continue
-        per_area = np.broadcast_to(np.asarray(load.load), (len(chosen), 3))
-        if isinstance(load, PlanLoad):
-            per_area = per_area * np.abs(normals(structure.points, cells)[chosen, 2:])
-        distributed_loads.setdefault(load.part, np.zeros((len(cells), 3)))[chosen] += per_area
+        on_part = distributed_loads.setdefault(load.part, np.zeros((len(cells), 3)))
+        on_part[chosen] += per_size(load, structure.points, cells[chosen])
     held, displacement = prescribed(stage, structure)
     stress = _changed(structure, stage, start, shape)
     return Actions(

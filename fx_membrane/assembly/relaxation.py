@@ -18,7 +18,7 @@ from .. import _dolfinx
 from ..forms import tension_field as forms
 from ..forms.wrinkling import Relaxed
 from ..model import laws
-from ..model.materials import OrthotropicFabric
+from ..model.fabrics import OrthotropicFabric
 from . import tension_field, wrinkling_direction
 from .discretization import PartMesh
 

@@ -104,7 +104,7 @@ class PondEnergy:
         return sum(map(abs, self._energies(x)))
 
     def _energies(self, x: PETSc.Vec) -> tuple[float, float]:
-        """Energy of the amount at the level, which a given level has not, and potential of the pressure [J]."""
+        """Energy of the amount at the level, which a given level does not have, and potential of the pressure [J]."""
         at, found = self._state(x)
         if not np.isfinite(found.level):
             return 0.0, 0.0

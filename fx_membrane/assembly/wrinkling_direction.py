@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
-from ..model.materials import OrthotropicFabric
+from ..model.fabrics import OrthotropicFabric
 
 SAMPLES = 48
 MAXIMA = 3  # number of maxima compared: a fabric of strongly negative nu has several

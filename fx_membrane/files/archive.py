@@ -11,7 +11,7 @@ import zipfile
 import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, cast, get_args
 
 import numpy as np
 from mpi4py import MPI
@@ -28,9 +28,8 @@ from ..model.chambers import Chamber
 from ..model.changes import LengthChange, NaturalStretch, PrestressFactor, TemperatureChange
 from ..model.energy_terms import Acting
 from ..model.gas import Air, Ambient, Gas, GasAmount, GasPressure, GasVolume, Seal
-from ..model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
-from ..model.parts import Cable, Mast, Membrane, Rope
-from ..model.ponds import Pond
+from ..model.loads import OwnLoad
+from ..model.parts import Part
 from ..model.stages import PrescribedDisplacement, Stage
 from ..model.structure import Structure
 from ..model.supports import Support
@@ -62,8 +61,8 @@ FORMAT = 9  # counts up with fields
 # 6 basins of ponds; 7 cutting patterns; 8 ways between basins, and utilisation of cells of strips.
 KIND = "results of fx_membrane"
 DOCUMENT = "document.json"
-MODEL = (Structure, Membrane, Cable, Mast, Rope, Support, Chamber, *materials.SHIPPED)
-STAGES = (Stage, PrescribedDisplacement, PointLoad, DistributedLoad, PlanLoad, Pressure, Pond)
+MODEL = (Structure, *get_args(Part), Support, Chamber, *materials.SHIPPED)
+STAGES = (Stage, PrescribedDisplacement, *get_args(OwnLoad))
 CHANGES = (
     *(NaturalStretch, TemperatureChange, LengthChange, PrestressFactor),
     *(GivenForce, UnstressedLength, FixedLength),
@@ -107,7 +106,7 @@ DAMAGED = (  # what a file raises that is none
 CLASSES: dict[str, type] = {
     cls.__name__: cls for cls in (*MODEL, *STAGES, *CHANGES, *GAS, *STATES, *HISTORY, *REMARKS, *FORMS, *PATTERNS)
 }
-GROWN = (*STATES, *HISTORY, *FORMS, *PATTERNS)  # classes whose fields are None where an earlier version had them not
+GROWN = (*STATES, *HISTORY, *FORMS, *PATTERNS)  # classes whose fields are None where an earlier version had none
 WHOLE = (Form, Strips, CuttingPattern, PatternProof)  # kept as they are; results of stages have names beside them
 Saved = StageResults | Form | Strips | CuttingPattern | PatternProof
 
@@ -176,7 +175,7 @@ def load_results(path: str | Path, classes: Sequence[type] = ()) -> Any:
 
     Returns:
         What was saved: `StageResults`, a `Form`, `Strips`, a `CuttingPattern` or a `PatternProof`. Fields
-        that the version had not that saved it are None.
+        unknown to the version that saved it are None.
 
     Raises:
         ValueError: The file does not exist; it is no archive of results, is damaged, or of a later format; it needs a

@@ -100,7 +100,7 @@ class _Rows(dict[str, int]):
     """Rows of nodes by their names in the file."""
 
     def __missing__(self, name: str) -> int:
-        raise _UnfitError(f"an edge or a face names node {name[:40]!r}, which the file has not")
+        raise _UnfitError(f"an edge or a face names node {name[:40]!r}, which the file does not have")
 
 
 class _UnfitError(ValueError):

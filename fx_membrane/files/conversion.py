@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..checks import validation
 from ..geometry.length_units import METRES
-from ..model.materials import Fabric
+from ..model.fabrics import Fabric
 from ..model.parts import Cable, Membrane
 from ..model.structure import Structure
 from ..runtime.messages import say

@@ -15,6 +15,7 @@ from .. import _dolfinx
 from ..checks import validation
 from ..model.digests import of_settings
 from ..results.evaluation import STATES
+from ..results.part_results import quantities
 from ..results.states import StageResult
 from ..runtime.processes import refuse_differences, together
 
@@ -91,8 +92,7 @@ def to_dolfinx(state: StageResult, part: str, comm: MPI.Intracomm = MPI.COMM_WOR
 
 def _cell_values(state: StageResult, name: str) -> dict[str, NDArray[np.float64]]:
     """Results in the cells as numbers, by name."""
-    result = state.parts[name]
-    found: dict[str, Any] = {field.name: getattr(result, field.name) for field in dataclasses.fields(result)}
+    found: dict[str, Any] = quantities(state.parts[name])
     if name in state.membranes:
         found["warp"] = state.structure.warp(name)
     if "state" in found:

@@ -56,6 +56,30 @@ class Drawing:
         groups[corners] = np.vstack([groups[corners], cells]) if corners in groups else cells
 
 
+def check(drawing: Drawing) -> None:
+    """Refuse points that are no numbers, and cells of corners that do not exist or of too many.
+
+    Raises:
+        ValueError: The drawing has one; the message names file, group, cell and corner.
+    """
+    bad = np.flatnonzero(~np.isfinite(drawing.points).all(axis=1))
+    if len(bad):
+        raise ValueError(f"{drawing.source}: point {bad[0]} is {drawing.points[bad[0]].tolist()}; give finite numbers.")
+    last = len(drawing.points) - 1
+    for name, groups in drawing.cells.items():
+        for corners, cells in groups.items():
+            what = f"{drawing.source}: {drawing.group} {name!r}"
+            if corners not in KINDS:
+                raise ValueError(f"{what} has cells with {corners} corners; give triangles or quadrilaterals.")
+            wrong = np.argwhere((cells < 0) | (cells > last))
+            if len(wrong):
+                cell, corner = wrong[0]
+                raise ValueError(
+                    f"{what}, cell {cell} of its {KINDS[corners]}, has the corner {cells[cell, corner]}, which does "
+                    f"not exist; there are {len(drawing.points)} points, from 0. Mend the number or add the point."
+                )
+
+
 def joined(drawing: Drawing, weld: float | None) -> Drawing:
     """Drawing with one node for loose corners at the same place; with a tolerance, for all within it of each other.
 

@@ -10,7 +10,7 @@ from ..geometry.length_units import METRES
 from ..model.structure import Structure
 from ..runtime.messages import say
 from . import compas, dxf, msh, obj, surface
-from .drawing import Drawing, joined, nodes_of, triangles_of
+from .drawing import Drawing, check, joined, nodes_of, triangles_of
 from .gmsh import structure_from_gmsh
 from .groups import Groups, Makers, check_arguments, structure
 
@@ -115,6 +115,7 @@ def drawing_of(file: Path, weld: float | None, unit: str | None) -> Drawing:
         raise ValueError(
             f"{file} has no faces, lines or points{f', only {there}' if there else ''}; export the mesh again."
         )
+    check(drawing)
     if drawing.unit and unit:
         drawing.points = drawing.points * (METRES[drawing.unit] / METRES[unit])
     return joined(drawing, weld)

@@ -127,7 +127,7 @@ class Decoder:
         every, needed = _constructor(cls)
         strange = [key for key in fields if key not in every]
         if strange:
-            raise ValueError(f"its {name} has a field {strange[0]!r}, which the {name} of this program has not")
+            raise ValueError(f"its {name} has a field {strange[0]!r}, which the {name} of this program does not have")
         missing = [key for key in needed if key not in fields]
         if missing and cls not in self._grown:
             raise ValueError(f"its {name} has no field {missing[0]!r}, which the {name} of this program has")

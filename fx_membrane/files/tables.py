@@ -6,10 +6,11 @@ import csv
 import json
 from collections.abc import Iterator
 from pathlib import Path
+from typing import get_args
 
 from .. import __version__
 from ..checks import paths, validation
-from ..model.parts import Cable, Mast, Membrane, Rope
+from ..model.parts import Part
 from ..results.plain_summary import summary
 from ..results.states import StageResult, StageResults
 from ..results.tables import Columns, cell_columns, node_columns
@@ -22,7 +23,7 @@ FORMULA = (
     *"\uff1d\uff0b\uff0d\uff20",
 )  # first letters of computed cells; the last: full width
 LONE = "backslashreplace"  # of lone surrogates in names, which no encoding has
-CELLS = {"membranes.csv": Membrane, "cables.csv": Cable, "masts.csv": Mast, "ropes.csv": Rope}
+CELLS = {f"{kind.__name__.lower()}s.csv": kind for kind in get_args(Part)}
 TABLES = ("nodes.csv", *CELLS, "summary.json")
 
 
@@ -92,11 +93,12 @@ def _write_csv(file: Path, tables: Iterator[tuple[dict[str, str], Columns]]) -> 
         writer = csv.writer(stream)
         for number, (names, columns) in enumerate(tables):
             if number == 0:
-                writer.writerow([*names, *columns])
+                heads = list(columns)
+                writer.writerow([*names, *heads])
             same = [quoted(name) for name in names.values()]
-            writer.writerows(
-                [*same, *row] for row in zip(*(column.tolist() for column in columns.values()), strict=True)
-            )
+            blank = [""] * len(next(iter(columns.values())))  # of a state from an older archive
+            entries = [columns[head].tolist() if head in columns else blank for head in heads]
+            writer.writerows([*same, *row] for row in zip(*entries, strict=True))
 
 
 def quoted(name: str) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..checks import validation
 from ..model.gas import refuse_among_loads
-from ..model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure, check_load
+from ..model.loads import FormLoad, Pressure, SpreadLoad, check_load
 from ..model.structure import Structure
 
 SHOWN = 3  # loads told of at most
@@ -17,7 +17,6 @@ NO_GAS = (
     "form finding knows no gas: give its pressure by number, as Pressure(300.0, part), on each membrane around the "
     "chamber, positive along its normals"
 )
-FormLoad = PointLoad | DistributedLoad | PlanLoad | Pressure
 
 
 def checked_form_loads(structure: Structure, loads: Any) -> tuple[FormLoad, ...]:
@@ -39,6 +38,6 @@ def words_of_loads(loads: Sequence[Any]) -> str:
     for load in loads:
         if isinstance(load, Pressure):
             found.append(f"a pressure of {load.pressure:.4g} on part {load.part!r}")
-        elif isinstance(load, DistributedLoad | PlanLoad):
+        elif isinstance(load, SpreadLoad):
             found.append(f"a load of {np.linalg.norm(np.asarray(load.load)):.4g} on part {load.part!r}")
     return " and ".join(dict.fromkeys(found[:SHOWN])) + (" and others" if len(found) > SHOWN else "")

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ..checks import validation
 from ..checks.values import counted
-from ..model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
+from ..model.loads import FormLoad
 from ..model.structure import Structure
 from ..runtime.processes import together
 from ..solvers.progress import Pulse
@@ -45,7 +45,7 @@ Array = NDArray[np.float64]
 
 def natural_force_density(
     structure: Structure,
-    loads: Sequence[PointLoad | DistributedLoad | PlanLoad | Pressure] = (),
+    loads: Sequence[FormLoad] = (),
     iterations: int = 1,
     tolerance: float = 1e-3,
     constraints: Sequence[Constraint] = (),

@@ -28,7 +28,7 @@ from mpi4py import MPI
 
 from ..checks import validation
 from ..model.digests import of_settings
-from ..model.loads import DistributedLoad, Load, PlanLoad, PointLoad, Pressure
+from ..model.loads import FormLoad, Load, Pressure
 from ..model.restraint import check_supports
 from ..model.ropes import refuse_ropes
 from ..model.stages import Stage
@@ -56,7 +56,7 @@ STRAY_LOADED = 0.5  # the same with loads along lines and surfaces, which no con
 
 def updated_reference(
     structure: Structure,
-    loads: Sequence[PointLoad | DistributedLoad | PlanLoad | Pressure] = (),
+    loads: Sequence[FormLoad] = (),
     tolerance: float = 1e-3,
     max_iterations: int = 100,
     comm: MPI.Intracomm = MPI.COMM_WORLD,

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..checks import validation
 from ..checks.calls import unfit
 from ..geometry.sizes import measures
-from ..model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
+from ..model.loads import FormLoad
 from ..model.parts import Membrane
 from ..model.structure import Structure
 from ..runtime.processes import together
@@ -52,7 +52,7 @@ BALANCED = "balanced force"  # a horizontal force that varies along a cable
 
 def projected_stress(
     structure: Structure,
-    loads: Sequence[PointLoad | DistributedLoad | PlanLoad | Pressure] = (),
+    loads: Sequence[FormLoad] = (),
     stress: Mapping[str, Field] | None = None,
     cables: str = "horizontal force",
     direction: ArrayLike = (0.0, 0.0, 1.0),

@@ -32,7 +32,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from ..checks import validation
-from ..model.loads import DistributedLoad, Load, PlanLoad, PointLoad, Pressure
+from ..model.loads import FormLoad, Load
 from ..model.structure import Structure
 from ..runtime.processes import together
 from ..solvers.progress import Pulse
@@ -80,7 +80,7 @@ NEAR = 0.02  # the same, below which a form under constraints stays where no ste
 
 def prescribed_stress(
     structure: Structure,
-    loads: Sequence[PointLoad | DistributedLoad | PlanLoad | Pressure] = (),
+    loads: Sequence[FormLoad] = (),
     stress: Mapping[str, Field] | None = None,
     warp: Mapping[str, Directed] | None = None,
     tolerance: float = 1e-6,

@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
 from . import cell_tensors, laws, materials, natural_shape
+from .axial_law import Axial
 from .base_classes import AnyPart
 from .laws import Law
-from .materials import Axial
 
 
 class AxialPart(AnyPart):

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..checks import validation
 from ..checks.values import with_article
 from ..geometry.sizes import lengths, measures
+from .axial_law import Axial
 from .base_classes import AnyChange
-from .materials import Axial
 from .structure import Structure
 
 Array = NDArray[np.float64]

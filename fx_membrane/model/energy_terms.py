@@ -165,7 +165,7 @@ def check(what: str, term: Any) -> None:
     """Check the fields of a term, and keep them as numbers, texts and read-only arrays.
 
     Raises:
-        ValueError: It keeps to the contract in the module's docstring not.
+        ValueError: It does not keep to the contract in the docstring of the module.
     """
     kind = type(term)
     named = f"{what} has {with_article(kind.__name__)}"

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..checks import validation
+from ..geometry.sizes import normals
 from . import energy_terms
 from .base_classes import AnyLoad
 from .energy_terms import Term
@@ -41,7 +42,7 @@ class PointLoad(AnyLoad):
 
 
 @dataclass(frozen=True, eq=False)
-class _SpreadLoad(AnyLoad):
+class SpreadLoad(AnyLoad):
     """Common fields of loads of fixed direction that are spread over cells."""
 
     load: ArrayLike
@@ -54,7 +55,7 @@ class _SpreadLoad(AnyLoad):
 
 
 @dataclass(frozen=True, eq=False)  # repeated so that Python's TypeError names DistributedLoad
-class DistributedLoad(_SpreadLoad):
+class DistributedLoad(SpreadLoad):
     """A load of fixed direction, spread over the reference area of a membrane or the length of cables or masts.
 
     Args:
@@ -73,7 +74,7 @@ class DistributedLoad(_SpreadLoad):
 
 
 @dataclass(frozen=True, eq=False)  # repeated so that Python's TypeError names PlanLoad
-class PlanLoad(_SpreadLoad):
+class PlanLoad(SpreadLoad):
     """A load of fixed direction per plan area of the reference shape, as snow is given: per area of the xy-plane.
 
     Each cell takes its own plan area: for a closed cushion name the cells of the upper skin only.
@@ -124,15 +125,25 @@ class Pressure(AnyLoad):
         _check_cells(self)
 
 
-def _check_cells(load: _SpreadLoad | Pressure) -> None:
+def _check_cells(load: SpreadLoad | Pressure) -> None:
     """Check the part and the cells of a load, and keep a copy of the cell numbers."""
     validation.store(load, validation.text, "part")
     if load.cells is not None:
         validation.keep(load, cells=validation.unique_indices(f"{type(load).__name__} cells", load.cells, "cell"))
 
 
-OwnLoad = PointLoad | DistributedLoad | PlanLoad | Pressure | Pond
+FormLoad = PointLoad | DistributedLoad | PlanLoad | Pressure  # in form finding, too
+OwnLoad = FormLoad | Pond
 Load = OwnLoad | Term
+
+
+def per_size(load: SpreadLoad | Pressure, points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Force of a load per size of cells in a shape, shape (cells, 3) or (3,) [N/m2], on bars [N/m]."""
+    if isinstance(load, Pressure):
+        return np.asarray(load.pressure * normals(points, cells))
+    if isinstance(load, PlanLoad):
+        return np.asarray(np.abs(normals(points, cells)[:, 2:]) * np.asarray(load.load))
+    return np.asarray(load.load)
 
 
 def checked_loads(what: str, loads: Any) -> tuple[Load, ...]:

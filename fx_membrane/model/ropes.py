@@ -14,8 +14,8 @@ from ..checks.array_entries import equal_rows
 from ..geometry.grids import polyline
 from ..geometry.sizes import measures
 from . import natural_shape
+from .axial_law import Axial
 from .bars import AxialPart
-from .materials import Axial
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..checks import validation
 from ..geometry.line_order import path_along
 from ..geometry.topology import boundary_edges
-from ..model.parts import Cable, Mast, Membrane, Part, Rope
+from ..model.parts import Line, Membrane, Part
 from ..model.structure import Structure
 from ..model.supports import Support
 from ..surfaces.shapes import Surface
@@ -207,7 +207,7 @@ def of_rows(part: Membrane, cells: Integers, rows: Integers) -> Membrane:
     return replace(part, cells=cells, **changes)
 
 
-def _line(part: Cable | Mast | Rope, mesh: SplitMesh) -> Part:
+def _line(part: Line, mesh: SplitMesh) -> Part:
     """Cable, mast or rope with the new nodes of its edges."""
     if part.shares_tension:
         path = part.nodes.tolist()

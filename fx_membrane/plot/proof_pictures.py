@@ -77,7 +77,7 @@ def draw_proof(proof: PatternProof, folder: Path) -> None:
 
 
 def left_out(proof: Mapping[str, Any]) -> list[str]:
-    """Sentences on pictures that the numbers of a proof have not, as of `PatternProof.to_dict`."""
+    """Sentences on pictures that the numbers of a proof do not have, as of `PatternProof.to_dict`."""
     found = []
     if proof["utilisation"] is None:
         found.append("Utilisation is not told: no strip has a strength, of the limits of stress.")

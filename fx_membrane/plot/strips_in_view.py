@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.topology import boundary_edges
-from ..model.materials import Fabric
+from ..model.fabrics import Fabric
 from ..model.parts import Cable, Membrane
 from ..model.structure import Structure
 from ..patterns.strips import Strips

@@ -83,7 +83,7 @@ def _ends(result: StageResult) -> _Ends:
             ends.fabric[part.cells[~loose]] = True
         elif part.is_strut:
             ends.mast[part.cells] = True
-            ends.pressed[part.cells[result.mast(name).force < -LIMIT * rounding(result, name)]] = True
+            ends.pressed[part.cells[result.bars[name].force < -LIMIT * rounding(result, name)]] = True
         else:
             ends.cable[part.cells] = True
     return ends

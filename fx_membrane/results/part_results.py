@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar, Literal
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,21 @@ from ..runtime.notebook_pictures import table
 from .plain_numbers import plain
 
 Array = NDArray[np.float64]
+SHEAR = "strain shear [-]"
+
+
+class Column(NamedTuple):
+    """Column of tables, in files, scenes and notebooks.
+
+    Attributes:
+        head: Its name; "{stress}" stands for the unit of the stresses of the part.
+        field: Name of the quantity, a field or a property.
+        component: Indices of one component of it.
+    """
+
+    head: str
+    field: str
+    component: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -41,6 +56,16 @@ class MembraneResult:
     """
 
     dimension: ClassVar[Literal[2]] = 2
+    columns: ClassVar[tuple[Column, ...]] = (
+        Column("state", "state"),
+        Column("strain warp [-]", "strain", (0, 0)),
+        Column("strain weft [-]", "strain", (1, 1)),
+        Column(SHEAR, "strain", (0, 1)),
+        Column("principal stress I{stress}", "principal", (0,)),
+        Column("principal stress II{stress}", "principal", (1,)),
+        Column("stress along warp{stress}", "warp_weft_stress", (0,)),
+        Column("stress along weft{stress}", "warp_weft_stress", (1,)),
+    )
     strain: Array
     second_piola_kirchhoff: Array
     cauchy: Array
@@ -55,16 +80,7 @@ class MembraneResult:
 
     def _repr_html_(self) -> str:
         """Show the extremes in notebooks, each with its cell."""
-        rows = {
-            "principal stress I": self.principal[:, 0],
-            "principal stress II": self.principal[:, 1],
-            "stress along warp": self.warp_weft_stress[:, 0],
-            "stress along weft": self.warp_weft_stress[:, 1],
-            "strain warp [-]": self.strain[:, 0, 0],
-            "strain weft [-]": self.strain[:, 1, 1],
-            "strain shear [-]": self.strain[:, 0, 1],
-        }
-        return _extremes(repr(self), rows)
+        return _extremes(self)
 
     @property
     def taut(self) -> NDArray[np.bool_]:
@@ -97,6 +113,11 @@ class BarResult:
     """
 
     dimension: ClassVar[Literal[1]] = 1
+    columns: ClassVar[tuple[Column, ...]] = (
+        Column("state", "state"),
+        Column("strain [-]", "strain"),
+        Column("force{stress}", "force"),
+    )
     strain: Array
     force: Array
     slack: NDArray[np.bool_]
@@ -107,7 +128,7 @@ class BarResult:
 
     def _repr_html_(self) -> str:
         """Show the extremes in notebooks, each with its cell."""
-        return _extremes(repr(self), {"force": self.force, "strain [-]": self.strain})
+        return _extremes(self)
 
     @property
     def taut(self) -> NDArray[np.bool_]:
@@ -151,14 +172,32 @@ class RopeResult(BarResult):
         return float(self.force[0])
 
 
+def quantities(found: MembraneResult | BarResult) -> dict[str, NDArray[Any]]:
+    """Quantities of the cells by the names of their fields; those that an older archive lacks are left out."""
+    values = {entry.name: getattr(found, entry.name) for entry in fields(found)}
+    return {name: value for name, value in values.items() if np.ndim(value)}
+
+
+def columns_of(found: MembraneResult | BarResult, unit: str = "") -> dict[str, NDArray[Any]]:
+    """Columns of tables by head, with the unit of stresses, each (cells,); of the quantities that there are."""
+    known: dict[str, Any] = {"state": found.state, **quantities(found)}
+    stress = f" [{unit}]" if unit else ""
+    return {
+        entry.head.format(stress=stress): known[entry.field][..., *entry.component]
+        for entry in found.columns
+        if entry.field in known
+    }
+
+
 def _range(values: Array) -> str:
     return f"{plain(values.min())} to {plain(values.max())}"
 
 
-def _extremes(title: str, rows: dict[str, Array]) -> str:
-    """Table of the least and the largest value of each quantity, with their cells."""
+def _extremes(found: MembraneResult | BarResult) -> str:
+    """Table of the least and the largest value of each column of numbers, with their cells."""
     cells = [
         [name, *(text for cell in (values.argmin(), values.argmax()) for text in (plain(values[cell]), str(cell)))]
-        for name, values in rows.items()
+        for name, values in columns_of(found).items()
+        if values.dtype.kind == "f"
     ]
-    return f"<b>{title}</b>" + table(["quantity", "least", "in cell", "largest", "in cell"], cells)
+    return f"<b>{found!r}</b>" + table(["quantity", "least", "in cell", "largest", "in cell"], cells)

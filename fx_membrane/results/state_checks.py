@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..geometry.extremes import first_largest
 from ..geometry.sizes import measures
@@ -155,11 +156,18 @@ def _slack(result: StageResult) -> Iterator[Check]:
 def _masts(result: StageResult) -> Iterator[Check]:
     for name, part in result.structure.parts.items():
         if part.is_strut:
-            force = result.mast(name).force
+            force = result.bars[name].force
             count = int((force > 0).sum())
-            remedy = "It is in tension: anchor its foot, if it stands on one." if count else ""
+            remedy = _tension_remedy(part.cells) if count else ""
             place = cell_place(result.structure, name, int(force.argmax()))
             yield _noted(f"masts in tension of {name!r}", str(count), "0", remedy, place)
+
+
+def _tension_remedy(cells: NDArray[np.int64]) -> str:
+    """Advice on masts in tension; those of a ring meet at all their nodes, and none has a foot."""
+    if np.unique(cells, return_counts=True)[1].min() > 1:
+        return "It is in tension, as in a ring that fabric pulls outwards; its joints must carry that."
+    return "It is in tension: anchor its foot, if it stands on one."
 
 
 def _ends(result: StageResult) -> Iterator[Check]:

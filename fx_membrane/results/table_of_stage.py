@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..checks import validation
 from ..checks.values import counted
 from ..geometry.extremes import first_largest
-from ..model.parts import Cable, Mast, Membrane, Rope
+from ..model.parts import Line, Membrane
 from ..model.restraint import loose_ends
 from ..model.term_parameters import described
 from ..solvers.outcome import Outcome
@@ -99,9 +99,7 @@ def _rope(result: StageResult, name: str, force_unit: str, length_unit: str) -> 
     return [tension, f"length {found.length:.6g}, without stress {found.unstressed_length:.6g} {length_unit}"]
 
 
-def _bars(
-    result: StageResult, name: str, given: Cable | Mast | Rope, first: int, force_unit: str, length_unit: str
-) -> list[str]:
+def _bars(result: StageResult, name: str, given: Line, first: int, force_unit: str, length_unit: str) -> list[str]:
     if given.shares_tension:
         return _rope(result, name, force_unit, length_unit)
     part, before = result.parts[name], elastic_strain(given, prestress(result.structure, name, result.actions))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -10,11 +9,10 @@ from numpy.typing import NDArray
 
 from ..checks import validation
 from ..geometry.sizes import measures
-from .part_results import BarResult, MembraneResult
+from .part_results import SHEAR, columns_of
 from .states import StageResult
 
 Columns = dict[str, NDArray[Any]]
-SHEAR = "strain shear [-]"
 DEPTH = "water depth"
 
 
@@ -55,31 +53,14 @@ def cell_columns(
     columns |= _vector(("x", "y", "z"), length_unit, points[cells].mean(axis=1))
     if part in result.bars:
         columns[f"length [{length_unit}]"] = measures(points, cells)
-        return columns | dict(_bar(result.bars[part], force_unit))
+        return columns | columns_of(result.bars[part], force_unit)
     columns[f"area [{length_unit}2]"] = measures(points, cells)
-    columns |= dict(_membrane(result.membranes[part], f"{force_unit}/{length_unit}"))
+    columns |= columns_of(result.membranes[part], f"{force_unit}/{length_unit}")
     if not result.structure.has_sides(part):
         columns[SHEAR] = np.full(len(cells), np.nan)
     if water or (water is None and result.ponds):
         columns[f"{DEPTH} [{length_unit}]"] = result.water_on(part)
     return columns
-
-
-def _bar(found: BarResult, force: str) -> Iterator[tuple[str, NDArray[Any]]]:
-    yield "state", found.state
-    yield "strain [-]", found.strain
-    yield f"force [{force}]", found.force
-
-
-def _membrane(found: MembraneResult, stress: str) -> Iterator[tuple[str, NDArray[Any]]]:
-    yield "state", found.state
-    yield "strain warp [-]", found.strain[:, 0, 0]
-    yield "strain weft [-]", found.strain[:, 1, 1]
-    yield SHEAR, found.strain[:, 0, 1]
-    yield f"principal stress I [{stress}]", found.principal[:, 0]
-    yield f"principal stress II [{stress}]", found.principal[:, 1]
-    yield f"stress along warp [{stress}]", found.warp_weft_stress[:, 0]
-    yield f"stress along weft [{stress}]", found.warp_weft_stress[:, 1]
 
 
 def _vector(names: tuple[str, str, str], unit: str, values: NDArray[np.float64]) -> Columns:

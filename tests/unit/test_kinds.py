@@ -2,8 +2,12 @@
 
 import ast
 from pathlib import Path
+from typing import get_args
 
 import pytest
+
+from fx_membrane.model.loads import FormLoad
+from fx_membrane.model.parts import Line
 
 pytestmark = pytest.mark.text
 ROOT = Path(__file__).parents[2] / "fx_membrane"
@@ -12,11 +16,12 @@ KINDS = {
     *("Law", "Fabric", "OrthotropicFabric", "NeoHooke", "MooneyRivlin", "Axial", "SHIPPED"),
     *("MembraneResult", "BarResult", "RopeResult"),
 }
-HOMES = {"bars", "laws", "materials", "part_results", "parts", "ropes"}
+HOMES = {"axial_law", "bars", "fabrics", "foils", "laws", "materials", "part_results", "parts", "ropes"}
 TABLES = {"assembly/relaxation.py", "model/materials.py", "model/structure.py"}  # the last for `Structure.membranes`
 OTHERS = {  # of a law before there is a part, and of groups of cells in a mesh
     *("model/law_check.py", "model/laws.py", "files/dolfinx_mesh.py", "files/msh.py"),
 }
+WORDS = {"files/cases/parts.py", "files/cases/loads.py"}  # kinds by the words of case files
 
 
 def imported(tree, home):
@@ -100,3 +105,26 @@ dimension < 2
 dimension == other.dimension
 """
     assert list(dimensions(ast.parse(text))) == [2, 3, 4]
+
+
+def spelled(tree, members):
+    """Lines that spell out all members of a union, instead of its name."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.BinOp | ast.Tuple | ast.Dict):
+            names = {found.id for found in ast.walk(node) if isinstance(found, ast.Name)}
+            if members <= names:
+                yield node.lineno
+
+
+@pytest.mark.parametrize(
+    ("union", "home"), [(Line, "model/parts.py"), (FormLoad, "model/loads.py")], ids=["lines", "loads"]
+)
+def test_unions_go_by_their_names(union, home):
+    """A new kind is named in its union alone."""
+    members = {kind.__name__ for kind in get_args(union)}
+    found = []
+    for path in sorted(ROOT.rglob("*.py")):
+        place = path.relative_to(ROOT).as_posix()
+        if place != home and place not in WORDS:
+            found += [f"{place}:{line}" for line in spelled(ast.parse(path.read_text()), members)]
+    assert not found

@@ -11,7 +11,7 @@ import numpy as np
 from ...geometry.sizes import measures
 from ...model import laws
 from ...model.changes import PrestressFactor
-from ...model.loads import DistributedLoad, PlanLoad
+from ...model.loads import SpreadLoad
 from ...model.stages import Stage
 from ...model.structure import Structure
 from .faults import Fault
@@ -50,7 +50,7 @@ def _milli(value: Any, path: tuple[str | int, ...]) -> Iterator[Fault]:
 def _loads(structure: Structure, stage: Stage, path: tuple[str | int, ...]) -> Iterator[Fault]:
     """Find loads that stretch a flat strip between edges, of the size of the part, by more than half."""
     for number, load in enumerate(stage.loads):
-        if not isinstance(load, DistributedLoad | PlanLoad) or load.part not in structure.membranes:
+        if not isinstance(load, SpreadLoad) or load.part not in structure.membranes:
             continue  # some parts are made with the form
         part = structure.membranes[load.part]
         if not laws.strain_limit(part.material) < 1:  # foils are made for it

@@ -13,9 +13,10 @@ from ...checks import validation
 from ...geometry.edges import edges_where
 from ...geometry.line_order import path_along
 from ...geometry.topology import boundary_edges
+from ...model.fabrics import Fabric, OrthotropicFabric
+from ...model.foils import MooneyRivlin, NeoHooke
 from ...model.laws import Law
-from ...model.materials import Fabric, MooneyRivlin, NeoHooke, OrthotropicFabric
-from ...model.parts import Cable, Mast, Membrane, Part, Rope
+from ...model.parts import Cable, Line, Mast, Membrane, Part, Rope
 from .choices import Choices, Nodes
 from .faults import Fault, Faults, Unknown, Wrong, at_key, nearest
 from .making import make
@@ -81,7 +82,7 @@ def material_of(faults: Faults, trail: Trail, table: Any) -> Law:
     raise Unknown
 
 
-def bar_of(faults: Faults, trail: Trail, table: BarPart, cells: Any) -> Cable | Mast | Rope:
+def bar_of(faults: Faults, trail: Trail, table: BarPart, cells: Any) -> Line:
     """Make cables, masts or a rope of some cells, BROKEN for unknown ones.
 
     Raises:
@@ -101,7 +102,7 @@ def bar_of(faults: Faults, trail: Trail, table: BarPart, cells: Any) -> Cable | 
             known = is_whole((E, area)) and E is not None and area is not None and min(E, area) > 0
             values["axial_stiffness"] = E * area if known else BROKEN  # type: ignore[operator]
     sound = {"cells": cells if is_whole(cells) else [[0, 1]], "axial_stiffness": 1.0}
-    bar: Cable | Mast | Rope = make(faults, trail, KINDS[table.kind], _of_cells(values), sound, _names(table))  # type: ignore[attr-defined]
+    bar: Line = make(faults, trail, KINDS[table.kind], _of_cells(values), sound, _names(table))  # type: ignore[attr-defined]
     return bar
 
 

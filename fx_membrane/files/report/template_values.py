@@ -15,7 +15,7 @@ from ...geometry.extremes import first_largest
 from ...model.cable_changes import FixedLength, GivenForce, UnstressedLength
 from ...model.changes import Change, LengthChange, NaturalStretch, PrestressFactor, TemperatureChange
 from ...model.gas import GasChange
-from ...model.loads import DistributedLoad, PlanLoad, PointLoad, Pressure
+from ...model.loads import OwnLoad, PointLoad, Pressure, SpreadLoad
 from ...model.ponds import Pond
 from ...model.stages import Stage
 from ...model.structure import Structure
@@ -34,12 +34,6 @@ COMPUTED = {
     Verdict.PASS: "Computation: all checks of all stages pass.",
     Verdict.WARN: "Computation: some checks warn; read their remedies before the numbers.",
     Verdict.FAIL: "Computation: some checks fail; the numbers of these stages are not to be used.",
-}
-KINDS = {
-    PointLoad: "Point load",
-    DistributedLoad: "Distributed load",
-    PlanLoad: "Plan load",
-    Pressure: "Pressure",
 }
 PROGRAMS = {"fx_membrane": "fx-membrane", "dolfinx": "fenics-dolfinx", "numpy": "numpy", "scipy": "scipy"}
 
@@ -196,7 +190,13 @@ def _load(load: Any, structure: Structure, force: str, length: str) -> str:
     where = getattr(load, "part", "") or counted(np.size(getattr(load, "nodes", ())), "node")
     cells = getattr(load, "cells", None)
     some = f", {counted(len(cells), 'cell')}" if cells is not None else ""
-    return f"{KINDS.get(type(load), type(load).__name__)} {shown}{unit} on {where}{some}"
+    return f"{_kind_of(load)} {shown}{unit} on {where}{some}"
+
+
+def _kind_of(load: Any) -> str:
+    """Name of a load: the words of its class, "Plan load"; the class itself of a user's own."""
+    name = type(load).__name__
+    return re.sub(r"(?<=[a-z])[A-Z]", lambda found: f" {found[0].lower()}", name) if isinstance(load, OwnLoad) else name
 
 
 def _pond(pond: Pond, force: str, length: str) -> str:
@@ -210,7 +210,7 @@ def _load_unit(load: Any, structure: Structure, force: str, length: str) -> str:
     """Name the unit of a load after its value; empty for terms of a user's own."""
     if isinstance(load, PointLoad):
         return f" {force}"
-    if isinstance(load, DistributedLoad | PlanLoad | Pressure):
+    if isinstance(load, SpreadLoad | Pressure):
         return f" {force}/{structure.parts[load.part].size_unit(length)}"
     return ""
 

@@ -12,8 +12,9 @@ from ...form_finding.form import Form
 from ...model.structure import Structure
 from ...results.chamber_tables import chamber_lines
 from ...results.initial_stress import built_stress
+from ...results.part_results import SHEAR
 from ...results.states import StageResult, StageResults
-from ...results.tables import SHEAR, Columns, cell_columns
+from ...results.tables import Columns, cell_columns
 
 Array = NDArray[np.float64]
 Shown = StageResults | StageResult | Form | Structure

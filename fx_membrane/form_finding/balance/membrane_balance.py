@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.sizes import grown_slender, measures, normals
-from ...model.loads import PlanLoad, PointLoad, Pressure
+from ...geometry.sizes import grown_slender, measures
+from ...model.loads import PointLoad, per_size
 from ...model.parts import Part
 from ...model.structure import Structure
 from ..constraints.motions import Motions
@@ -62,12 +62,7 @@ def loaded_cells(structure: Structure, load: Any) -> NDArray[np.int64]:
 
 def cell_loads(load: Any, points: Array, cells: NDArray[np.int64]) -> Array:
     """Spread a distributed load on the cells of a shape, shape (cells, 3) [N]."""
-    size = measures(points, cells)[:, None]
-    if isinstance(load, Pressure):
-        return np.asarray(load.pressure * size * normals(points, cells))
-    if isinstance(load, PlanLoad):
-        return np.asarray(size * np.abs(normals(points, cells)[:, 2:]) * np.asarray(load.load))
-    return np.asarray(size * np.asarray(load.load))
+    return np.asarray(measures(points, cells)[:, None] * per_size(load, points, cells))
 
 
 def collapse_of(structure: Structure, points: Array, only_bars: bool = False) -> str:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ...checks import validation
 from ...geometry.sizes import measures
-from ...model.parts import Cable, Mast, Rope
+from ...model.parts import Cable, Line
 from ...model.structure import Structure
 from ..balance.cable_forces import densities_of, measured_lengths
 from ..plan import place as place_of
@@ -130,7 +130,7 @@ class CableTargets:
             found[name][line.cells] = wanted[name][line.cells]
         return found
 
-    def asked(self, points: Array, densities: Mapping[str, Array]) -> dict[str, Cable | Mast | Rope]:
+    def asked(self, points: Array, densities: Mapping[str, Array]) -> dict[str, Line]:
         """Bars with the forces asked for in a shape as prestress; lines of given geometry have those they carry."""
         wanted = self.mixed(self.by_force(points), densities)
         return {

@@ -111,7 +111,7 @@ def _bars(
     """Find forces of bars without prestress between nodes of a body that balance the forces of its constraint.
 
     Returns:
-        By part, numbers of its cells and their forces [N]; None if they balance them not, or press a cable.
+        By part, numbers of its cells and their forces [N]; None if they do not balance them, or press a cable.
     """
     if np.abs(borne).max(initial=0.0) <= tolerance:
         return {}

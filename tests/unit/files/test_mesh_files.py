@@ -14,6 +14,8 @@ from fx_membrane import (
     structure_from_file,
     write_mesh,
 )
+from fx_membrane.files import mesh_files
+from fx_membrane.files.drawing import Drawing
 from square_roofs import PARTS, POINTS, TRIANGLES, roof
 
 
@@ -198,3 +200,22 @@ def test_damaged_obj_is_told_in_words_of_the_file(text, words, tmp_path):
     with pytest.raises(ValueError, match=words) as told:
         structure_from_file(tmp_path / "a.obj", PARTS)
     assert "unpack" not in str(told.value)
+
+
+@pytest.mark.parametrize(
+    ("points", "face", "words"),
+    [
+        (3, [0, 1, 9], r"a\.off: group 'all', cell 0 of its triangles, has the corner 9, .* 3 points, from 0\. Mend"),
+        (3, [0, 1, -1], r"corner -1, which does not exist"),
+        (5, [0, 1, 2, 3, 4], r"a\.off: group 'all' has cells with 5 corners; give triangles or quadrilaterals"),
+        (np.nan, [0, 1, 2], r"a\.off: point 0 is \[nan, .*; give finite numbers"),
+    ],
+)
+def test_cells_of_any_reader_are_checked(points, face, words, tmp_path, monkeypatch):
+    """By the recipe of README, a reader returns what its file has."""
+    places = np.full((3, 3), points) if np.isnan(points) else np.eye(points)[:, :3]
+    read = Drawing("a.off", "group", places, {"all": {len(face): np.array([face])}})
+    monkeypatch.setitem(mesh_files.READERS, ".off", lambda file: read)
+    (tmp_path / "a.off").touch()
+    with pytest.raises(ValueError, match=words):
+        structure_from_file(tmp_path / "a.off", {"all": PARTS["Dach süd"]})

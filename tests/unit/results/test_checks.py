@@ -10,6 +10,7 @@ from fx_membrane import (
     Cable,
     DistributedLoad,
     Fabric,
+    Mast,
     Membrane,
     Newton,
     PointLoad,
@@ -56,6 +57,19 @@ def test_each_check_has_number_limit_verdict_place_and_remedy():
     assert float(balanced.found) < float(balanced.limit)
     lines = table(list(found.values())).splitlines()
     assert any(line.strip().startswith("cell 0 at (-1.5, 0, 0): Raise") for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("cells", "words"), [([[0, 1], [1, 2], [2, 0]], "in a ring .* its joints"), ([[0, 1], [1, 2]], "anchor its foot")]
+)
+def test_remedy_for_masts_in_tension_knows_rings(cells, words):
+    """A ring has no foot to anchor."""
+    points = [(0, 0, 0), (4, 0, 0), (2, 3, 0)]
+    structure = Structure(points, {"bars": Mast(cells, 1e6, prestress=1e3)}, [Support([0, 1]), Support([2], "z")])
+    state = Analysis(structure, progress=False).run([Stage("rest")])["rest"]
+    found = {check.name: check for check in checks(state)}["masts in tension of 'bars'"]
+    assert found.verdict is Verdict.WARN
+    assert re.search(words, found.remedy)
 
 
 def test_loose_end_is_named_with_its_place():
