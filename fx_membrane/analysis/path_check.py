@@ -18,7 +18,7 @@ from .path_geometry import Metric, PathState
 from .step_control import StepControl
 
 SHARES = (1 / 6, 2 / 6, 3 / 6, 4 / 6, 5 / 6)  # fractions of a step
-SMALL = 1e-3  # a change of the load factor below this fraction of the step is no turn
+SMALL_CHANGE = 1e-3  # a change of the load factor below this fraction of the step is no turn
 
 
 class Between(NamedTuple):
@@ -56,7 +56,7 @@ def _beside(guesses: list[Point], newton: BorderedNewton, metric: Metric, last: 
         if move is not None:  # the tangent at the end is regular
             drift = max(drift, metric.length(move) / length)
             factors.append(guess.factor + move.factor)
-    return Between(drift, turns(np.array([*factors, here.point.factor]), SMALL * length / metric.psi))
+    return Between(drift, turns(np.array([*factors, here.point.factor]), SMALL_CHANGE * length / metric.psi))
 
 
 def turns(values: NDArray[np.float64], small: float) -> int:

@@ -21,7 +21,7 @@ from ..solvers.eigenvalues import Eigenpair
 
 Rows = NDArray[np.signedinteger[Any]]
 
-MARGIN = 1e-6  # distance of a shift below a bound, as a fraction
+SHIFT_MARGIN = 1e-6  # distance of a shift below a bound, as a fraction
 
 
 class Spectrum(NamedTuple):
@@ -58,7 +58,7 @@ def lowest_spectrum(loaded: LoadedProblem, x: PETSc.Vec, K: PETSc.Mat, rows: Row
         return kept
     drop = _largest_drop(loaded, x, followers)
     lowest = kept.pairs[0].value.real - drop
-    followed = _followed(loaded, x, again, rows, count, lowest - MARGIN * (abs(lowest) + drop))
+    followed = _followed(loaded, x, again, rows, count, lowest - SHIFT_MARGIN * (abs(lowest) + drop))
     return min(kept, followed, key=lambda found: (-found.negative, -found.zero, found.pairs[0].value.real))
 
 

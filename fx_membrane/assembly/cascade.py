@@ -19,7 +19,7 @@ from typing import NamedTuple
 from petsc4py import PETSc
 
 from ..geometry.hollows import OUTSIDE
-from .pond_cells import ROUNDING, PondCells
+from .pond_cells import VOLUME_ROUNDING, PondCells
 
 
 class Spilt(NamedTuple):
@@ -73,7 +73,7 @@ class Cascade:
             return Spilt()
         cells = self.cells[number]
         full = cells.full(cells.places(x)).volume
-        if not full <= amount * (1 + ROUNDING):
+        if not full <= amount * (1 + VOLUME_ROUNDING):
             return Spilt()
         return Spilt(max(amount - full, 0.0), (*come.sources, number))
 

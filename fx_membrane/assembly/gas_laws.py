@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-CRUSHED = 1e-2  # volume, as a fraction of that at the pressure around, below which the law goes on as a parabola
+CRUSHED_VOLUME = 1e-2  # volume, as a fraction of that at the pressure around, below which the law goes on as a parabola
 
 
 class Fan(NamedTuple):
@@ -62,7 +62,7 @@ class Enclosed(NamedTuple):
     def least(self) -> float:
         """Volume below which the energy is a parabola [m3]."""
         n = self.exponent
-        return CRUSHED * (self.amount * self.reference ** (n - 1) / self.around) ** (1 / n)
+        return CRUSHED_VOLUME * (self.amount * self.reference ** (n - 1) / self.around) ** (1 / n)
 
     def energy(self, volume: float) -> float:
         """Energy, that in the reference volume being zero [J]."""
@@ -94,7 +94,7 @@ class Enclosed(NamedTuple):
         """Differentiate the force by the absolute pressure around [-]."""
         if volume >= self.least:
             return 1.0
-        ratio, crushed = volume / self.least, CRUSHED**-self.exponent
+        ratio, crushed = volume / self.least, CRUSHED_VOLUME**-self.exponent
         return 1.0 + crushed * (self.exponent + 1) * (ratio - 1)
 
     def size(self, volume: float) -> float:

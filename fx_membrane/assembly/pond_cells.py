@@ -20,9 +20,9 @@ from .node_values import NodeValues
 
 Array = NDArray[np.float64]
 
-STEPS = 200
-EQUAL = 1e-15  # relative difference of volumes at which the search for a level ends
-ROUNDING = 1e-13  # relative difference of volumes that is rounding
+MAX_LEVEL_STEPS = 200
+EQUAL_VOLUMES = 1e-15  # relative difference of volumes at which the search for a level ends
+VOLUME_ROUNDING = 1e-13  # relative difference of volumes that is rounding
 
 
 class Water(NamedTuple):
@@ -130,7 +130,7 @@ class PondCells:
         if not (amount > 0 and np.isfinite(self.sum(at.corners))):
             return DRY
         full = self.full(at)
-        if full.volume <= amount * (1 + ROUNDING):  # as a basin that is full
+        if full.volume <= amount * (1 + VOLUME_ROUNDING):  # as a basin that is full
             return full
         return self._level(at, amount, full.level)
 
@@ -168,9 +168,9 @@ class PondCells:
         plan = self.sum(water.plan_areas(at.corners))
         high = min(cap, high + amount / max(plan, 1e-300)) if plan > 0 else cap
         found = self.filled(at, high)
-        for _ in range(STEPS):
+        for _ in range(MAX_LEVEL_STEPS):
             over = found.volume - amount
-            if abs(over) <= EQUAL * amount:
+            if abs(over) <= EQUAL_VOLUMES * amount:
                 break
             if over > 0:
                 high = found.level

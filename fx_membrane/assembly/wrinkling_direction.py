@@ -12,11 +12,11 @@ from ..model.fabrics import OrthotropicFabric
 
 SAMPLES = 48
 MAXIMA = 3  # number of maxima compared: a fabric of strongly negative nu has several
-STEPS = 20
-SETTLED = 1e-12  # step of Newton's method whose next one is rounding [rad]
+MAX_NEWTON_STEPS = 20
+SETTLED_STEP = 1e-12  # step of Newton's method whose next one is rounding [rad]
 UNSYMMETRIC = 1e-9  # difference of the shears of a strain over its largest component, beyond rounding
-ROUNDING = 1e-12  # the same, of a strain that was computed from stretches near one
-MARGIN = 1e-6  # margin for taut and slack, beyond the rounding in which the forms may decide otherwise
+STRAIN_ROUNDING = 1e-12  # the same, of a strain that was computed from stretches near one
+STATE_MARGIN = 1e-6  # margin for taut and slack, beyond the rounding in which the forms may decide otherwise
 
 
 class Moduli(NamedTuple):
@@ -91,7 +91,7 @@ def tension_direction(
 
 def _refuse_unsymmetric(e: NDArray[np.float64]) -> None:
     error = np.abs(e[:, 0, 1] - e[:, 1, 0])
-    for cell in np.flatnonzero(error > UNSYMMETRIC * np.abs(e).max(axis=(1, 2)) + ROUNDING)[:1]:
+    for cell in np.flatnonzero(error > UNSYMMETRIC * np.abs(e).max(axis=(1, 2)) + STRAIN_ROUNDING)[:1]:
         raise ValueError(
             f"tension_direction strain of cell {cell} is {e[cell].tolist()}, which is not symmetric; give tensors with "
             "the same component 12 and 21, half of the engineering shear strain."
@@ -149,9 +149,9 @@ def may_wrinkle(e: NDArray[np.float64], fabric: Woven) -> NDArray[np.bool_]:
     S11 = fabric.Et_warp * (e11 + nu_weft * e22) / (1 - fabric.nu * nu_weft)
     S22 = fabric.Et_weft * (e22 + fabric.nu * e11) / (1 - fabric.nu * nu_weft)
     S12 = 2 * fabric.Gt * e12
-    taut = (S11 + S22 > 0) & (S11 * S22 - S12**2 > MARGIN * (S11 + S22) ** 2)
+    taut = (S11 + S22 > 0) & (S11 * S22 - S12**2 > STATE_MARGIN * (S11 + S22) ** 2)
     largest = (e11 + e22) / 2 + np.hypot((e11 - e22) / 2, e12)
-    slack = largest < -MARGIN * np.abs(e).max(axis=1)
+    slack = largest < -STATE_MARGIN * np.abs(e).max(axis=1)
     return np.asarray(~taut & ~slack)
 
 
@@ -163,14 +163,14 @@ def _refined(
     """Refine the maximum beside a sample by Newton's method within a bracket that bisection narrows."""
     low, high = angle - np.pi / SAMPLES, angle + np.pi / SAMPLES
     settled = np.zeros(len(angle), dtype=bool)  # cell by cell: the angle does not depend on other cells
-    for _ in range(STEPS):
+    for _ in range(MAX_NEWTON_STEPS):
         f, slope = _stationarity(angle, e, fabric)
         low, high = np.where(f > 0, angle, low), np.where(f > 0, high, angle)
         with np.errstate(divide="ignore", invalid="ignore"):
             newton = angle - f / slope
         last, angle = angle, np.where((newton >= low) & (newton <= high), newton, (low + high) / 2)
         angle = np.where(settled, last, angle)
-        settled |= np.abs(angle - last) < SETTLED
+        settled |= np.abs(angle - last) < SETTLED_STEP
         if settled.all():
             break
     return angle

@@ -10,7 +10,7 @@ from typing import Any
 
 from .validation import instance, short_repr
 
-LONGEST = 4096  # bytes of a path on Linux
+MAX_PATH = 4096  # bytes of a path on Linux
 SPARE = 10  # bytes for the suffix of a temporary name
 
 
@@ -29,10 +29,10 @@ def path(name: str, value: Any, spare: int = SPARE) -> Path:
     if not os.path.basename(encoded) or b"\0" in encoded:
         raise ValueError(f"{shown_name}; give the name of a file, without zero bytes.")
     longest = max(map(len, encoded.split(b"/")))
-    if longest > 255 - spare or len(encoded) > LONGEST - spare:
+    if longest > 255 - spare or len(encoded) > MAX_PATH - spare:
         raise ValueError(
             f"{name} has {len(encoded)} bytes, in one name {longest}, which is too long; give names of at most "
-            f"{255 - spare} bytes, and {LONGEST - spare} in all."
+            f"{255 - spare} bytes, and {MAX_PATH - spare} in all."
         )
     return Path(value)
 

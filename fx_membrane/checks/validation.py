@@ -22,8 +22,8 @@ from .values import format_point as format_point  # noqa: PLC0414
 from .values import is_real, is_whole, scalar
 from .values import short_repr as short_repr  # noqa: PLC0414
 
-LARGEST = 1e60  # limit of all numbers: the square of the product of two is still finite
-MOST = 2**31 - 1  # limit of whole numbers
+MAX_NUMBER = 1e60  # limit of all numbers: the square of the product of two is still finite
+MAX_INTEGER = 2**31 - 1  # limit of whole numbers
 
 
 def store(owner: object, check: Callable[[str, Any], Any], *fields: str) -> None:
@@ -51,8 +51,8 @@ def number(name: str, value: Any) -> float:
         raise ValueError(f"{name} must be a number, not {short_repr(value)}.") from None
     except OverflowError:
         result = np.inf
-    if not abs(result) <= LARGEST:
-        raise ValueError(f"{name} is {short_repr(value)}; give a finite number, at most {LARGEST:g} in size.")
+    if not abs(result) <= MAX_NUMBER:
+        raise ValueError(f"{name} is {short_repr(value)}; give a finite number, at most {MAX_NUMBER:g} in size.")
     return result
 
 
@@ -72,14 +72,14 @@ def not_negative(name: str, value: Any) -> float:
     return result
 
 
-def positive_integer(name: str, value: Any, most: int = MOST) -> int:
+def positive_integer(name: str, value: Any, most: int = MAX_INTEGER) -> int:
     """Check a whole number above zero."""
     return _integer(name, value, "a whole number above zero", 1, most)
 
 
 def integer(name: str, value: Any) -> int:
     """Check a whole number."""
-    return _integer(name, value, "a whole number", -MOST, MOST)
+    return _integer(name, value, "a whole number", -MAX_INTEGER, MAX_INTEGER)
 
 
 def _integer(name: str, value: Any, wanted: str, least: int, most: int) -> int:
@@ -134,11 +134,11 @@ def finite(name: str, value: ArrayLike) -> NDArray[np.float64]:
         raise ValueError(f"{name} must be {wanted}, not {short_repr(value)}.") from None
     except OverflowError:
         raise ValueError(f"{name} has a value that is not finite as a number of 64 bits; give smaller ones.") from None
-    bad = np.argwhere(~(np.abs(result) <= LARGEST))
+    bad = np.argwhere(~(np.abs(result) <= MAX_NUMBER))
     if len(bad):
         entry, where = result[tuple(bad[0])], f" at index {tuple(map(int, bad[0]))}" if result.ndim else ""
         if np.isfinite(entry):
-            raise ValueError(f"{name} has the value {entry:g}{where}; give numbers of at most {LARGEST:g} in size.")
+            raise ValueError(f"{name} has the value {entry:g}{where}; give numbers of at most {MAX_NUMBER:g} in size.")
         raise ValueError(f"{name} has a value that is not finite ({entry}){where}; give finite numbers.")
     result.setflags(write=False)
     return result

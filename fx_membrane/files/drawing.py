@@ -14,7 +14,7 @@ from ..runtime.messages import say
 
 Array = NDArray[np.float64]
 Cells = NDArray[np.int64]
-EXACT = 1e-9  # of the size of the drawing: corners nearer than that are one node in any file
+SAME_NODE = 1e-9  # of the size of the drawing: corners nearer than that are one node in any file
 KINDS = {1: "points", 2: "lines", 3: "triangles", 4: "quadrilaterals"}
 
 
@@ -91,7 +91,7 @@ def joined(drawing: Drawing, weld: float | None) -> Drawing:
     points = drawing.points
     if not len(points) or not (drawing.loose or weld is not None):
         return drawing
-    exact = EXACT * max(np.ptp(points, axis=0).max(), np.finfo(float).tiny)
+    exact = SAME_NODE * max(np.ptp(points, axis=0).max(), np.finfo(float).tiny)
     label, count = _clusters(points, exact)
     if weld is not None:
         label, merged = _clusters(points, max(weld, exact))

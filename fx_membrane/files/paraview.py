@@ -14,7 +14,7 @@ from mpi4py import MPI
 
 from ..checks import paths, validation
 from ..results.states import StageResult, StageResults
-from ..results.tables import DEPTH, cell_columns
+from ..results.tables import WATER_DEPTH, cell_columns
 from ..runtime.processes import by_the_first, together
 from .whole_file import writing
 
@@ -197,7 +197,7 @@ def _block(state: StageResult, name: str, units: tuple[str, str]) -> Any:
     grid.point_data[f"load [{force}]"] = state.loads[nodes]
     grid.point_data[f"reaction [{force}]"] = state.reactions[nodes]
     if name in state.membranes and state.ponds:
-        grid.point_data[f"{DEPTH} [{length}]"] = state.water_depth[nodes]
+        grid.point_data[f"{WATER_DEPTH} [{length}]"] = state.water_depth[nodes]
     columns = cell_columns(state, name, force, length)
     word = columns.pop("state")
     grid.cell_data["state"] = np.array([STATES.index(entry) for entry in word.tolist()], dtype=np.uint8)

@@ -21,7 +21,7 @@ from ..solvers.newton import Newton
 # A tenth of the displacement, over the size, that a form may have when it is analysed: by rounding alone it scatters by
 # a factor of 4 from one way to a shape to another.
 STILL = 1e-13
-KEPT = 6  # nearest shapes looked at: no more than two of them were found to move
+MAX_SHAPES = 6  # nearest shapes looked at: no more than two of them were found to move
 
 
 def last_good(structures: Sequence[Structure], loads: Sequence[Load], comm: MPI.Intracomm) -> int:
@@ -33,7 +33,7 @@ def last_good(structures: Sequence[Structure], loads: Sequence[Load], comm: MPI.
         comm: The processes that share the work.
     """
     moves = list[float]()
-    for number, structure in enumerate(structures[:KEPT]):
+    for number, structure in enumerate(structures[:MAX_SHAPES]):
         moves.append(_motion(structure, loads, comm))
         if moves[-1] <= STILL:
             return number

@@ -11,7 +11,7 @@ from .plan import Plan, place
 
 Array = NDArray[np.float64]
 
-UPRIGHT = 0.99  # component of a normal along x, above which the warp of a membrane without one is along y
+NORMAL_TO_X = 0.99  # component of a normal along x, above which the warp of a membrane without one is along y
 
 
 def reference_of(cells: NDArray[np.int64], points: Array, warp: Array, stress: Array) -> Plan:
@@ -40,7 +40,7 @@ def warp_at(name: str, part: Membrane, points: Array) -> Array:
     """
     normal = normals(points, part.cells)
     if part.warp is None:
-        given = np.where(np.abs(normal[:, :1]) < UPRIGHT, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
+        given = np.where(np.abs(normal[:, :1]) < NORMAL_TO_X, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
     else:
         given = np.broadcast_to(np.asarray(part.warp, dtype=np.float64), normal.shape)
     return tangents(name, part, points, given)

@@ -13,7 +13,7 @@ from ..geometry.sizes import measures
 from ..model.parts import Part
 from ..model.structure import Structure
 from ..solvers.progress import Pulse
-from .after_collapse import KEPT, last_good
+from .after_collapse import MAX_SHAPES, last_good
 from .balance.constrained_balance import ConstrainedBalance, continued
 from .balance.membrane_balance import collapse_of, stressed
 from .cell_reference import reference_of, warp_at
@@ -26,7 +26,7 @@ from .shape_change import STOPPED, change_of_shape, check_collapse
 Array = NDArray[np.float64]
 
 ABANDONED = "The form is that of step"
-LOST = 1.0  # difference of the stress over the prestress, above which cells may be too slender for its digits
+LOST_STRESS = 1.0  # difference of the stress over the prestress, above which cells may be too slender for its digits
 
 
 def natural_steps(
@@ -66,9 +66,9 @@ def natural_steps(
             return good, " ".join([abandoned(len(good.steps), told), *form.remarks])
         (form, densities), steps = found, (*steps, *found[0].steps)
         form = replace(form, steps=steps)
-        nearest = sorted([*nearest, form], key=lambda each: each.steps[-1].stress_error)[:KEPT]
+        nearest = sorted([*nearest, form], key=lambda each: each.steps[-1].stress_error)[:MAX_SHAPES]
     assert form is not None
-    if form.steps[-1].stress_error > LOST:
+    if form.steps[-1].stress_error > LOST_STRESS:
         shapes = [form, *nearest]
         good = shapes[last_good([each.structure for each in shapes], balance.loads, MPI.COMM_SELF)]
         if good is not form:

@@ -18,7 +18,7 @@ from .net_balance import constrained_net
 from .reasons.few_supports import ALL_HELD, check_spread
 from .unsettled_form import warn_of_doubt
 
-FAR = 1e3  # distance, in sizes of the fixed nodes, that counts as no shape
+MAX_DISTANCE = 1e3  # distance, in sizes of the fixed nodes, that counts as no shape
 
 
 def force_density(
@@ -176,10 +176,10 @@ def _check_size(
     size = np.ptp(fixed, axis=0).max() + np.abs(force).sum() / np.abs(densities).max()
     distance = np.linalg.norm(shape[used] - fixed.mean(axis=0), axis=1)
     far = int(distance.argmax())
-    if distance[far] > FAR * size:
+    if distance[far] > MAX_DISTANCE * size:
         raise ValueError(
-            f"These force densities put node {used[far]} {distance[far]:.3g} away, more than {FAR:g} times the size of "
-            f"the net's fixed nodes, {size:.3g}: those of both signs nearly cancel; give positive ones."
+            f"These force densities put node {used[far]} {distance[far]:.3g} away, more than {MAX_DISTANCE:g} times "
+            f"the size of the net's fixed nodes, {size:.3g}: those of both signs nearly cancel; give positive ones."
         )
 
 

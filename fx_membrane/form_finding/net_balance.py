@@ -14,7 +14,7 @@ from ..model.supports import Support
 from .balance.cable_forces import difference
 from .balance.constrained_balance import ConstrainedBalance, shortfall
 from .balance.membrane_balance import collapse_of
-from .constraints.cable_targets import MET
+from .constraints.cable_targets import TARGET_ERROR
 from .constraints.hand_over import handed_over
 from .constraints.kinds import Constraint
 from .form import Form
@@ -61,7 +61,7 @@ def constrained_net(
         kept, points = found, found.points
         miss, words = balance.targets.miss(points, following, found.wanted)
         error = difference(following, found.wanted)
-        if error <= tolerance and miss <= MET:
+        if error <= tolerance and miss <= TARGET_ERROR:
             break
         following = accelerated(following, found.wanted)
     if kept is None:

@@ -16,7 +16,7 @@ from ..model.parts import Membrane
 Array = NDArray[np.float64]
 Field = Callable[[Array], ArrayLike]
 
-UPRIGHT = 1e-8  # plan component over vector, that counts as zero
+UPRIGHT_SHARE = 1e-8  # plan component over vector, that counts as zero
 
 
 class Plan(NamedTuple):
@@ -86,7 +86,7 @@ def _plan_frame(name: str, part: Membrane, points: Array, axes: Array, sense: fl
     given = np.broadcast_to(axes[:, 0] if part.warp is None else np.asarray(part.warp), (len(part.cells), 3))
     warp = given @ axes[:, :2]
     length = np.linalg.norm(warp, axis=1)
-    gone = np.flatnonzero(length <= UPRIGHT * np.linalg.norm(given, axis=1))
+    gone = np.flatnonzero(length <= UPRIGHT_SHARE * np.linalg.norm(given, axis=1))
     if len(gone):
         raise ValueError(
             f"Part {name!r}, cell {gone[0]} at {place(points, part.cells, gone[0])}: its warp "

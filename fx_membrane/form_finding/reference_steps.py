@@ -26,7 +26,7 @@ from ..results.states import StageResult
 from ..solvers.base import Iteration, Solution
 from ..solvers.newton import Newton
 from ..solvers.progress import Pulse
-from .after_collapse import KEPT, last_good
+from .after_collapse import MAX_SHAPES, last_good
 from .balance.load_settling import LoadSettling
 from .balance.membrane_balance import nodal_loads
 from .density_steps import abandoned, wish_of
@@ -126,7 +126,7 @@ class Course:
         parts, forces, entry = _stressed(self.structure, self.points, state)
         self.points, self.steps = self.points + state.displacement, (*self.steps, entry)
         shape = _Shape(self.points, parts, forces, state.reactions, self.steps)
-        self.nearest = sorted([*self.nearest, shape], key=lambda each: each.steps[-1].stress_error)[:KEPT]
+        self.nearest = sorted([*self.nearest, shape], key=lambda each: each.steps[-1].stress_error)[:MAX_SHAPES]
         return shape
 
     def _made(self, shape: _Shape) -> Structure:

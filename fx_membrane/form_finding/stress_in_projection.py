@@ -32,7 +32,7 @@ from .balance.cable_forces import MEASURES, check_bars, difference
 from .balance.constrained_balance import ConstrainedBalance, shortfall
 from .balance.edge_balance import with_balanced_forces
 from .balance.membrane_balance import collapse_of, stressed
-from .constraints.cable_targets import MET
+from .constraints.cable_targets import TARGET_ERROR
 from .constraints.hand_over import failed_mast, handed_over
 from .constraints.kinds import Constraint
 from .form import Form, FormStep, refuse_unfit
@@ -47,7 +47,7 @@ from .unsettled_form import warn_of_doubt
 
 Array = NDArray[np.float64]
 
-BALANCED = "balanced force"  # a horizontal force that varies along a cable
+BALANCED_WORDS = "balanced force"  # a horizontal force that varies along a cable
 
 
 def projected_stress(
@@ -136,7 +136,7 @@ def projected_stress(
         refuse_unfit(structure)
         loads = checked_form_loads(structure, loads)
         fields = _checked_fields(structure, stress)
-        validation.choice("cables", cables, (*MEASURES, BALANCED), f"one of {[*MEASURES, BALANCED]}")
+        validation.choice("cables", cables, (*MEASURES, BALANCED_WORDS), f"one of {[*MEASURES, BALANCED_WORDS]}")
         axes = _axes(validation.direction("direction", direction))
         tolerance = validation.positive("tolerance", tolerance)
         max_iterations = validation.positive_integer("max_iterations", max_iterations)
@@ -188,7 +188,7 @@ def _settled(
     first = balance.start(plans)
     densities, following, kept = dict[str, Array](), first, None
     collapse, accelerated, miss, fold = "", balance.acceleration(), np.inf, ""
-    while (error > tolerance or miss > MET) and len(steps) < max_iterations:
+    while (error > tolerance or miss > TARGET_ERROR) and len(steps) < max_iterations:
         pulse(f"step {len(steps) + 1} towards the forces of cables")
         found = balance(points, plans, following, len(steps) + 1)
         if isinstance(found, str):
@@ -225,7 +225,7 @@ def _axes(normal: Array) -> Array:
 
 def _measured(structure: Structure, plans: Mapping[str, Plan], axes: Array, cables: str) -> tuple[Structure, str]:
     """Structure with the force of each cell of its cables, and their meaning, one of `MEASURES`."""
-    if cables != BALANCED:
+    if cables != BALANCED_WORDS:
         return structure, cables
     return with_balanced_forces(structure, plans, axes), "horizontal force"
 

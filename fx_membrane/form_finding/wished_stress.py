@@ -68,14 +68,15 @@ Array = NDArray[np.float64]
 WAY = 0.25  # first share of the way from an even stress to the wish
 LONGER = 1.5  # factor on it after a success
 WAYS = 14  # maximum number of shares tried
-SHORTEST = 0.02  # share, below which no further one is tried
-LOOSE = 1e-2  # tolerance of the states on the way
+MIN_SHARE = 0.02  # share, below which no further one is tried
+WAY_TOLERANCE = 1e-2  # tolerance of the states on the way
 FEWEST, DOUBTED = 3, 7000  # shares tried at least, and shares times cells, where the rules let expect no form
 ON_WAY = 12  # maximum number of steps of each
 ON_TRIAL = 25  # the same of a trial without one cause of a failure
 TRIED = 1e-4  # tolerance of a trial
-FAR = 0.5  # relative difference of stress and wish, in the mean over the area, above which the form is not the wish
-NEAR = 0.02  # the same, below which a form under constraints stays where no step comes nearer
+# Relative difference of stress and wish, in the mean over the area, above which the form is not the wish.
+MAX_STRESS_ERROR = 0.5
+ACCEPTED_STRESS_ERROR = 0.02  # the same, below which a form under constraints stays where no step comes nearer
 
 
 def prescribed_stress(
@@ -165,7 +166,7 @@ def prescribed_stress(
         return _is_found(other, pulse, max(tolerance, TRIED), max_iterations, at_once)
 
     trial = is_found if balance is None else None
-    trouble = reason_of(problem.at(state), state, steps, failure, tolerance, max_iterations, FAR, trial)
+    trouble = reason_of(problem.at(state), state, steps, failure, tolerance, max_iterations, MAX_STRESS_ERROR, trial)
     told = tuple(steps) or (FormStep(state.area, np.inf, state.largest),)  # a shape on the way to the wish
     off = "" if balance is None else balance.targets.off(state.points, state.densities)
     apart = distance(problem, state)
@@ -217,7 +218,9 @@ def _nearest(
         found = settled(problem, near, pulse, tolerance, most)
         if not found[2]:
             return found
-        if problem.cables is not None and found[0].mean <= NEAR:  # at rest but for bodies that slide within it
+        if (
+            problem.cables is not None and found[0].mean <= ACCEPTED_STRESS_ERROR
+        ):  # at rest but for bodies that slide within it
             return found[0], found[1], ""
     except (RuntimeError, ValueError) as trouble:  # the even shape has no limits of this kind
         reason = f"; near it, {str(trouble).rstrip('.')}" if problem.cables is not None else ""
@@ -256,7 +259,7 @@ def _by_way(
             length /= 2
             while share + length >= 1:  # the try that has just failed
                 length /= 2
-            if length < SHORTEST:
+            if length < MIN_SHARE:
                 break
         elif following == 1:
             return reached
@@ -276,8 +279,8 @@ def _is_found(problem: NearestProblem, pulse: Pulse, tolerance: float, most: int
             state, steps, failure = _nearest(problem, pulse, tolerance, few)
     except (RuntimeError, ValueError):
         return False
-    is_near = not failure and state.mean <= FAR and steps[-1].change <= tolerance
-    return is_near and not is_far_at_edges(problem, state, FAR)
+    is_near = not failure and state.mean <= MAX_STRESS_ERROR and steps[-1].change <= tolerance
+    return is_near and not is_far_at_edges(problem, state, MAX_STRESS_ERROR)
 
 
 def _reached(
@@ -287,7 +290,7 @@ def _reached(
     at = problem if share == 1 else problem.towards(start, share)
     try:
         begun = at.state(state.points, state.multipliers, least=0.0, before=state.densities)
-        found = settled(at, begun, pulse, *((tolerance, most) if share == 1 else (LOOSE, ON_WAY)))
+        found = settled(at, begun, pulse, *((tolerance, most) if share == 1 else (WAY_TOLERANCE, ON_WAY)))
     except (RuntimeError, ValueError):
         return None
     return None if found[2] else found

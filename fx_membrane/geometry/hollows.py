@@ -18,8 +18,8 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 OUTSIDE = -1
-SHALLOW = 1e-3  # depth over that of the deepest hollow, below which a hollow joins the one into which it spills
-ROUNDING = 1e-9  # depth over the size of the surface that is rounding
+SHALLOW_SHARE = 1e-3  # depth over that of the deepest hollow, below which a hollow joins the one into which it spills
+DEPTH_ROUNDING = 1e-9  # depth over the size of the surface that is rounding
 
 
 class Hollows(NamedTuple):
@@ -59,7 +59,7 @@ def hollows_of(points: Array, triangles: Integers, outlets: Integers) -> Hollows
     label, pits = number[label], pits[~off]
     ways = _lowest_ways(*_all_ways(cells, label, rank, exits))
     depth = height[spill_nodes(cells, height, exits)] - height
-    least = max(SHALLOW * float(depth.max(initial=0.0)), ROUNDING * float(np.ptp(points, axis=0).max()))
+    least = max(SHALLOW_SHARE * float(depth.max(initial=0.0)), DEPTH_ROUNDING * float(np.ptp(points, axis=0).max()))
     label, pits, ways = _without_shallow(label, pits, ways, height, rank, least)
     if not len(pits):
         label, pits = np.zeros(len(points), dtype=np.int64), np.array([rank.argmin()])

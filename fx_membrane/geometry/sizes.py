@@ -13,7 +13,7 @@ from . import vector_columns
 # is rounding: 9e-4 at 1e6, 0.09 at 1e7, everything at 7e7.
 SLIVER = 1.001e7  # aspect of the most slender triangle allowed
 SLENDER = 5e5  # aspect with a rounding of 2e-4
-FLAT = 1e-10  # height over side that counts as zero
+ZERO_HEIGHT = 1e-10  # height over side that counts as zero
 
 
 def lengths(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -84,5 +84,5 @@ def aspects(points: NDArray[np.float64], cells: NDArray[np.int64]) -> NDArray[np
     if cells.shape[1] == 3:
         area = vector_columns.lengths(vector_columns.cross(sides[0], sides[1]))
         height = np.divide(area, longest, where=longest > 0, out=np.zeros_like(area))
-    rounding = np.maximum(8 * np.finfo(float).eps * largest / scale, FLAT * longest)
+    rounding = np.maximum(8 * np.finfo(float).eps * largest / scale, ZERO_HEIGHT * longest)
     return np.divide(longest, height, where=height > rounding, out=np.full(len(cells), np.inf))

@@ -21,7 +21,7 @@ from .structure import Structure
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-ROUNDING = 1e-10  # volume over that of all rain that is rounding
+VOLUME_ROUNDING = 1e-10  # volume over that of all rain that is rounding
 
 
 class Basin(NamedTuple):
@@ -114,7 +114,7 @@ def restored(
         home = hollow_at(found, triangles, node)
         if home != OUTSIDE:
             standing[home] += volume
-    state = filling(found, standing, position, triangles, ROUNDING * total)
+    state = filling(found, standing, position, triangles, VOLUME_ROUNDING * total)
     state.run()
     return StandingWater(basins_of(structure, pond, found, state.pools, position), total)
 

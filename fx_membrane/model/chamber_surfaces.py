@@ -15,7 +15,7 @@ from ..geometry.sizes import measures
 Array = NDArray[np.float64]
 Nodes = NDArray[np.int64]
 
-FLAT = 1e-9  # volume, as a fraction of the area to the power 3/2, below which a surface encloses none
+ZERO_VOLUME = 1e-9  # volume, as a fraction of the area to the power 3/2, below which a surface encloses none
 NAMED = 6  # nodes of a hole that are named
 
 
@@ -56,7 +56,7 @@ def surface(structure: Any, name: str) -> Surface:
     centers = _centers(what, structure, chamber, rims)
     fans = np.column_stack([rims, len(structure.points) + np.arange(len(rims))])
     within = volume(np.vstack([structure.points, centers]), np.vstack([triangles, fans]))
-    flat = abs(within) <= FLAT * measures(structure.points, triangles).sum() ** 1.5
+    flat = abs(within) <= ZERO_VOLUME * measures(structure.points, triangles).sum() ** 1.5
     if flat and not given and len(cells) > 1:
         senses_shown = ", ".join(f'"{key}": {sense}' for key, sense in senses.items())
         raise ValueError(

@@ -40,7 +40,7 @@ from . import own_classes, term_trial
 from .term_parameters import described, kinds, names, values
 
 METHODS = ("energy", "virtual_work")
-MOST = 30  # quadrature degree
+MAX_DEGREE = 30  # quadrature degree
 
 
 class EnergyTerm(Protocol):
@@ -177,7 +177,7 @@ def check(what: str, term: Any) -> None:
     name = f"{what}: {kind.__name__}"
     validation.text(f"{name} part", term.part)
     degree = getattr(term, "quadrature_degree", 1)
-    validation.positive_integer(f"{name} quadrature_degree", degree, most=MOST)
+    validation.positive_integer(f"{name} quadrature_degree", degree, most=MAX_DEGREE)
     if getattr(term, "cells", None) is not None:
         validation.keep(term, cells=validation.unique_indices(f"{name} cells", term.cells, "cell"))
     for entry in names(term):

@@ -19,7 +19,7 @@ from .own_formulas import UnfitError
 
 Array = NDArray[np.float64]
 
-STEP = 1e-4  # strain of difference quotients
+DIFFERENCE_STRAIN = 1e-4  # strain of difference quotients
 STIFFNESS = "give a typical stiffness [N/m], of bars [N], as a property or an attribute"
 KINDS = {1: "bars", 2: "membranes"}
 
@@ -118,7 +118,10 @@ def _energy_fault(law: laws.Law, sigma0: Array) -> str:
         )
     directions = _directions(len(sigma0))
     rest = laws.value(law, 0 * sigma0, sigma0)
-    values = [(laws.value(law, STEP * D, sigma0), laws.value(law, -STEP * D, sigma0)) for D in directions]
+    values = [
+        (laws.value(law, DIFFERENCE_STRAIN * D, sigma0), laws.value(law, -DIFFERENCE_STRAIN * D, sigma0))
+        for D in directions
+    ]
     if not np.isfinite([rest, *np.ravel(values)]).all():
         return "energy is not a finite number at E = 0; give one that is, in the reference shape"
     derivatives = [_derivatives(law, D, sigma0) for D in directions]
@@ -137,7 +140,7 @@ def _fault_along(
     """Sentence on a fault in the stress and the stiffness at E = 0 along a direction; empty if there is none."""
     (above, below), (slope, curvature) = values, derivatives
     wanted = float(np.sum(sigma0 * D))
-    for stress in ((above - below) / (2 * STEP), slope):
+    for stress in ((above - below) / (2 * DIFFERENCE_STRAIN), slope):
         if not abs(stress - wanted) <= 0.01 * np.abs(sigma0).max():
             return (
                 f"stress at E = 0 is {stress:.3g} under the prestress {wanted:.3g} of a trial; they must be equal: "
@@ -145,9 +148,9 @@ def _fault_along(
             )
     if curvature > 0 and not above + below - 2 * rest > 0:
         return (
-            f"energy does not grow from E = 0 under strains of {STEP:g} in the direction {D.tolist()}, where its "
-            f"second derivative {curvature:.3g} is positive: it has a kink, or loses small strains in rounding; "
-            "write it without either"
+            f"energy does not grow from E = 0 under strains of {DIFFERENCE_STRAIN:g} in the direction {D.tolist()}, "
+            f"where its second derivative {curvature:.3g} is positive: it has a kink, or loses small strains in "
+            "rounding; write it without either"
         )
     if not curvature > 0:
         return (

@@ -44,7 +44,7 @@ Array = NDArray[np.float64]
 SAMPLES = (-0.2, -0.01, 0.003, 0.05, 0.4, 3.0)  # strains at which energies are compared
 CALL = "energy(E, sigma0, parameters)"
 EXAMPLE = "inner(sigma0, E) + parameters.k * inner(E, E) / 2"
-SMALL = 1e-4  # strain of differences at rest
+REST_STRAIN = 1e-4  # strain of differences at rest
 STRETCHES = np.geomspace(1e-3, 1e4, 36)  # strains at which a compressive prestress may be taken up
 
 
@@ -198,7 +198,7 @@ def _elasticity(law: Law, dimension: int) -> Array:
     rest = value(law, none, none)
 
     def curvature(E: Array) -> float:
-        return (value(law, SMALL * E, none) + value(law, -SMALL * E, none) - 2 * rest) / SMALL**2
+        return (value(law, REST_STRAIN * E, none) + value(law, -REST_STRAIN * E, none) - 2 * rest) / REST_STRAIN**2
 
     found = np.zeros((dimension,) * 4)
     for row, (a, (i, j)) in enumerate(zip(basis, pairs, strict=True)):

@@ -15,8 +15,8 @@ from . import cell_tensors
 
 Array = NDArray[np.float64]
 
-MOST = 2.0  # ratio of natural and reference lengths from which on units or cells are mixed up
-ROUNDING = 1e-12  # of a ratio
+MAX_RATIO = 2.0  # ratio of natural and reference lengths from which on units or cells are mixed up
+RATIO_ROUNDING = 1e-12  # of a ratio
 
 
 def store(part: Any) -> None:
@@ -35,7 +35,7 @@ def check(what: str, tensors: Array) -> None:
     tensors = cell_tensors.once(tensors)
     values = np.linalg.svd(tensors, compute_uv=False)
     inverted = (np.linalg.det(tensors) <= 0) | (np.trace(tensors, axis1=1, axis2=2) <= 0)  # or turned round
-    large, small = values[:, 0] > MOST - ROUNDING, values[:, -1] < 1 / MOST + ROUNDING
+    large, small = values[:, 0] > MAX_RATIO - RATIO_ROUNDING, values[:, -1] < 1 / MAX_RATIO + RATIO_ROUNDING
     bad = np.flatnonzero(inverted | large | small)
     if len(bad):
         cell = int(bad[0])
@@ -43,7 +43,7 @@ def check(what: str, tensors: Array) -> None:
         fault = "is inverted" if inverted[cell] else f"is {ratio:.3g} times as long as in the reference shape"
         raise ValueError(
             f"{what}: cell {cell} {fault} without stress, by {validation.short_repr(tensors[cell].tolist())}; give "
-            f"ratios of natural to reference lengths between {1 / MOST:g} and {MOST:g}."
+            f"ratios of natural to reference lengths between {1 / MAX_RATIO:g} and {MAX_RATIO:g}."
         )
 
 

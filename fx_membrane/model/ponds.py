@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-UPRIGHT = 1e-3  # least upward component of a normal on which water stands
+MIN_UPWARD = 1e-3  # least upward component of a normal on which water stands
 HOW = ("level", "volume", "rain")
 
 
@@ -153,8 +153,8 @@ def check_pond(structure: Structure, stage: str, pond: Pond) -> None:
     triangles = triangles_of(structure, pond)
     upright = normals(structure.points, triangles)[:, 2]
     bad = int(upright.argmin())
-    if upright[bad] < UPRIGHT:
-        fault = "is vertical" if upright[bad] > -UPRIGHT else "is folded under the others"
+    if upright[bad] < MIN_UPWARD:
+        fault = "is vertical" if upright[bad] > -MIN_UPWARD else "is folded under the others"
         cell = bad if pond.cells is None else int(np.asarray(pond.cells)[bad])
         place = validation.format_point(structure.points[triangles[bad]].mean(axis=0))
         raise ValueError(

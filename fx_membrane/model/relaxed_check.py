@@ -15,7 +15,7 @@ from . import laws, own_formulas
 Array = NDArray[np.float64]
 
 CALL = "relaxed_energy(E, sigma0, parameters)"
-STEP = 1e-4  # strain of difference quotients
+DIFFERENCE_STRAIN = 1e-4  # strain of difference quotients
 ERROR = 1e-3  # error of a slope, over the largest
 EXTENDED = np.array([[0.01, 0.002], [0.002, 0.008]])  # strain, taut under a prestress without compression
 COMPRESSED = (np.diag([0.05, -0.2]), np.diag([-0.2, 0.05]), np.diag([-0.2, -0.1]))
@@ -103,7 +103,9 @@ def _stress(energy: Any, E: Array) -> Array:
         along = np.zeros(E.shape)
         along[i, j] += 0.5
         along[j, i] += 0.5
-        stress[i, j] = stress[j, i] = (energy(E + STEP * along) - energy(E - STEP * along)) / (2 * STEP)
+        stress[i, j] = stress[j, i] = (
+            energy(E + DIFFERENCE_STRAIN * along) - energy(E - DIFFERENCE_STRAIN * along)
+        ) / (2 * DIFFERENCE_STRAIN)
     return stress
 
 

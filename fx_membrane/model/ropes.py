@@ -144,7 +144,7 @@ def natural_stretch_of(name: str, rope: Rope, points: NDArray[np.float64]) -> fl
             f"Part {name!r} has the unstressed_length {rope.unstressed_length:g}, and a natural_stretch that makes it "
             f"{rope.natural_stretch * length:g}; give one of the two."
         )
-    if not 1 / natural_shape.MOST < ratio < natural_shape.MOST:
+    if not 1 / natural_shape.MAX_RATIO < ratio < natural_shape.MAX_RATIO:
         raise ValueError(
             f"Part {name!r} has the unstressed_length {rope.unstressed_length:g}, and its path is {length:g} long in "
             "the reference shape; give a shape of less than double and more than half of that length."

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..geometry import water_on_triangles
 from ..geometry.hollows import OUTSIDE, Hollows, hollows_of
 from ..geometry.pools import Flow
-from .basins import ROUNDING, StandingWater, basins_of, filling, hollow_at
+from .basins import VOLUME_ROUNDING, StandingWater, basins_of, filling, hollow_at
 from .ponds import Pond, outlets, triangles_of
 from .structure import Structure
 from .water_events import STILL_OVER_TINY, Change, Comparison
@@ -84,7 +84,7 @@ def renewed(
             gone[number] += rest
         else:
             above[home] += rest
-    tiny = ROUNDING * total
+    tiny = VOLUME_ROUNDING * total
     joined = [
         (a, b)
         for a, b, node in found.ways.tolist()

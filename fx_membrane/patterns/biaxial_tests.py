@@ -13,8 +13,8 @@ from ..checks import validation
 
 Array = NDArray[np.float64]
 
-APART = 1e-6  # distance of tests from one line over its length that counts as on it
-NEAR = 1e-2  # distance beyond tests over the size of the stress that counts as tested, within their accuracy
+COLLINEAR_DISTANCE = 1e-6  # distance of tests from one line over its length that counts as on it
+TESTED_DISTANCE = 1e-2  # distance beyond tests over the size of the stress that counts as tested, within their accuracy
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,13 +72,13 @@ class BiaxialTests:
                 return found
             hull = tested[ConvexHull(tested).vertices]
             nearest = _nearest(pair, hull, np.roll(hull, -1, axis=0))
-            found = between(nearest + APART * (tested.mean(axis=0) - nearest)).ravel()
+            found = between(nearest + COLLINEAR_DISTANCE * (tested.mean(axis=0) - nearest)).ravel()
         else:
             order = np.argsort(line)
             nearest = _nearest(pair, tested[order[:-1]], tested[order[1:]])
             place = np.linalg.norm(nearest - tested[order[0]])
             found = np.array([np.interp(place, line[order] - line[order[0]], column) for column in elongation[order].T])
-        if np.linalg.norm(pair - nearest) > NEAR * np.linalg.norm(pair):
+        if np.linalg.norm(pair - nearest) > TESTED_DISTANCE * np.linalg.norm(pair):
             raise ValueError(
                 f"The stress pair ({pair[0]:.6g}, {pair[1]:.6g}) is outside the biaxial tests, {tested.tolist()}; add "
                 "a test beyond it, or give factors."
@@ -92,7 +92,7 @@ def _line_of(tested: Array) -> Array | None:
     along = np.linalg.svd(away)[2][0]
     line = away @ along
     beside = np.linalg.norm(away - np.outer(line, along), axis=1)
-    return None if beside.max() > APART * np.ptp(line) else line
+    return None if beside.max() > COLLINEAR_DISTANCE * np.ptp(line) else line
 
 
 def _nearest(pair: Array, starts: Array, ends: Array) -> Array:

@@ -19,7 +19,7 @@ from .strips import Edge, Strips
 Array = NDArray[np.float64]
 
 TEXT = 0.08  # height of the name over the radius of the largest circle in the strip
-SMALL = 0.5  # height of other texts over that of the name
+TEXT_RATIO = 0.5  # height of other texts over that of the name
 LETTER = 0.9  # width of a letter over the height of capitals, and the room beside it
 MARKS = 0.5  # usual distance between marks [m]
 ARROW = 0.6  # length of the warp arrow over that of the strip along it
@@ -190,11 +190,11 @@ def _piece(strips: Strips, flat: FlatStrip, allowances: Allowances, stations: Ma
                 place, out = beside(outline.points, station, closed=len(sides) == 1)
                 marks.append(Mark(side.edge, number, np.array([place, place + (outline.allowance or height) * out])))
                 beyond = np.array([place + outline.allowance * out, out])
-                numbers.append(Label(str(number), place - SMALL * height * out, 0.0, SMALL * height, beyond))
+                numbers.append(Label(str(number), place - TEXT_RATIO * height * out, 0.0, TEXT_RATIO * height, beyond))
     copies = (flat.name, *(copy for copy, original in strips.copies.items() if original == flat.name))
     named = f"{flat.name} ({len(copies)} times)" if len(copies) > 1 else flat.name
     name = Label(named, warp.mean(axis=0) + np.array([0.0, height]), 0.0, height)
-    words = tuple(_words_along(side, SMALL * height) for side in sides)
+    words = tuple(_words_along(side, TEXT_RATIO * height) for side in sides)
     return Piece(
         flat.name,
         copies,

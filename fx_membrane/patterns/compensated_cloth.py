@@ -19,7 +19,7 @@ from .strips import Strips
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-EQUAL = 1e-13  # difference of lengths over length that counts as none
+EQUAL_LENGTHS = 1e-13  # difference of lengths over length that counts as none
 UNIFORM = 1e-9  # difference of ratios within a strip that counts as none
 
 
@@ -111,7 +111,7 @@ def _cloth(flat: Flattened, ratios: Array, kept: tuple[str, ...]) -> Array:
     bound = bound_sides(flat.strips, pieces, flat.sewn, kept, flat.strips.structure.points[pieces.nodes])
     one, other = lengths(places, bound.here), lengths(places, bound.there)
     gaps = one / np.where(bound.given, bound.length, other) - 1
-    if uniform and np.abs(gaps).max(initial=0.0) < EQUAL:
+    if uniform and np.abs(gaps).max(initial=0.0) < EQUAL_LENGTHS:
         return places
     shapes = ratios @ sides(flat.places, pieces.triangles)
     return least_energy(flat.cloth.with_shapes(shapes), places, pieces.strip_of_point, bound).places

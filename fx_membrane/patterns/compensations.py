@@ -24,11 +24,11 @@ Compensation = (
     | Mapping[str, Literal["prestress"] | float | Sequence[float] | BiaxialTests]
 )
 
-LONGEST = 1.1  # factors above it are percentages: cloth that much longer than the surface bears nothing
-LEAST, MOST = 0.8, 1.25  # ratios of cloth to surface beyond which units or signs are probably mixed up
-STEPS = 30
-SETTLED = 1e-12  # change of stretch that counts as rounding
-SMALL = 1e-6  # strain of difference quotients
+MAX_COMPENSATION = 1.1  # factors above it are percentages: cloth that much longer than the surface bears nothing
+MIN_RATIO, MAX_RATIO = 0.8, 1.25  # ratios of cloth to surface beyond which units or signs are probably mixed up
+MAX_NEWTON_STEPS = 30
+STRETCH_ROUNDING = 1e-12  # change of stretch that counts as rounding
+DIFFERENCE_STRAIN = 1e-6  # strain of difference quotients
 ENTRIES = ((0, 0), (1, 1), (0, 1))
 
 
@@ -98,12 +98,12 @@ def factors_of(what: str, given: float | Sequence[float]) -> Array:
             f"{what} has shape {factors.shape}; give one ratio of cloth to flat lengths, or a (warp, weft) pair."
         )
     factors = np.broadcast_to(factors, 2)
-    if not ((factors >= LEAST) & (factors <= MOST)).all():
+    if not ((factors >= MIN_RATIO) & (factors <= MAX_RATIO)).all():
         raise ValueError(
             f"{what} is {factors.tolist()}; give ratios of cloth to flat lengths near one, as 0.99 for 1 % shorter, "
-            f"between {LEAST:g} and {MOST:g}."
+            f"between {MIN_RATIO:g} and {MAX_RATIO:g}."
         )
-    if factors.max() > LONGEST:
+    if factors.max() > MAX_COMPENSATION:
         raise ValueError(
             f"{what} is {factors.tolist()}: cloth {100 * (factors.max() - 1):.3g} % longer than the surface; give "
             "ratios of cloth to flat lengths, not percentages, as 0.988 for 1.2 % shorter."
@@ -122,7 +122,7 @@ def _by_law(flat: Flattened, names: Sequence[str]) -> Array:
             stress[cells] = 0.0
     found = np.linalg.inv(stretch_of_stress(flat.cloth, stress))
     values = np.linalg.eigvalsh(found)
-    far = np.maximum(values[:, 1] / MOST, LEAST / values[:, 0])
+    far = np.maximum(values[:, 1] / MAX_RATIO, MIN_RATIO / values[:, 0])
     cell = first_largest(far)
     if not far[cell] <= 1:
         name, where = flat.pieces.names[flat.pieces.strip_of_cell[cell]], _place(flat, slice(cell, cell + 1))
@@ -159,21 +159,21 @@ def stretch_of_stress(cloth: Cloth, stress: Array) -> Array:
     stretch = np.broadcast_to(np.eye(2), stress.shape).copy()
     scale = np.array([law.stiffness for law in cloth.laws])[cloth.owner]
     with np.errstate(all="ignore"):
-        for _ in range(STEPS):
+        for _ in range(MAX_NEWTON_STEPS):
             found = cloth.stress(stretch)
             slopes = np.empty((len(stress), 3, 3))
             for column, (i, j) in enumerate(ENTRIES):
                 moved = stretch.copy()
-                moved[:, i, j] += SMALL
+                moved[:, i, j] += DIFFERENCE_STRAIN
                 moved[:, j, i] = moved[:, i, j]
-                slopes[:, :, column] = _entries(cloth.stress(moved) - found) / SMALL
+                slopes[:, :, column] = _entries(cloth.stress(moved) - found) / DIFFERENCE_STRAIN
             slopes += 1e-12 * scale[:, None, None] * np.eye(3)
             step = np.linalg.solve(slopes, _entries(stress - found)[:, :, None])[:, :, 0]
             step *= np.minimum(1.0, 0.1 / np.maximum(np.abs(step).max(axis=1), 1e-300))[:, None]
             for column, (i, j) in enumerate(ENTRIES):
                 stretch[:, i, j] += step[:, column]
                 stretch[:, j, i] = stretch[:, i, j]
-            if np.abs(step).max() < SETTLED:
+            if np.abs(step).max() < STRETCH_ROUNDING:
                 return stretch
     away = np.abs(step).max(axis=1)
     cell = int(np.argmax(np.where(np.isfinite(away), away, np.inf)))

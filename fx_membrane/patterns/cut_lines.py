@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 FINE = 1e-9  # of the size of a strip: grid on which its outline is joined
-PARALLEL = 1e-9  # sine of the angle between lines that do not meet
+PARALLEL_SINE = 1e-9  # sine of the angle between lines that do not meet
 
 
 class Ring(NamedTuple):
@@ -161,7 +161,7 @@ def _mitre(ring: Ring, after: Ring, row: int, sine: float, cosine: float, limit:
     one, other = float(ring.widths[row]), float(after.widths[row])
     start, end = one * ring.out[row], other * after.out[row]
     meeting = None
-    if sine > PARALLEL:
+    if sine > PARALLEL_SINE:
         forward, backward = (other - one * cosine) / sine, (one - other * cosine) / sine
         if forward < 0 or backward < 0:  # the wider allowance ends beside the narrower one
             return []

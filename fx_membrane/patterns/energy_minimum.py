@@ -24,8 +24,8 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 MOST_STEPS = 100
-EXACT = 1e-8  # step over size, after which one more step reaches rounding
-SHORTEST = 1e-4  # shortest step of the line search
+LAST_STEP = 1e-8  # step over size, after which one more step reaches rounding
+MIN_STEP = 1e-4  # shortest step of the line search
 SHIFTS = 12  # tries with a stiffer tangent
 
 
@@ -84,7 +84,7 @@ def least_energy(cloth: StressFree, places: Array, owner: Integers, links: Links
             break
         shift = 0.0 if length == 1 and shift < 1e-6 * stiffness.diagonal().mean() else shift / 10 * (length < 1)
         places, energy, multipliers = places + length * step, reached, found
-        if length == 1 and np.abs(step).max() < EXACT * size and shift == 0:
+        if length == 1 and np.abs(step).max() < LAST_STEP * size and shift == 0:
             polished = _polished(cloth, places, links, multipliers, free)
             return Shape(polished, cloth.energy(polished))
     raise RuntimeError(
@@ -178,12 +178,12 @@ def _line_search(
     """Length of the step, zero if none lowers the merit, and the energy there."""
     weight = 1.5 * float(np.abs(multipliers).max(initial=0.0))
     slope = float(forces @ step.ravel()) - weight * float(np.abs(gaps).sum())
-    small = np.abs(step).max() < EXACT * np.ptp(places, axis=0).max()
+    small = np.abs(step).max() < LAST_STEP * np.ptp(places, axis=0).max()
     if not np.isfinite(step).all() or (slope > 0 and not small):
         return 0.0, energy
     length = min(1.0, 0.8 * step_to_flip(places, step, cloth.cloth.triangles))
     merit = energy + weight * float(np.abs(gaps).sum())
-    while length > SHORTEST:
+    while length > MIN_STEP:
         trial = places + length * step
         reached = cloth.energy(trial)
         if small or reached + weight * float(np.abs(_gaps(trial, links)).sum()) <= merit + 1e-4 * length * slope:

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 MOST_STEPS = 60
-SETTLED = 1e-4  # relative decrease of the energy that ends the steps
+SETTLED_DECREASE = 1e-4  # relative decrease of the energy that ends the steps
 ISOMETRY = 4.0  # symmetric Dirichlet energy of an isometry per area
 
 
@@ -79,7 +79,7 @@ def _nearly_isometric(places: Array, shapes: Array, triangles: Integers) -> Arra
         places = places + length * step
         energy = _energy(places, slopes, area, triangles)
         excess = energy - ISOMETRY * area.sum()
-        if before - energy < SETTLED * excess or excess < 1e-13 * energy:
+        if before - energy < SETTLED_DECREASE * excess or excess < 1e-13 * energy:
             break
     return places
 

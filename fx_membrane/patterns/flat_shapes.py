@@ -23,9 +23,9 @@ from .surface_folds import refuse_folded
 
 Array = NDArray[np.float64]
 
-STRAIGHT = 1e-9  # change of places over size after which threads count as straight
-TURNS = 12  # passes in which the threads of a woven fabric are made straight
-LARGEST = 1.5  # ratio of flat lengths to those on the surface, or its inverse, beyond which a strip is refused
+STRAIGHT_CHANGE = 1e-9  # change of places over size after which threads count as straight
+MAX_PASSES = 12  # passes in which the threads of a woven fabric are made straight
+MAX_LENGTH_RATIO = 1.5  # ratio of flat lengths to those on the surface, or its inverse, beyond which a strip is refused
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +144,7 @@ def _check_stretch(places: Array, shapes: Array, pieces: Pieces, points: Array) 
     stretch = np.linalg.svd(sides(places, pieces.triangles) @ np.linalg.inv(shapes), compute_uv=False)
     ratio = np.maximum(stretch[:, 0], 1 / stretch[:, 1])
     cell = int(ratio.argmax())
-    if ratio[cell] > LARGEST:
+    if ratio[cell] > MAX_LENGTH_RATIO:
         name = pieces.names[pieces.strip_of_cell[cell]]
         where = format_point(points[pieces.triangles[cell]].mean(axis=0))
         raise ValueError(
@@ -183,13 +183,13 @@ def _turn(direction: Array) -> Array:
 def _straightened(cloth: Cloth, shapes: Array, places: Array, pieces: Pieces, bound: Links) -> tuple[Shape, Array]:
     """Least energy with the threads of woven fabrics straight in the plane; also the sides in axes of these threads."""
     directed = np.array([laws.is_directed(law) for law in cloth.laws])[pieces.strip_of_cell]
-    for _ in range(TURNS):
+    for _ in range(MAX_PASSES):
         before = places
         found = least_energy(cloth.with_shapes(shapes), places, pieces.strip_of_point, bound)
         places = _laid_out(found.places, shapes, pieces)
         angle = np.where(directed, thread_angles(places, shapes, pieces), 0.0)
         shapes = turned_shapes(shapes, angle)
-        if not directed.any() or np.abs(places - before).max() < STRAIGHT * float(np.ptp(places)):
+        if not directed.any() or np.abs(places - before).max() < STRAIGHT_CHANGE * float(np.ptp(places)):
             break
     return Shape(places, found.energy), shapes
 

@@ -44,8 +44,8 @@ Array = NDArray[np.float64]
 CALM = 1e-2  # weight of the strain energy of the motion, as stress
 REFUSED = 1e6  # objective of a pattern without equilibrium, over that of the first
 FIRST = 0.1  # root mean square of the first trust region, over the edge of a cell
-EXACT = 1e-9  # rms error that rounding may have
-EQUAL = 1e-9  # difference of bound lengths over the length that a pattern may have
+RMS_ROUNDING = 1e-9  # rms error that rounding may have
+EQUAL_LENGTHS = 1e-9  # difference of bound lengths over the length that a pattern may have
 MEMORY = 3  # accepted steps in a row with less than the tolerance of gain that end the loop
 
 
@@ -113,7 +113,7 @@ def nearest_stress_pattern(
     motion = OutlineMotion(pattern.strips, pieces, roof.start.places, kept)
     pulse = Pulse("nearest stress", comm.rank == 0 and progress)
     search = Search(roof, motion, pulse, tolerance)
-    if roof.start.objective > EXACT**2 / 2:
+    if roof.start.objective > RMS_ROUNDING**2 / 2:
         search.run(max_iterations)
     else:
         search.converged = True
@@ -239,7 +239,7 @@ class Search:
             self.remark = "more steps are needed; give a larger max_iterations"
             if self.refused:
                 self.remark = f"{self.refused} patterns found no equilibrium, or turned a cell over"
-        if np.abs(self._motion.differences(z)).max(initial=0.0) > EQUAL:
+        if np.abs(self._motion.differences(z)).max(initial=0.0) > EQUAL_LENGTHS:
             self.converged, self.remark = False, "the pattern found has no equal seams; the given one is kept"
         elif state is not None and state.objective < self._roof.start.objective:
             self.best = state

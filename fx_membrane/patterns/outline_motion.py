@@ -23,7 +23,7 @@ from .strips import Strips
 Array = NDArray[np.float64]
 
 ROUNDS = 20  # Newton steps towards equal seams
-EQUAL = 1e-14  # difference over length that counts as none
+EQUAL_LENGTHS = 1e-14  # difference over length that counts as none
 
 
 class OutlineMotion:
@@ -100,7 +100,7 @@ class OutlineMotion:
         """Nearest motion with lengths that are bound to rounding."""
         for _ in range(ROUNDS):
             off = self.differences(z)
-            if np.abs(off).max(initial=0.0) <= EQUAL:
+            if np.abs(off).max(initial=0.0) <= EQUAL_LENGTHS:
                 break
             C = self.slopes(z)
             z = z - C.T @ splu((C @ C.T).tocsc()).solve(off)

@@ -10,13 +10,13 @@ from ..checks.validation import format_point
 from ..checks.values import counted
 from ..geometry.extremes import first_largest
 from ..results.screen_lines import wrapped
-from .strip_proofs import MOST
+from .strip_proofs import JUDGED_SHARE
 
 if TYPE_CHECKING:
     from .proofs import PatternProof
 
 FOUND = ("wanted", "least", "mean", "largest")
-WIDE = 98  # columns of all lines, where names of strips have at most twelve letters
+LINE_WIDTH = 98  # columns of all lines, where names of strips have at most twelve letters
 
 
 def data(proof: PatternProof) -> dict[str, Any]:
@@ -73,16 +73,16 @@ def text(proof: PatternProof, force: str | None = None, length: str | None = Non
             "the design",
             f"                           largest in {told['strip of stress error']}, cell "
             f"{told['cell of stress error']}, at {error}",
-            f"  stress error of most     below {most:.3g} % on {100 * MOST:g} % of the area",
+            f"  stress error of most     below {most:.3g} % on {100 * JUDGED_SHARE:g} % of the area",
             f"  largest shift            {told['largest shift']:.4g} {length} at node {told['node of largest shift']}, "
             f"{shift}",
             f"  flattening energy        {told['flattening energy']:.6g} {energy}",
             f"  largest seam difference  {told['seam difference']:.2g} of the length, cloth on both sides",
-            *(wrapped(words, 0, 2, WIDE) for words in told["remarks"]),
+            *(wrapped(words, 0, 2, LINE_WIDTH) for words in told["remarks"]),
             "",
             f"Cloth [{length}], change of area by flattening and stress error [%], and the place of the largest",
             f"widest: for a stress error of {100 * proof.wanted_error:g} % at the edges, by the curvature of "
-            f"{100 * MOST:g} % of the area",
+            f"{100 * JUDGED_SHARE:g} % of the area",
             f"{'strip':<{wide}}{'length':>8}{'width':>8}{'widest':>8}{'change':>8}{'mean':>8}{'rms':>8}{'largest':>8}"
             "  place",
             *(_fit(row, wide) for row in rows),
@@ -115,7 +115,9 @@ def _too_wide(rows: list[dict[str, Any]], roll: float | None, length: str) -> li
     if not wide:
         return []
     names = ", ".join(name.replace(" ", "\0") for name in wide)  # a name stays in one line
-    return wrapped(f"Wider than the roll without allowances, {roll:.4g} {length}: {names}", 0, 2, WIDE).splitlines()
+    return wrapped(
+        f"Wider than the roll without allowances, {roll:.4g} {length}: {names}", 0, 2, LINE_WIDTH
+    ).splitlines()
 
 
 def _stresses(row: dict[str, Any], wide: int) -> str:

@@ -13,7 +13,7 @@ from .cloth_pieces import Piece
 
 Array = NDArray[np.float64]
 
-GAP = 0.01  # usual distance between pieces [m]
+PIECE_DISTANCE = 0.01  # usual distance between pieces [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +87,7 @@ class RollLayout:
         return 1.0 - self.cut_area / self.area
 
 
-def laid_on_roll(pieces: Mapping[str, Piece], width: float, *, gap: float = GAP) -> RollLayout:
+def laid_on_roll(pieces: Mapping[str, Piece], width: float, *, gap: float = PIECE_DISTANCE) -> RollLayout:
     """Lay pieces and their copies on a roll, side by side in rows across it, the longest first.
 
     A piece may be turned by 180 degrees, so that tapered strips lie head to tail; the warp stays along the roll. Copies

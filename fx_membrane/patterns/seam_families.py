@@ -25,8 +25,8 @@ Integers = NDArray[np.int64]
 Border = str | int | ArrayLike
 
 NODE = 1e-9  # distance from a node over the length of an edge, below which a seam ends at the node
-TURNS = 360  # positions of a closed border that are tried against the other one
-MOST = 500  # strips by roll width
+MAX_POSITIONS = 360  # positions of a closed border that are tried against the other one
+MAX_STRIPS = 500  # strips by roll width
 
 
 class _Line(NamedTuple):
@@ -168,7 +168,7 @@ def _facing(starts: Array, b: _Line, shares: Array) -> Array:
     """Shares of a border that are nearest to the starts of seams on the other one."""
     offsets = np.array([0.0])
     if b.closed:
-        offsets = np.concatenate([b.runs[:-1] / b.runs[-1], np.arange(TURNS) / TURNS])
+        offsets = np.concatenate([b.runs[:-1] / b.runs[-1], np.arange(MAX_POSITIONS) / MAX_POSITIONS])
     best, least = shares, np.inf
     for sense in (1.0, -1.0):
         for offset in offsets:
@@ -226,15 +226,15 @@ def _for_roll(
 
     longest = max(float(line.runs[-1]) for line in (a, b))
     count = max(1, int(np.ceil(longest / roll_width - 1e-9)))
-    seams, width, reason = tried(count) if count <= MOST else ([], np.inf, "")
+    seams, width, reason = tried(count) if count <= MAX_STRIPS else ([], np.inf, "")
     while width > roll_width:
         grown = 2 * count if np.isinf(width) else int(np.ceil(0.98 * count * width / roll_width))
         count = max(count + 1, grown)
-        if count > MOST:
+        if count > MAX_STRIPS:
             told = f" {reason}" if reason else ""
             raise ValueError(
-                f"roll_width is {roll_width:.4g}, too little for {MOST} strips; give a wider roll, or seams by hand."
-                f"{told}"
+                f"roll_width is {roll_width:.4g}, too little for {MAX_STRIPS} strips; give a wider roll, or seams by "
+                f"hand.{told}"
             )
         seams, width, reason = tried(count)
     while count > 1:

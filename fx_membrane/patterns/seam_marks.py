@@ -13,7 +13,7 @@ from .strips import Edge
 
 Array = NDArray[np.float64]
 
-MOST = 10_000  # marks along one seam: beyond it the spacing has another unit
+MAX_MARKS = 10_000  # marks along one seam: beyond it the spacing has another unit
 
 
 def stations_of(pattern: CuttingPattern, spacing: float) -> dict[str, Array]:
@@ -55,7 +55,7 @@ def _stations(points: Array, corners: Array, edge: Edge, spacing: float) -> Arra
     rows = np.arange(len(along), dtype=np.float64)
     stops = np.concatenate([[0.0], along[corners.astype(int)], along[-1:]])
     counts = np.maximum(1, np.round(np.diff(stops) / spacing))
-    if counts.sum() > MOST:
+    if counts.sum() > MAX_MARKS:
         raise ValueError(
             f"mark_spacing is {spacing:g}: {counts.sum():.0f} marks along {edge.name!r} of length {along[-1]:.4g}; "
             "enlarge it."

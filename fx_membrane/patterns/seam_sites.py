@@ -15,7 +15,7 @@ from .split_mesh import SplitMesh, barycentric
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-ROUNDING = 1e-7  # barycentric coordinate that counts as zero
+ZERO_BARYCENTRIC = 1e-7  # barycentric coordinate that counts as zero
 
 
 class Site(NamedTuple):
@@ -53,7 +53,7 @@ def sites_of(surface: Surface, number: int, places: Array, snap: float, shortest
     facets, places = facets[bent], places[bent]
     corners = surface.points[surface.triangles[facets]]
     shares = barycentric(corners, places)
-    shares[shares < ROUNDING] = 0.0
+    shares[shares < ZERO_BARYCENTRIC] = 0.0
     within = (shares > 0).all(axis=1)
     shares[within[:, None] & (shares < snap)] = 0.0
     shares /= shares.sum(axis=1, keepdims=True)
@@ -74,9 +74,9 @@ def _bends(surface: Surface, facets: Integers, places: Array) -> NDArray[np.bool
     length = np.linalg.norm(side, axis=1)
     aside = np.linalg.norm(np.cross(side[:-1], side[1:]), axis=1) / np.maximum(length[:-1] + length[1:], 1e-300)
     corners = surface.points[surface.triangles[facets[1:-1]]]
-    within = (barycentric(corners, places[1:-1]) > ROUNDING).all(axis=1)
+    within = (barycentric(corners, places[1:-1]) > ZERO_BARYCENTRIC).all(axis=1)
     size = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1)
-    return np.concatenate([[True], ~within | (aside > ROUNDING * size), [True]])
+    return np.concatenate([[True], ~within | (aside > ZERO_BARYCENTRIC * size), [True]])
 
 
 def _through_nodes(sites: list[Site]) -> list[Site]:

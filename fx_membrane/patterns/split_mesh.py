@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Pair = tuple[int, int]
 
-DEPTH = 6  # times that a stretch is laid anew where its own splits crossed it
+MAX_REPEATS = 6  # times that a stretch is laid anew where its own splits crossed it
 
 
 def pair(a: int, b: int) -> Pair:
@@ -110,7 +110,7 @@ class SplitMesh:
         if self.has(first, last):
             return [first, last]
         common = self._facets_at[first] & self._facets_at[last]
-        if not common or depth > DEPTH:
+        if not common or depth > MAX_REPEATS:
             raise ValueError(
                 f"a seam cannot be laid from {validation.format_point(self.at(first))} to "
                 f"{validation.format_point(self.at(last))}; move it, or mesh the surface more finely there."

@@ -18,7 +18,7 @@ from .strips import Edge, Strips, check_strips
 Array = NDArray[np.float64]
 
 SAMPLES = 16  # places along each edge that are compared
-CLOSE = 1e-4  # difference of places over the length of a strip up to which strips are alike
+ALIKE_DISTANCE = 1e-4  # difference of places over the length of a strip up to which strips are alike
 STRESS = 0.01  # difference of prestress over the larger up to which it is alike
 
 
@@ -116,7 +116,7 @@ def _sense(
     if one is None or two is None or len(one.kinds) != len(two.kinds) or a.material != b.material:
         return 0
     size = float(np.linalg.norm(np.ptp(one.places.reshape(-1, 3), axis=0)))
-    least = CLOSE * size if tolerance is None else tolerance
+    least = ALIKE_DISTANCE * size if tolerance is None else tolerance
     count = len(one.kinds)
     for sense in (1, -1):
         places = two.places if sense > 0 else two.back[::-1]

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from ..geometry.line_order import lines_between
 from ..model.structure import Structure
-from ..surfaces.feature_lines import TURN
+from ..surfaces.feature_lines import CORNER_ANGLE
 from .split_mesh import Pair, pair
 from .strips import Edge
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-CORNER = 1.1 * TURN  # angle between segments of a border from which on there is a corner [rad]
+CORNER = 1.1 * CORNER_ANGLE  # angle between segments of a border from which on there is a corner [rad]
 
 
 class _Kind(NamedTuple):

@@ -19,8 +19,9 @@ from .strips import Strips
 
 Array = NDArray[np.float64]
 
-FLAT = 1e-9  # curvature times length squared that counts as none
-MOST = 0.95  # share of the area that errors and curvature are judged on: single cells at corners and rims count little
+FLAT_CURVATURE = 1e-9  # curvature times length squared that counts as none
+# Share of the area that errors and curvature are judged on: single cells at corners and rims count little.
+JUDGED_SHARE = 0.95
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +79,7 @@ def most(values: Array, area: Array) -> float:
     """Value that cells of 95 % of the area do not exceed."""
     order = np.argsort(values)
     covered = np.cumsum(area[order])
-    return float(values[order][min(np.searchsorted(covered, MOST * covered[-1]), len(values) - 1)])
+    return float(values[order][min(np.searchsorted(covered, JUDGED_SHARE * covered[-1]), len(values) - 1)])
 
 
 def curvature_of_strips(strips: Strips) -> dict[str, Array]:
@@ -116,7 +117,7 @@ def strip_proof(
         length=cloth.length,
         width=cloth.width,
         curvature=curvature,
-        widest=2 * float(np.sqrt(3 * strain / steepest)) if steepest * cloth.length**2 > FLAT else np.inf,
+        widest=2 * float(np.sqrt(3 * strain / steepest)) if steepest * cloth.length**2 > FLAT_CURVATURE else np.inf,
         utilisation=None if limit is None else found.principal.max(axis=1) / limit,
     )
 

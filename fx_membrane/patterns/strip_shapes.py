@@ -19,7 +19,7 @@ from .split_mesh import Pair
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-ROUND = 0.05  # difference of two extents of a strip over the larger, below which neither is the axis
+ROUND_DIFFERENCE = 0.05  # difference of two extents of a strip over the larger, below which neither is the axis
 
 
 class Opened(NamedTuple):
@@ -133,7 +133,7 @@ def laid_out(name: str, points: Array, strip: Opened, warp: Array, wanted: Array
     if wanted is None:
         values, axes = _moments(places, area)
         along = axes[:, 1]
-        if np.sqrt(values[0]) > (1 - ROUND) * np.sqrt(values[1]):
+        if np.sqrt(values[0]) > (1 - ROUND_DIFFERENCE) * np.sqrt(values[1]):
             along = _narrowest(flat.points, _mean_axis(warp, gradients, area))
     else:
         along = _mean_axis(wanted, gradients, area)
@@ -167,5 +167,5 @@ def _narrowest(points: Array, present: Array) -> Array:
     edges = np.roll(hull, -1, axis=0) - hull
     axes = np.vstack([present, edges / np.linalg.norm(edges, axis=1, keepdims=True)])
     width = np.ptp(hull @ np.stack([-axes[:, 1], axes[:, 0]]), axis=0)
-    near = np.where(width <= (1 + ROUND) * width.min(), np.abs(axes @ present), -1.0)
+    near = np.where(width <= (1 + ROUND_DIFFERENCE) * width.min(), np.abs(axes @ present), -1.0)
     return np.asarray(axes[near.argmax()])

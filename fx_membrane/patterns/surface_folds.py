@@ -11,7 +11,7 @@ from ..geometry.sizes import normals
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-TURN = np.radians(170)  # angle between the normals of neighbours from which on they lie on each other
+FOLD_ANGLE = np.radians(170)  # angle between the normals of neighbours from which on they lie on each other
 
 
 def refuse_folded(name: str, points: Array, triangles: Integers) -> None:
@@ -32,7 +32,7 @@ def refuse_folded(name: str, points: Array, triangles: Integers) -> None:
     first, second = cell[order[:-1][same]], cell[order[1:][same]]
     normal = normals(points, triangles)
     cosine = np.einsum("ki,ki->k", normal[first], normal[second])
-    if cosine.min(initial=1.0) < np.cos(TURN):
+    if cosine.min(initial=1.0) < np.cos(FOLD_ANGLE):
         where = points[ends[order[:-1][same][cosine.argmin()]]].mean(axis=0)
         raise ValueError(
             f"Strip {name!r} is folded at {format_point(where)}: two cells beside an edge lie on each other; lead a "

@@ -34,7 +34,7 @@ States = StageResults | Sequence[Shape] | EquilibriumPath | StageResult
 
 DOTS = 100  # [1/inch]
 SWING = 0.1  # largest displacement of a mode over the size of the structure, by default
-MOST = 500  # frames; more take minutes and hundreds of megabytes
+MAX_FRAMES = 500  # frames; more take minutes and hundreds of megabytes
 
 
 @by_the_first
@@ -143,8 +143,10 @@ def _checked(
         given = list(states.values()) if isinstance(states, StageResults) else _listed(states)
         subjects = [shown("animation", state) for state in given]
         names = _names(given)
-    if not 1 <= len(subjects) <= MOST:
-        raise ValueError(f"The first argument of animation has {counted(len(subjects), 'state')}; give 1 to {MOST}.")
+    if not 1 <= len(subjects) <= MAX_FRAMES:
+        raise ValueError(
+            f"The first argument of animation has {counted(len(subjects), 'state')}; give 1 to {MAX_FRAMES}."
+        )
     return subjects, names, given
 
 
@@ -185,7 +187,7 @@ def _swinging(
     largest = float(np.linalg.norm(shape, axis=1).max())
     if largest == 0:
         raise ValueError("motion is zero; give the shape of a mode.")
-    count = validation.positive_integer("frames", count, MOST)
+    count = validation.positive_integer("frames", count, MAX_FRAMES)
     factor = SWING * subject.structure.size / largest if scale is None else validation.number("scale", scale)
     phases = np.cos(2 * np.pi * np.arange(count) / count)
     subjects = [replace(subject, displacement=subject.displacement + factor * phase * shape) for phase in phases]

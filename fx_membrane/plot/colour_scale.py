@@ -12,8 +12,8 @@ from .fields import Checked, joined
 from .scene import INK, Colours
 
 BANDS = 16
-ROUNDING = 5e-4  # number over the range of a scale, below which its three digits have none for it
-LONG = 5.1  # length of a colour bar [inches]
+DIGIT_ROUNDING = 5e-4  # number over the range of a scale, below which its three digits have none for it
+BAR_LENGTH = 5.1  # length of a colour bar [inches]
 LETTER = 0.64  # width of a digit over the size of its font
 STATES = dict(zip(ORDER, ("#8fc1b5", "#f2b950", "#d1495b"), strict=True))  # taut, wrinkled, slack
 
@@ -42,7 +42,7 @@ def colours(
 
 def beyond(values: NDArray[np.float64], ends: tuple[float, float]) -> tuple[bool, bool]:
     """Tell if values lie below the ends of a scale, and if they lie above; rounding beside its range does not count."""
-    room = ROUNDING * (ends[1] - ends[0])
+    room = DIGIT_ROUNDING * (ends[1] - ends[0])
     return bool(values.min() < ends[0] - room), bool(values.max() > ends[1] + room)
 
 
@@ -64,7 +64,9 @@ def colour_bar(figure: Any, axes: Any, shown: Colours, outside: tuple[bool, bool
     shades: Any = matplotlib.colors.ListedColormap(list(shown.map)) if named else shown.map
     norm = matplotlib.colors.BoundaryNorm(bounds, shown.bands if named else 256)
     mappable = matplotlib.cm.ScalarMappable(norm, shades)
-    fraction = max(0.05, LONG / 20.0 / max(figure.get_figheight() - 0.8, 1.0))  # a flat picture has a long one, too
+    fraction = max(
+        0.05, BAR_LENGTH / 20.0 / max(figure.get_figheight() - 0.8, 1.0)
+    )  # a flat picture has a long one, too
     bar = figure.colorbar(mappable, ax=axes, location="bottom", fraction=fraction, pad=0.02, shrink=0.8, ticks=ticks)
     below, above = outside
     texts = ["≤ " * below + texts[0], *texts[1:-1], "≥ " * above + texts[-1]]
@@ -79,7 +81,7 @@ def _ticks(shown: Colours) -> tuple[NDArray[np.float64], list[str]]:
     """Find five places on the scale and their values as texts, or three where five texts would overlap."""
     import matplotlib as mpl  # noqa: PLC0415
 
-    letters = 72 * LONG / (LETTER * mpl.rcParams["font.size"])
+    letters = 72 * BAR_LENGTH / (LETTER * mpl.rcParams["font.size"])
     places, values = shown.ticks(5)
     texts = _texts(values)
     if 4 * (max(map(len, texts)) + 1) > letters:
@@ -90,7 +92,7 @@ def _ticks(shown: Colours) -> tuple[NDArray[np.float64], list[str]]:
 
 def _texts(values: NDArray[np.float64]) -> list[str]:
     """Write numbers with three digits, or more to tell them apart; zero for one that is rounding beside them."""
-    values = np.where(np.abs(values) < ROUNDING * np.ptp(values), 0.0, values)
+    values = np.where(np.abs(values) < DIGIT_ROUNDING * np.ptp(values), 0.0, values)
     for digits in range(3, 10):
         texts = [_text(value, digits) for value in values]
         if len(set(texts)) == len(texts):

@@ -20,8 +20,8 @@ from .screen import obstacle
 from .subjects import Shape, Shown, shown
 
 VIEW = (1.0, -1.6, 1.1)
-SMALL = 108  # [1/inch]
-MANY = 10_000  # triangles in a picture, from which it takes seconds
+SMALL_RESOLUTION = 108  # [1/inch]
+MANY_TRIANGLES = 10_000  # triangles in a picture, from which it takes seconds
 
 
 @by_the_first
@@ -106,7 +106,7 @@ def small_picture(
     subject = shown("contours", result)
     look = checked_look(subject, Look(1.0, VIEW))
     panels = _panels(subject, fields, tuple(fields) * symmetric, ends and dict.fromkeys(fields, ends), ())
-    _draw(subject, panels, look, path, SMALL)
+    _draw(subject, panels, look, path, SMALL_RESOLUTION)
 
 
 @by_the_first
@@ -168,7 +168,7 @@ def _draw(subject: Shown, panels: Sequence[Panel], look: Look, path: str | Path,
         warnings.warn(f"{file} is not drawn: {reason}", stacklevel=4)
         return
     triangles = len(panels) * sum(len(part.cells) for part in subject.structure.parts_of(Membrane).values())
-    if triangles > MANY:
+    if triangles > MANY_TRIANGLES:
         Pulse(file.name, shown=True).tell(f"drawing {triangles} triangles")
     groups = strokes(subject, look.lines, look.spacing)
     same = setting([subject], [groups], look)

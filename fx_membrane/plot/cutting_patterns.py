@@ -25,7 +25,7 @@ from .windows import window_of
 Array = NDArray[np.float64]
 
 PALETTE = ("#8dd3c7", "#fdb462", "#bebada", "#b3de69", "#80b1d3", "#fb8072", "#fccde5", "#ffed6f")
-GAP = 0.12  # between flat strips, over their mean width
+STRIP_DISTANCE = 0.12  # between flat strips, over their mean width
 LOOK: Any = {"scale": 1.0, "mirror": None, "antisymmetric": False}
 
 
@@ -89,7 +89,7 @@ def _draw_roof(axes: Any, strips: Strips, colour_of: dict[str, int], eye: Array)
 
 def _draw_flat(axes: Any, pattern: CuttingPattern, colour_of: dict[str, int], unit: str) -> None:
     names = [name for name in pattern.cloth if name not in pattern.strips.copies]
-    gap = GAP * float(np.mean([pattern.cloth[name].width for name in names]))
+    gap = STRIP_DISTANCE * float(np.mean([pattern.cloth[name].width for name in names]))
     left = 0.0
     for name in names:
         cloth = pattern.cloth[name]

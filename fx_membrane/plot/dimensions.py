@@ -13,9 +13,9 @@ from .windows import Window, window_of
 
 Array = NDArray[np.float64]
 
-SHORT = 0.12  # length of an axis on the screen over the size of the window below which its ends alone are told
+SHORT_AXIS = 0.12  # length of an axis on the screen over the size of the window below which its ends alone are told
 ALONG = 0.99  # cosine of the angle to the view from which an axis is a point
-SMALL = 9  # size of texts [points]
+TEXT_SIZE = 9  # size of texts [points]
 PIECES = (1, 2, 5)
 
 
@@ -64,7 +64,7 @@ def draw_scale(axes: Any, window: Window, unit: str) -> None:
         f"{length:g} {unit}".strip(),
         va="center",
         color=INK,
-        fontsize=SMALL,
+        fontsize=TEXT_SIZE,
     )
     axes.set_ylim(bottom - 0.03 * window.size, axes.get_ylim()[1])
 
@@ -103,7 +103,7 @@ def _draw_axis(axes: Any, window: Window, edge: Array, number: int, middle: Arra
     out *= np.sign(round(float(out @ (seen.mean(axis=0) - middle)) / window.size, 9)) or 1.0
     axes.plot(*seen.T, color=INK, linewidth=0.9, clip_on=False)
     low, high = edge[:, number]
-    if share < SHORT:  # no room for ticks
+    if share < SHORT_AXIS:  # no room for ticks
         ends = dict.fromkeys(f"{end + 0.0:.3g}" for end in (low, high))
         _text(axes, seen.mean(axis=0) + 0.02 * window.size * out, out, f"{name}\n{' to '.join(ends)}")
         return
@@ -119,4 +119,4 @@ def _draw_axis(axes: Any, window: Window, edge: Array, number: int, middle: Arra
 def _text(axes: Any, place: Array, out: Array, text: str) -> None:
     across = "left" if out[0] > 0.2 else "right" if out[0] < -0.2 else "center"
     up = "bottom" if out[1] > 0.4 else "top" if out[1] < -0.4 else "center"
-    axes.text(*place, text, ha=across, va=up, color=INK, fontsize=SMALL, clip_on=False)
+    axes.text(*place, text, ha=across, va=up, color=INK, fontsize=TEXT_SIZE, clip_on=False)

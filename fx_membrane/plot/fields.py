@@ -15,7 +15,7 @@ from ..model.parts import Part
 from ..results.states import StageResult
 from .subjects import Shown
 
-FAR = 1e4  # displacements drawn larger than this multiple of the structure have no visible shape
+MAX_DRAWN_DISPLACEMENT = 1e4  # displacements drawn larger than this multiple of the structure have no visible shape
 STATES = ("taut", "wrinkled", "slack")
 
 Field = Mapping[str, ArrayLike] | ArrayLike
@@ -72,10 +72,10 @@ def checked_scale(result: StageResult | Shown, scale: float) -> float:
     """
     scale = validation.number("scale", scale)
     times = abs(scale) * np.abs(result.displacement).max() / result.structure.size
-    if times > FAR:
+    if times > MAX_DRAWN_DISPLACEMENT:
         raise ValueError(
             f"scale is {scale:g}, with which displacements are {times:.0e} times as large as the structure; give at "
-            f"most {abs(scale) * FAR / times:.1e} in size."
+            f"most {abs(scale) * MAX_DRAWN_DISPLACEMENT / times:.1e} in size."
         )
     return scale
 

@@ -24,7 +24,7 @@ from .windows import Window, mirrored, window_of
 
 Array = NDArray[np.float64]
 
-EVEN = 0.01  # difference of forces over their size below which colours do not show it
+EVEN_FORCES = 0.01  # difference of forces over their size below which colours do not show it
 WIDTH = 6.4  # of a picture [inches]
 
 
@@ -163,8 +163,8 @@ def _force_colours(subjects: Sequence[Shown]) -> Colours:
     if shades.map == "coolwarm":  # colours that fields do not have; a mast must not make all cables pale
         return Colours("PuOr_r", float(forces.min()), float(forces.max()), shades.bands, halves=True)
     low, high = shades.low, shades.high
-    if high - low < EVEN * max(abs(low), abs(high)):
-        low, high = low - EVEN * abs(low), high + EVEN * abs(high)
+    if high - low < EVEN_FORCES * max(abs(low), abs(high)):
+        low, high = low - EVEN_FORCES * abs(low), high + EVEN_FORCES * abs(high)
     return Colours("plasma", low, high, shades.bands)
 
 

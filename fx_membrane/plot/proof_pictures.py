@@ -19,7 +19,7 @@ from .screen import obstacle
 from .strips_in_view import InView, in_view, line_along
 
 STRIPS, SEAMS = "strips.png", "seams.png"
-EQUAL = 1e-7  # difference of seams that counts as none [%]
+EQUAL_SEAMS = 1e-7  # difference of seams that counts as none [%]
 PICTURES = {
     STRIPS: "Strips on the roof and flat",
     "stress-error.png": "Stress error after assembly",
@@ -103,7 +103,7 @@ def _maps(proof: PatternProof, found: InView) -> Iterator[tuple[str, _Map]]:
     apart = {line_along(name): 100 * values for name, values in segment_differences(proof.pattern).items()}
     if apart:
         largest = max(float(values.max()) for values in apart.values())
-        yield SEAMS, _Map("difference of both sides of seams [%]", apart, (0.0, max(largest, EQUAL)))
+        yield SEAMS, _Map("difference of both sides of seams [%]", apart, (0.0, max(largest, EQUAL_SEAMS)))
     if proof.roll_width is not None:
         beyond = {
             name: np.full(len(strip.area), 100 * (strip.width / proof.roll_width - 1)) for name, strip in strips.items()

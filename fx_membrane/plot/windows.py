@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 LONGER = 1200  # [pixels]
-FLAT = 0.25  # least ratio of the sides
-MARGIN = 0.02  # over the longer side
+MIN_SIDE_RATIO = 0.25  # least ratio of the sides
+WINDOW_MARGIN = 0.02  # over the longer side
 
 
 class Window(NamedTuple):
@@ -63,7 +63,7 @@ def window_of(shapes: Sequence[Array], view: ArrayLike) -> Window:
     seen = np.concatenate(shapes) @ np.vstack([axes, eye]).T
     low, high = seen.min(axis=0), seen.max(axis=0)
     longer = float((high - low).max())
-    half = np.maximum((high - low)[:2] / 2 + MARGIN * longer, FLAT * longer / 2)
+    half = np.maximum((high - low)[:2] / 2 + WINDOW_MARGIN * longer, MIN_SIDE_RATIO * longer / 2)
     middle = (low + high)[:2] / 2
     return Window(eye, axes, middle - half, middle + half, np.array([low[2], high[2]]), LONGER)
 

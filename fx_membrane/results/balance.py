@@ -14,7 +14,7 @@ from .told_states import Remark
 UNBALANCED = 1e-6  # of the loads
 # Share of the forces that meet at a node, below which what is left of them is rounding. Stiffness does not count: where
 # that of a part is so large that its force has no digits, the force itself is not.
-ROUNDING = 1e-13
+FORCE_ROUNDING = 1e-13
 SMALLER = "Let the solver stop at smaller unbalanced forces only: a smaller rtol, or the test of a solver of your own"
 AT_REST = 10.0  # multiple of the rounding of a solver
 
@@ -33,7 +33,7 @@ def balance_remarks(result: StageResult) -> Iterator[Remark]:
     unbalanced = result.equilibrium.unbalanced
     if not loads and _at_rest(result):
         return
-    off = unbalanced[unbalanced > np.maximum(UNBALANCED * forces, ROUNDING * _acting(result))]
+    off = unbalanced[unbalanced > np.maximum(UNBALANCED * forces, FORCE_ROUNDING * _acting(result))]
     if not len(off):
         return
     yield Remark(

@@ -8,7 +8,7 @@ from .check import Check, Verdict
 from .states import StageResult
 from .told_states import CrushedGasWarning, Remark
 
-FLAT = 1e-9  # volume over the cube of the size of the structure, of a flat chamber by rounding
+ZERO_VOLUME = 1e-9  # volume over the cube of the size of the structure, of a flat chamber by rounding
 REMEDY = (
     "Nothing keeps the membranes around it from passing through each other: lower what presses on it, raise its "
     "pressure, or hold them apart by supports."
@@ -21,7 +21,7 @@ def gas_remarks(result: StageResult) -> Iterator[Remark]:
     for name, found in result.chambers.items():
         if name not in result.actions.gas:
             continue
-        if found.volume < -FLAT * result.structure.size**3:
+        if found.volume < -ZERO_VOLUME * result.structure.size**3:
             words = f"the volume of chamber {name!r} is {found.volume:.4g}. {REMEDY}"
             yield Remark(words, CrushedGasWarning)
         if air and found.pressure + air.pressure <= 0:

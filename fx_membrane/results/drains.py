@@ -12,17 +12,18 @@ from ..geometry.topology import boundary_edges
 from ..geometry.water_on_triangles import plan_areas
 from ..model.chamber_surfaces import surface
 from ..model.parts import Membrane
-from ..model.ponds import UPRIGHT, outlets
+from ..model.ponds import MIN_UPWARD, outlets
 from ..model.water_events import WaterEvent
 from .check import Check, Verdict
 from .forces_of_state import PondResult
 from .places import node_place
 from .plain_numbers import plain
 from .states import StageResult
-from .water_words import MOST, event_words, with_unit
+from .water_words import MAX_EVENTS, event_words, with_unit
 
-SHALLOW = 1e-3  # depth over the size of the structure from which on water counts: valleys across edges hold a little
-ROUNDING = 1e-9  # difference of heights over the size of the structure that is rounding
+# Depth over the size of the structure from which on water counts: valleys across edges hold a little.
+SHALLOW_DEPTH = 1e-3
+HEIGHT_ROUNDING = 1e-9  # difference of heights over the size of the structure that is rounding
 
 WORDS = {"spill": "basin spills on", "merger": "basins merge on", "parting": "basin parts on"}
 
@@ -64,7 +65,7 @@ def _overflow(result: StageResult, pond: PondResult, length: str) -> Iterator[Ch
         place = node_place(result.structure, node)
         found = with_unit(plain(pond.lost, 3), length, 3)
         yield Check(f"water run off {name!r}", found, "", Verdict.PASS, remedy, place, design=True)
-    over, limit = pond.level - height.min(), SHALLOW * result.structure.size
+    over, limit = pond.level - height.min(), SHALLOW_DEPTH * result.structure.size
     if not pond.basins and over > limit:
         place = node_place(result.structure, lowest)
         words = "The level is given" if pond.pond.level is not None else "The rim holds the water at its first height"
@@ -82,7 +83,7 @@ def _events(result: StageResult, length: str) -> Iterator[Check]:
         key = event.part, event.kind, event.basin, event.other
         first = told.get(key)
         told[key] = event if first is None else first._replace(volume=first.volume + event.volume)
-    for event in [*told.values()][:MOST]:
+    for event in [*told.values()][:MAX_EVENTS]:
         words = event_words(event, length)
         remedy = f"First at load factor {event.load_factor:.3g}: {words}."
         yield Check(
@@ -101,7 +102,7 @@ def _lies(result: StageResult, cells: Nodes) -> bool:
     a, b, c = result.position[cells].transpose(1, 0, 2)
     normal = np.cross(b - a, c - a)
     upward = normal[:, 2] / np.maximum(np.linalg.norm(normal, axis=1), np.finfo(float).tiny)
-    return bool((upward > UPRIGHT).all() or (upward < -UPRIGHT).all())
+    return bool((upward > MIN_UPWARD).all() or (upward < -MIN_UPWARD).all())
 
 
 def _covered(result: StageResult, name: str) -> bool:
@@ -137,7 +138,7 @@ def _standing(result: StageResult, name: str, cells: Nodes, length: str) -> Chec
     if not len(exits):
         return Check(f"water would stand on {name!r}", "it has no rim", "", Verdict.PASS, design=True)
     depth = height[spill_nodes(places.reshape(-1, 3), height, exits)] - height
-    deepest, limit = int(depth.argmax()), SHALLOW * result.structure.size
+    deepest, limit = int(depth.argmax()), SHALLOW_DEPTH * result.structure.size
     stands = bool(depth[deepest] > limit)
     found = with_unit(plain(max(depth[deepest], 0.0), 2), length)
     return Check(

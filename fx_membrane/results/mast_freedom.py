@@ -17,7 +17,7 @@ from .states import StageResult
 
 Array = NDArray[np.float64]
 
-MANY = 300  # nodes above which they are not moved together: dense eigenvalues would take seconds
+MANY_NODES = 300  # nodes above which they are not moved together: dense eigenvalues would take seconds
 
 
 class Loose(NamedTuple):
@@ -91,7 +91,7 @@ def _ends(result: StageResult) -> _Ends:
 
 def _together(result: StageResult, nodes: NDArray[np.int64]) -> list[Loose]:
     """Find the node that moves most in a free motion of some nodes while all others stand still."""
-    if not 1 < len(nodes) <= MANY:
+    if not 1 < len(nodes) <= MANY_NODES:
         return []
     row = np.full(len(result.structure.points), -1)
     row[nodes] = np.arange(len(nodes))

@@ -9,7 +9,7 @@ import numpy as np
 from .states import StageResult
 from .told_states import Remark
 
-SEEN = 1e-9  # shear strain below which it is rounding
+SHEAR_ROUNDING = 1e-9  # shear strain below which it is rounding
 
 
 class ShearSignWarning(UserWarning):
@@ -22,7 +22,7 @@ def shear_remarks(result: StageResult) -> Iterator[Remark]:
         if result.structure.has_sides(name):
             continue
         largest = float(np.abs(found.strain[:, 0, 1]).max())
-        if largest > SEEN:
+        if largest > SHEAR_ROUNDING:
             yield Remark(
                 f"part {name!r} has no two sides, and shear strains up to {largest:.3g} along warp and weft, in "
                 "`strain` and `second_piola_kirchhoff`. Their sign is that of each cell, by the order of its nodes; "

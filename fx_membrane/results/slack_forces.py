@@ -23,7 +23,7 @@ from .states import StageResult
 Array = NDArray[np.float64]
 
 LIMIT = 0.01  # share of the forces of a piece, above which compression of slack parts holds the structure
-SEEN = 1e-9  # strain below which a compression is rounding
+COMPRESSION_ROUNDING = 1e-9  # strain below which a compression is rounding
 
 
 class Push(NamedTuple):
@@ -129,7 +129,7 @@ def rounding(result: StageResult, name: str) -> float:
     """Compression that is rounding [N or N/m]."""
     part = result.structure.parts[name]
     kept = 1.0 if part.carries_compression else part.compression_stiffness
-    return SEEN * kept * stiffness(part)
+    return COMPRESSION_ROUNDING * kept * stiffness(part)
 
 
 def _corner_forces(result: StageResult, name: str) -> tuple[Array, Array]:

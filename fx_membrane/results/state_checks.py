@@ -22,7 +22,7 @@ from .states import StageResult
 from .strain_limits import LargeStrainWarning, largest_strain
 from .told_states import UnstableStateWarning
 
-BALANCED = 1e-8  # relative difference of sums of forces and moments
+BALANCE_TOLERANCE = 1e-8  # relative difference of sums of forces and moments
 NAMES = 42  # columns of names, beside which numbers and limits have room
 WRINKLED = 0.05  # share of the area of a membrane that may wrinkle or go slack without a word
 
@@ -94,9 +94,9 @@ def _balance(result: StageResult) -> Iterator[Check]:
     reach = max(np.ptp(result.position, axis=0).max(), np.abs(result.position).max(), tiny)
     remedy = f"{SMALLER}; check units and parts far stiffer than others."
     difference = float(np.abs(balance.loads + balance.reactions).max() / forces)
-    yield _judged("loads and reactions balance", difference, BALANCED, remedy)
+    yield _judged("loads and reactions balance", difference, BALANCE_TOLERANCE, remedy)
     moment = float(np.abs(balance.load_moment + balance.reaction_moment).max() / (forces * reach))
-    yield _judged("their moments balance", moment, BALANCED, remedy)
+    yield _judged("their moments balance", moment, BALANCE_TOLERANCE, remedy)
     largest = max(np.abs(result.loads).max(), np.abs(result.reactions).max(), tiny)
     told = any(remark.category is UnbalancedStateWarning for remark in result.remarks)
     found, limit = f"{balance.residual / largest:.1e}", f"{UNBALANCED:.0e}"

@@ -13,7 +13,7 @@ from .part_results import SHEAR, columns_of
 from .states import StageResult
 
 Columns = dict[str, NDArray[Any]]
-DEPTH = "water depth"
+WATER_DEPTH = "water depth"
 
 
 def node_columns(
@@ -29,7 +29,7 @@ def node_columns(
     columns |= _vector(("load x", "load y", "load z"), force_unit, result.loads)
     columns |= _vector(("reaction x", "reaction y", "reaction z"), force_unit, result.reactions)
     if water or (water is None and result.ponds):
-        columns[f"{DEPTH} [{length_unit}]"] = result.water_depth
+        columns[f"{WATER_DEPTH} [{length_unit}]"] = result.water_depth
     return columns
 
 
@@ -59,7 +59,7 @@ def cell_columns(
     if not result.structure.has_sides(part):
         columns[SHEAR] = np.full(len(cells), np.nan)
     if water or (water is None and result.ponds):
-        columns[f"{DEPTH} [{length_unit}]"] = result.water_on(part)
+        columns[f"{WATER_DEPTH} [{length_unit}]"] = result.water_on(part)
     return columns
 
 

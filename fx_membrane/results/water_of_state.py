@@ -13,7 +13,7 @@ from ..assembly.actions import pond_of
 from ..assembly.pond_cells import Water
 from ..assembly.problem_under_actions import LoadedProblem
 from ..assembly.water import PondEnergy
-from ..model.basins import ROUNDING
+from ..model.basins import VOLUME_ROUNDING
 from ..model.ponds import triangles_of
 from ..model.water_events import BasinResult
 from .forces_of_state import PondResult
@@ -77,7 +77,7 @@ def _result(
         basins: tuple[BasinResult, ...] = ()
     else:
         total = amount_of(problem.structure, energies[0].waters)
-        lost = total - volume if total - volume > ROUNDING * total else 0.0
+        lost = total - volume if total - volume > VOLUME_ROUNDING * total else 0.0
         basins = tuple(_basin(number, energy, found) for energy, found in zip(energies, waters, strict=True))
     level = max(waters, key=lambda found: found.volume).level
     pieces = _pieces(triangles_of(problem.structure, pond), depth)

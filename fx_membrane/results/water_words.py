@@ -11,7 +11,7 @@ from ..model.water_events import WaterEvent
 from .forces_of_state import PondResult
 from .states import StageResult
 
-MOST = 12  # events that a report lists
+MAX_EVENTS = 12  # events that a report lists
 
 
 def pond_lines(found: PondResult, length: str) -> list[str]:
@@ -37,8 +37,8 @@ def pond_lines(found: PondResult, length: str) -> list[str]:
 def event_lines(result: StageResult, length: str) -> list[str]:
     """Lines on the events of the water in a stage, the first ones of many."""
     events = result.water_events
-    lines = [f"load factor {event.load_factor:.4g}: {event_words(event, length)}" for event in events[:MOST]]
-    return lines + [f"and {len(events) - MOST} more events of water"] * (len(events) > MOST)
+    lines = [f"load factor {event.load_factor:.4g}: {event_words(event, length)}" for event in events[:MAX_EVENTS]]
+    return lines + [f"and {len(events) - MAX_EVENTS} more events of water"] * (len(events) > MAX_EVENTS)
 
 
 def with_unit(number: str, length: str, power: int = 1) -> str:

@@ -12,7 +12,8 @@ from contextlib import suppress
 from typing import Any
 from weakref import WeakSet
 
-LARGE = 1_000_000  # rows of a process; below, fetching the memory again takes more time than its return is worth
+# Rows of a process; below, fetching the memory again takes more time than its return is worth.
+LARGE_PROBLEM = 1_000_000
 MESHES = 64  # added to those alive from one collection to the next; each takes 13 communicators, MPICH has 2048
 
 _alive: WeakSet[Any] = WeakSet()
@@ -21,7 +22,7 @@ _limit = [MESHES]  # of meshes alive, at which unreachable ones are looked for
 
 def return_freed_memory(rows: int) -> None:
     """Return free memory to the system, with glibc, if a process has many rows of a matrix."""
-    if rows > LARGE:
+    if rows > LARGE_PROBLEM:
         with suppress(OSError, AttributeError):  # macOS, musl
             ctypes.CDLL(None).malloc_trim(0)
 

@@ -28,7 +28,7 @@ import cffi
 from .messages import say
 
 DEAD = 10.0  # another program without a sign for so long is dead, as in dolfinx [s]
-KEPT = 512  # loaded modules and forms, of some forty kinds of parts
+MAX_KEPT_MODULES = 512  # loaded modules and forms, of some forty kinds of parts
 PERIOD = 10.0  # between messages to the user [s]
 _threads = threading.RLock()  # FFCx is changed during a call
 _loaded: OrderedDict[tuple[Hashable, ...], Any] = OrderedDict()  # code: by folder, module and its objects; by kind
@@ -95,7 +95,7 @@ def is_kept(kind: tuple[Hashable, ...]) -> bool:
 def _keep(key: tuple[Hashable, ...], found: Any) -> None:
     """Keep loaded code; the one that was not used for the longest time makes room."""
     _loaded[key] = found
-    while len(_loaded) > KEPT:
+    while len(_loaded) > MAX_KEPT_MODULES:
         _loaded.popitem(last=False)
 
 

@@ -22,7 +22,7 @@ from .base import LIMITS
 PREFIX = "fxm_eigenvalues_"  # of our own options; that of the user's is in `petsc_options`
 FIRST_SHIFT, LAST_SHIFT = 1e-12, 1e8  # below zero, as fractions of a typical eigenvalue
 SPREAD = 1e4  # maximum ratio of distances from the shift; the larger ones lose as many digits
-SAME = 1e-9  # eigenvalues closer than this fraction of their distance from the shift count as equal
+EQUAL_EIGENVALUES = 1e-9  # eigenvalues closer than this fraction of their distance from the shift count as equal
 TOLERANCE = 1e-12  # estimated relative error of an eigenvalue
 
 
@@ -215,7 +215,7 @@ def _sorted(pairs: list[Eigenpair]) -> list[Eigenpair]:
 def _limit(found: list[Eigenpair], shift: float) -> float:
     """Value just below the highest eigenvalue found."""
     highest = found[-1].value.real
-    return highest - SAME * (highest - shift)
+    return highest - EQUAL_EIGENVALUES * (highest - shift)
 
 
 def _missing(eps: SLEPc.EPS, found: list[Eigenpair], shift: float, borders: int) -> int:

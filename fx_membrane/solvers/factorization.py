@@ -11,7 +11,7 @@ from petsc4py import PETSc
 from ..runtime.processes import everywhere
 from . import petsc_options
 
-ROUNDING = 1e-12  # fraction of a matrix below which its antisymmetric part is zero
+SYMMETRY_ROUNDING = 1e-12  # fraction of a matrix below which its antisymmetric part is zero
 KIND = "fx_membrane_kind"  # attribute of a linear solver: the factorization chosen last
 
 _kept: list[tuple[MPI.Intracomm, weakref.ref[object], PETSc.KSP]] = []
@@ -86,7 +86,7 @@ def is_symmetric(A: PETSc.Mat) -> bool:
     antisymmetric.axpy(-1.0, A, structure=PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
     error = antisymmetric.norm()
     antisymmetric.destroy()
-    return bool(error <= 2 * ROUNDING * A.norm())
+    return bool(error <= 2 * SYMMETRY_ROUNDING * A.norm())
 
 
 def solves(A: PETSc.Mat, x: PETSc.Vec, b: PETSc.Vec, work: PETSc.Vec) -> bool:

@@ -21,7 +21,7 @@ from .newton import Newton
 from .outcome import Outcome
 
 SHIPPED = (Newton, ConjugateGradient, SteepestDescent)
-GAP = 1e-9  # error of a constrained component, in sizes of the structure
+CONSTRAINT_ERROR = 1e-9  # error of a constrained component, in sizes of the structure
 SOLUTION = (
     "Solution(outcome, reason, iterations) with an outcome of fx_membrane.Outcome, as Outcome.CONVERGED or "
     "Outcome.MAX_ITERATIONS"
@@ -134,7 +134,7 @@ class _Checked:
             problem.constraints.impose(gap)
             gap.axpy(-1.0, x)
             error = max_norm(gap)
-        if error <= GAP * problem.structure.size:
+        if error <= CONSTRAINT_ERROR * problem.structure.size:
             return ""
         return (
             f"{calls}in which a constrained component is {error:.3g} from its place; let it call "

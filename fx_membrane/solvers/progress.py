@@ -19,7 +19,7 @@ from ..runtime.messages import silent
 from ..runtime.printable_text import printable
 from .base import Iteration
 
-WIDE = 110  # columns of a terminal that holds more
+WIDE_TERMINAL = 110  # columns of a terminal that holds more
 SILENCE = 10.0  # longest time without a line [s]
 
 
@@ -98,7 +98,7 @@ class Report:
         terminal = shown and sys.stderr is not None and sys.stderr.isatty()
         widgets = shown and _notebook_bar()
         columns = _columns()
-        self._wide = bool(widgets) or (columns or 0) >= WIDE
+        self._wide = bool(widgets) or (columns or 0) >= WIDE_TERMINAL
         self._pulse = Pulse(name, shown and not terminal and not widgets)
         self._bar = (widgets or tqdm)(
             desc=name,

@@ -11,7 +11,7 @@ from ..checks.values import format_point
 from .paths import Array, Path
 
 RIM, WITHIN = 0, -1  # loops of curves; holes have 1 and more
-NEAR = 1e-6  # distance over the size of the plan within which places are the same
+SAME_PLACE = 1e-6  # distance over the size of the plan within which places are the same
 
 
 @dataclass(eq=False)
@@ -65,7 +65,9 @@ class Drawing:
         Raises:
             ValueError: There is a node of another height.
         """
-        near = np.flatnonzero(np.linalg.norm(np.reshape(self.points, (-1, 2)) - place, axis=1) <= NEAR * self.size)
+        near = np.flatnonzero(
+            np.linalg.norm(np.reshape(self.points, (-1, 2)) - place, axis=1) <= SAME_PLACE * self.size
+        )
         if not len(near):
             self.points.append(place)
             self.heights.append(height)
@@ -73,7 +75,7 @@ class Drawing:
         node = int(near[0])
         if np.isnan(self.heights[node]):
             self.heights[node] = height
-        elif abs(height - self.heights[node]) > NEAR * self.size:
+        elif abs(height - self.heights[node]) > SAME_PLACE * self.size:
             raise ValueError(
                 f"{what} has the height {height:g} at {format_point(place)}, where the plan has {self.heights[node]:g} "
                 "already; give one height to one place."
@@ -91,7 +93,7 @@ class Drawing:
         """Nodes along a path, from its first to its last."""
         path, first, last = curve.paths[number], curve.ends[number], curve.ends[number + 1]
         t, distance = path.nearest(np.array(self.points[:stations]))
-        on = np.flatnonzero((distance <= NEAR * self.size) & (t > 0) & (t < 1))
+        on = np.flatnonzero((distance <= SAME_PLACE * self.size) & (t > 0) & (t < 1))
         on = on[(on != first) & (on != last)]
         on = on[np.argsort(t[on])]
         knots = np.array([first, *on, last])

@@ -18,7 +18,7 @@ from ..model.structure import Structure
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-TURN = np.pi / 6  # largest angle between segments of a line; of the old line, that of a corner
+CORNER_ANGLE = np.pi / 6  # largest angle between segments of a line; of the old line, that of a corner
 
 
 class Patch(NamedTuple):
@@ -141,7 +141,7 @@ def _ends(
             (structure.points[others[1]] - structure.points[node]),
         )
         bend = np.arctan2(np.linalg.norm(np.cross(before, after)), before @ after)
-        if first != second or bend > TURN * 1.1:
+        if first != second or bend > CORNER_ANGLE * 1.1:
             ends.add(node)
     return ends
 
@@ -206,7 +206,7 @@ def divided(points: Array, size: Callable[[Array], Array]) -> Division:
     if closed:
         before, after = sides, np.roll(sides, -1, axis=0)
     sine, cosine = np.linalg.norm(np.cross(before, after), axis=1), np.sum(before * after, axis=1)
-    turns = int(np.ceil(np.arctan2(sine, cosine).sum() / TURN - 1e-6))
+    turns = int(np.ceil(np.arctan2(sine, cosine).sum() / CORNER_ANGLE - 1e-6))
     count = np.append(0.0, np.cumsum(length / size((points[:-1] + points[1:]) / 2)))
     pieces = max(1, 3 * closed, int(np.ceil(count[-1] - 1e-6)), min(turns, len(sides)))
     at = np.linspace(0, count[-1], pieces + 1)

@@ -19,10 +19,10 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 CANDIDATES = (12, 200)  # nearest cells in which a point is looked for
-TOUCH = 1e-12  # distance over the size of a plan that counts as touching
-LEAST = 1e-6  # area in the plane over that in space that counts as none
+TOUCHING_DISTANCE = 1e-12  # distance over the size of a plan that counts as touching
+ZERO_AREA_RATIO = 1e-6  # area in the plane over that in space that counts as none
 AS_FAR = 1e-9  # difference of distances, relative to them, that rounding may make
-OUTSIDE = 0.05  # share of a cell by which a point may lie outside before more cells are tried
+OUTSIDE_SHARE = 0.05  # share of a cell by which a point may lie outside before more cells are tried
 
 
 class Flat(NamedTuple):
@@ -43,7 +43,7 @@ class Flat(NamedTuple):
         centres = cKDTree(self.points[self.triangles].mean(axis=1))
         cell, shares = np.zeros(len(places), dtype=np.int64), np.full((len(places), 3), -np.inf)
         for count in CANDIDATES:
-            left = np.flatnonzero(shares.min(axis=1) < -OUTSIDE)
+            left = np.flatnonzero(shares.min(axis=1) < -OUTSIDE_SHARE)
             if not len(left):
                 break
             near = centres.query(places[left], k=min(count, len(self.triangles)))[1].reshape(len(left), -1)
@@ -78,8 +78,8 @@ def flattened(points: Array, triangles: Integers) -> Flat | None:
     for places in (_conformal(points, triangles), _projected(points, triangles)):
         a, b, c = np.moveaxis(places[triangles], 1, 0)
         twice = _cross(b - a, c - a)
-        touching = TOUCH * float(np.ptp(places, axis=0).max())
-        if (twice > LEAST * area).all() and crossing(places, boundary_edges(triangles), touching) is None:
+        touching = TOUCHING_DISTANCE * float(np.ptp(places, axis=0).max())
+        if (twice > ZERO_AREA_RATIO * area).all() and crossing(places, boundary_edges(triangles), touching) is None:
             factor = np.sqrt(area.sum() / twice.sum())  # the whole has its area
             stretch = np.bincount(triangles.ravel(), np.repeat(np.sqrt(twice / area), 3) * factor, len(points))
             return Flat(places * factor, triangles, stretch / np.bincount(triangles.ravel(), minlength=len(points)))

@@ -18,7 +18,7 @@ Integers = NDArray[np.int64]
 
 GROWTH = 0.3  # growth of the size of cells with the distance from finer lines
 FINER = 0.8  # size of a segment over the wanted one from which on cells around it are finer
-TOUCH = 1e-9  # distance over the size of a patch that counts as touching
+TOUCHING_DISTANCE = 1e-9  # distance over the size of a patch that counts as touching
 
 
 def ordered(part: str, places: Array, points: Array, segments: Integers, loops: Integers) -> tuple[Integers, Integers]:
@@ -50,7 +50,7 @@ def ordered(part: str, places: Array, points: Array, segments: Integers, loops: 
 
 def check_plan(part: str, plan: PlanSegments, points: Array) -> None:
     """Refuse segments that cut across others, as where few of them follow a narrow strip."""
-    touching = TOUCH * float(np.ptp(plan.points, axis=0).max())
+    touching = TOUCHING_DISTANCE * float(np.ptp(plan.points, axis=0).max())
     found = crossing(plan.points, plan.segments, touching)
     node = plan.segments[found[0], 0] if found else None
     rim = plan.points[plan.segments[plan.loops == 0, 0]]

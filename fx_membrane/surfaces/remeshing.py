@@ -146,7 +146,7 @@ def _check_count(structure: Structure, sizes: Array, extent: float) -> None:
     """Refuse sizes at the nodes, shape (n,) [m], that make more cells than gmsh meshes."""
     for part in structure.parts_of(Membrane).values():
         least = sizes[part.cells].max(axis=1)  # of a cell, so that a single fine place is no fault
-        if float(np.sum(measures(structure.points, part.cells) / least**2)) > validation.MOST / 10:
+        if float(np.sum(measures(structure.points, part.cells) / least**2)) > validation.MAX_INTEGER / 10:
             raise ValueError(
                 f"size is {least.min():g}, for membranes of the size {extent:g}: too many cells; give a larger one."
             )

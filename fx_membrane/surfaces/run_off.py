@@ -19,7 +19,7 @@ from .valleys import valleys_of
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-SHALLOW = 1e-9  # depth over the size of the surface that is rounding
+DEPTH_ROUNDING = 1e-9  # depth over the size of the surface that is rounding
 
 
 def drainage(
@@ -87,7 +87,7 @@ def drainage(
     source = spill_nodes(surface.triangles, height, outlets)
     depth = np.zeros(len(height))
     depth[used] = height[source[used]] - height[used]
-    least = max(least_depth, SHALLOW * float(np.ptp(surface.points[used], axis=0).max()))
+    least = max(least_depth, DEPTH_ROUNDING * float(np.ptp(surface.points[used], axis=0).max()))
     slope = _slopes(surface, direction)
     flattest = int(slope.argmin())
     place = surface.points[surface.triangles[flattest]].mean(axis=0)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..checks import validation
 from . import plan_checks
-from .drawing import NEAR, RIM, WITHIN, Curve, Drawing
+from .drawing import RIM, SAME_PLACE, WITHIN, Curve, Drawing
 from .paths import arc, circle, straight
 from .plan_mesh import PlanSegments
 from .round_hole import RoundHole
@@ -19,7 +19,7 @@ from .round_hole import RoundHole
 Array = NDArray[np.float64]
 
 RING_PIECES = 12  # least number of segments of a ring
-TOUCH = 1e-8  # distance over the size of the plan that counts as touching
+TOUCHING_DISTANCE = 1e-8  # distance over the size of the plan that counts as touching
 Label = Callable[[int], str]
 MOST_SAG = 0.5  # that of half a circle
 
@@ -53,7 +53,7 @@ def draw(
         elif name not in nodes:
             raise ValueError(f"sizes names {name!r}, which is not in the plan; it has {[*drawing.curves, *nodes]}.")
     least = min([size, *other_sizes.values()])
-    if abs(plan_checks.area(places)) > least**2 * validation.MOST / 10:
+    if abs(plan_checks.area(places)) > least**2 * validation.MAX_INTEGER / 10:
         raise ValueError(
             f"size is {least:g}, for a plan of the size {drawing.size:g}: too many cells; give a larger one."
         )
@@ -98,7 +98,7 @@ def _corners(corners: Any) -> dict[str, Array]:
     found = {name: np.nan_to_num(place) for name, place in found.items()}
     places = np.array([place[:2] for place in found.values()])
     spread = np.linalg.svd(places - places.mean(axis=0), compute_uv=False)
-    if spread[1] <= NEAR * spread[0]:
+    if spread[1] <= SAME_PLACE * spread[0]:
         raise ValueError("The corners lie on one line in plan; give the plan an area.")
     return found
 
@@ -212,7 +212,7 @@ def _segments(drawing: Drawing, nodes: Mapping[str, int], wanted: Array, largest
         kind = {RIM: "edge", WITHIN: "line"}.get(int(loops[segment]), "hole")
         return f"the {kind} {names[owner[segment]]!r}"
 
-    _refuse_crossings(points, segments, TOUCH * drawing.size, label, loops)
+    _refuse_crossings(points, segments, TOUCHING_DISTANCE * drawing.size, label, loops)
     _check_inside(points, segments, owner, loops, label)
     _check_points(nodes, points, segments, loops)
     length = np.linalg.norm(points[segments[:, 0]] - points[segments[:, 1]], axis=1)

@@ -24,7 +24,7 @@ Truths = NDArray[np.bool_]
 START = 0.9  # distance of a new line from others over the spacing; along surfaces it is longer than in space
 END = 0.6  # distance over the spacing from which on a line that nears others ends
 SAMPLES = 4  # samples of a line to each spacing
-APART = 10.0  # offset between sheets that do not see each other, over the size of the surface
+SHEET_OFFSET = 10.0  # offset between sheets that do not see each other, over the size of the surface
 
 
 @dataclass
@@ -55,7 +55,7 @@ class Spread:
 
     def key(self, cells: Integers, places: Array) -> Array:
         """Points whose distance tells apart the sides of a fold and different sheets, shape (k, 7)."""
-        size = APART * (self.spacing + float(np.ptp(self.terrain.points, axis=0).max()))
+        size = SHEET_OFFSET * (self.spacing + float(np.ptp(self.terrain.points, axis=0).max()))
         apart = size * self.sheets[cells]
         return np.column_stack([places, self.spacing * self.terrain.normals[cells], apart])
 

@@ -19,7 +19,7 @@ Integers = NDArray[np.int64]
 Truths = NDArray[np.bool_]
 
 PARTS = 20  # spacings of a surface by default
-MOST = 200_000  # segments of all lines; more are no picture
+MAX_SEGMENTS = 200_000  # segments of all lines; more are no picture
 
 
 def even_lines(
@@ -56,7 +56,7 @@ def checked_spacing(name: str, terrain: Terrain, spacing: float | None, parts: i
     spacing = validation.positive(name, spacing)
     least = least_spacing(terrain)
     if spacing < least:
-        count = MOST * (least / spacing) ** 2
+        count = MAX_SEGMENTS * (least / spacing) ** 2
         raise ValueError(
             f"{name} is {spacing:g}, with which lines would have {count:.1g} segments; give at least {least:.2g}."
         )
@@ -65,7 +65,7 @@ def checked_spacing(name: str, terrain: Terrain, spacing: float | None, parts: i
 
 def least_spacing(terrain: Terrain) -> float:
     """Distance between lines below which they would have too many segments [m]."""
-    return float(np.sqrt(4 * measures(terrain.points, terrain.triangles).sum() / MOST)) * (1 + 1e-9)
+    return float(np.sqrt(4 * measures(terrain.points, terrain.triangles).sum() / MAX_SEGMENTS)) * (1 + 1e-9)
 
 
 def _pieces(terrain: Terrain, allowed: Truths) -> Integers:

@@ -13,15 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.sizes import measures
-from .walking import CORNER, PARALLEL, Terrain
+from .walking import CORNER, PARALLEL_RATE, Terrain
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Truths = NDArray[np.bool_]
 
-ASIDE = 1e-9  # share of a corner by which lines pass beside a node
+NODE_DISTANCE = 1e-9  # share of a corner by which lines pass beside a node
 CLOSED = 0.03  # distance from its start, over that within which it ends, at which a line closes
-TURN = 0.5  # cosine of the angle of a turn within one cell that no smooth field has
+TURN_COSINE = 0.5  # cosine of the angle of a turn within one cell that no smooth field has
 
 
 class Field(NamedTuple):
@@ -123,7 +123,7 @@ def trace(
         The lines, and their ends.
     """
     count = len(cells)
-    cell, share, direction = cells.copy(), np.clip(shares, ASIDE, None), directions.copy()
+    cell, share, direction = cells.copy(), np.clip(shares, NODE_DISTANCE, None), directions.copy()
     share /= share.sum(axis=1, keepdims=True)
     start = terrain.places(cell, share)
     run, closed = np.zeros(count), np.zeros(count, dtype=bool)
@@ -137,7 +137,7 @@ def trace(
         out = np.where(ending[:, None], s + (np.minimum(way, rest) / np.maximum(way, 1e-300))[:, None] * (out - s), out)
         place = terrain.places(c, out)
         if near and travelled:
-            back = (c == cells[active]) & (np.einsum("ki,ki->k", d, directions[active]) > TURN)
+            back = (c == cells[active]) & (np.einsum("ki,ki->k", d, directions[active]) > TURN_COSINE)
             gap = _distance(start[active], terrain.places(c, s), place)
             once = back & (gap < CLOSED * near)
             place[once], ending = start[active[once]], ending | (back & (gap < near))
@@ -155,7 +155,7 @@ def trace(
             turned = field.direction(across, entered, ahead)
             inward = terrain.gradients[across, np.argmin(entered, axis=1)]
             ahead = np.where((np.einsum("ki,ki->k", turned, inward) > 0)[:, None], turned, ahead)
-            smooth = np.einsum("ki,ki->k", turned, ahead) > TURN
+            smooth = np.einsum("ki,ki->k", turned, ahead) > TURN_COSINE
             active, across, entered, ahead = active[smooth], across[smooth], entered[smooth], ahead[smooth]
         cell[active], share[active], direction[active] = across, entered, ahead
         travelled += 1
@@ -182,13 +182,13 @@ def _through(
 def _leaving(terrain: Terrain, cells: Integers, shares: Array, directions: Array) -> tuple[Array, Array]:
     """Shares where directions leave cells, beside nodes, and the lengths until there."""
     rate = np.einsum("kci,ki->kc", terrain.gradients[cells], directions)
-    falling = rate < -PARALLEL * np.abs(rate).max(axis=1, keepdims=True)
+    falling = rate < -PARALLEL_RATE * np.abs(rate).max(axis=1, keepdims=True)
     time = np.full(rate.shape, np.inf)
     np.divide(shares, -rate, where=falling, out=time)
     gone = time.argmin(axis=1)
     rows = np.arange(len(cells))
     way = np.maximum(time[rows, gone], 0.0)
-    out = np.maximum(shares + way[:, None] * rate, ASIDE)
+    out = np.maximum(shares + way[:, None] * rate, NODE_DISTANCE)
     out[rows, gone] = 0.0
     return out / out.sum(axis=1, keepdims=True), np.where(way > CORNER, way, 0.0)
 
@@ -236,5 +236,5 @@ def _gathered(count: int, steps: Iterable[tuple[Integers, Array, Integers]], clo
 def shares_of(terrain: Terrain, cells: Integers, places: Array) -> Array:
     """Shares of the corners of cells at places in them, shape (k, 3)."""
     offset = places - terrain.points[terrain.triangles[cells]].mean(axis=1)
-    shares = np.maximum(1 / 3 + np.einsum("kci,ki->kc", terrain.gradients[cells], offset), ASIDE)
+    shares = np.maximum(1 / 3 + np.einsum("kci,ki->kc", terrain.gradients[cells], offset), NODE_DISTANCE)
     return np.asarray(shares / shares.sum(axis=1, keepdims=True))

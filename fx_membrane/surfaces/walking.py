@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 CORNER = 1e-11  # share of a corner that is rounding
-PARALLEL = 1e-12  # rate of a share, relative to the largest, that is rounding
+PARALLEL_RATE = 1e-12  # rate of a share, relative to the largest, that is rounding
 ANGLE = 1e-9  # angle that is rounding [rad]
 
 Direction = Callable[[int, Array, Array], Array]
@@ -193,7 +193,7 @@ def walk(
 def _step(terrain: Terrain, cell: int, shares: Array, direction: Array) -> tuple[Array, float]:
     """Shares where a direction leaves a cell, and the length until there."""
     rate = terrain.gradients[cell] @ direction
-    falling = rate < -PARALLEL * np.abs(rate).max()
+    falling = rate < -PARALLEL_RATE * np.abs(rate).max()
     time = np.where(falling, np.divide(shares, -rate, where=falling, out=np.full(3, np.inf)), np.inf)
     run = max(float(time.min()), 0.0)
     step = shares + run * rate

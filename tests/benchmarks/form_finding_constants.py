@@ -37,19 +37,44 @@ class Answer(NamedTuple):
 
 
 CONSTANTS = [
-    ("masts.bar_balance", ("BALANCED", "SHORT", "STEPS", "TRIES", "EPS", "FOLLOWED", "FLAT"), ("bars",)),
+    (
+        "masts.bar_balance",
+        (
+            "BALANCED_FORCE",
+            "SHRUNK_LENGTH",
+            "NUMBERS_OF_STEPS",
+            "MAX_EVALUATIONS",
+            "EPS",
+            "FOLLOWED",
+            "ZERO_COORDINATE",
+        ),
+        ("bars",),
+    ),
     (
         "constraints.bodies",
-        ("EXACT", "ROUNDING", "REPEATS", "CLOSE", "LONGEST", "ASIDE", "UNSTABLE", "NEUTRAL"),
+        (
+            "ACCEPTED_ERROR",
+            "STAGNANT_ERROR",
+            "REPEATS",
+            "NEWTON_SLOPE",
+            "MAX_DESCENT_STEPS",
+            "START_DISTANCE",
+            "UNSTABLE",
+            "NEUTRAL_CURVATURE",
+        ),
         ("bodies", "masts"),
     ),
-    ("constraints.motions", ("ROUND", "FLAT"), ("bodies",)),
-    ("constraints.motions", ("FLAT", "AXIS"), ("slides",)),
-    ("constraints.cable_targets", ("MET", "NEAR", "STEP", "FLOOR", "RANGE"), ("cables",)),
-    ("constraints.hand_over", ("BALANCED",), ("bodies", "masts")),
-    ("balance.constrained_balance", ("STEPS", "LARGEST", "UNBOUNDED", "EXACT"), ("cables",)),
-    ("nearest_stress.state", ("LEAST",), ("wishes",)),
-    ("nearest_stress.guide", ("SLIDES", "NEUTRAL", "SHORT"), ("bodies",)),
+    ("constraints.motions", ("ROUND_DISTANCE", "ZERO_EXTENT"), ("bodies",)),
+    ("constraints.motions", ("ZERO_EXTENT", "AXIS"), ("slides",)),
+    (
+        "constraints.cable_targets",
+        ("TARGET_ERROR", "TOLD_FORCE_ERROR", "MAX_FORCE_FACTOR", "FLOOR", "RANGE"),
+        ("cables",),
+    ),
+    ("constraints.hand_over", ("BALANCED_FORCE",), ("bodies", "masts")),
+    ("balance.constrained_balance", ("MAX_SOLVES", "MAX_DENSITY_FACTOR", "UNBOUNDED", "SETTLED_FORCE"), ("cables",)),
+    ("nearest_stress.state", ("MIN_STRESS_SHARE",), ("wishes",)),
+    ("nearest_stress.guide", ("SLIDES", "NEUTRAL", "DIFFERENCE_LENGTH"), ("bodies",)),
 ]
 
 

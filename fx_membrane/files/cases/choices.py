@@ -22,7 +22,7 @@ from .table import BROKEN, is_whole, one_of
 
 Nodes = NDArray[np.int64]
 CHOICES = ("nodes", "group", "where", "rim_of")
-NEAR = 1e-9  # of the size of the structure: a place within it of a range is in the range
+RANGE_TOLERANCE = 1e-9  # of the size of the structure: a place within it of a range is in the range
 NUMBERED = "after a new mesh there are other numbers; choose by where, or by rim_of"
 
 
@@ -64,7 +64,9 @@ class Choices:
         self.drawing = drawing = drawing or Drawing("the geometry", "group", np.zeros((0, 3)))
         self.rows = np.full(len(drawing.points), -1)
         self.whole, self.formed = self.drawn, True
-        self._room = NEAR * float(np.ptp(drawing.points, axis=0).max(initial=0.0)) if len(drawing.points) else 0.0
+        self._room = (
+            RANGE_TOLERANCE * float(np.ptp(drawing.points, axis=0).max(initial=0.0)) if len(drawing.points) else 0.0
+        )
 
     def nodes(self, outline: Outline, table: NodeChoice) -> Nodes:
         """Choose nodes.

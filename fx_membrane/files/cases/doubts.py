@@ -18,7 +18,7 @@ from .faults import Fault
 from .units import NUMBER
 
 MILLI = re.compile(r"(?<![A-Za-z])m(N|Pa)(?![A-Za-z])")
-LARGE = 0.5  # estimated strain under a load
+LARGE_STRAIN = 0.5  # estimated strain under a load
 GAIN = 2.0  # factor of a prestress
 
 
@@ -58,7 +58,7 @@ def _loads(structure: Structure, stage: Stage, path: tuple[str | int, ...]) -> I
         size = float(np.sqrt(measures(structure.points, part.cells).sum()))
         most = float(np.linalg.norm(np.asarray(load.load).reshape(-1, 3), axis=1).max())
         strain = ((most * size / part.material.stiffness) ** 2 / 24) ** (1 / 3)
-        if strain > LARGE:
+        if strain > LARGE_STRAIN:
             yield Fault(
                 (*path, number),
                 f"this load stretches part {load.part!r}, of about {size:.3g} by {size:.3g}, by some "

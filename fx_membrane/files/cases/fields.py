@@ -13,7 +13,7 @@ from pydantic import BeforeValidator, StrictBool, ValidationInfo, WithJsonSchema
 from .units import EXAMPLES, NUMBER, Units
 
 TESTS = {"stress": "F/L", "elongation": "1"}  # dimensions of biaxial tests
-LARGEST = 2**53  # whole number of a node
+MAX_NODE = 2**53  # whole number of a node
 
 
 def _number(dimension: str, value: Any, info: ValidationInfo) -> float:
@@ -33,7 +33,7 @@ def _range(value: Any, info: ValidationInfo) -> tuple[float, float]:
 def _node(value: Any) -> int | str:
     if isinstance(value, bool) or not isinstance(value, int | str) or value == "":
         raise ValueError("give the number of a node (an integer), or its name in quotes")
-    if isinstance(value, int) and abs(value) > LARGEST:
+    if isinstance(value, int) and abs(value) > MAX_NODE:
         raise ValueError("no node has that number")
     return value
 

@@ -19,7 +19,7 @@ from .sail import sail_of
 from .structure_schema import FileGeometry, GridGeometry, PointGeometry, SailGeometry, UnitNames
 from .table import BROKEN, given, is_whole
 
-MANY = 1_000_000  # triangles of a grid, of which a word is due
+MANY_TRIANGLES = 1_000_000  # triangles of a grid, of which a word is due
 
 
 def drawing_from(faults: Faults, table: Any, folder: Path, units: UnitNames | None) -> Drawing:
@@ -54,7 +54,7 @@ def drawing_from(faults: Faults, table: Any, folder: Path, units: UnitNames | No
         return found
     drawing = Drawing("the geometry", "group", np.zeros((0, 3)))
     if isinstance(table, GridGeometry):
-        if is_whole((table.columns, table.rows)) and 2 * table.columns * table.rows > MANY:
+        if is_whole((table.columns, table.rows)) and 2 * table.columns * table.rows > MANY_TRIANGLES:
             say(f"The grid has {2 * table.columns * table.rows} triangles; a run takes gigabytes and hours for it.")
         sound = {"width": 1.0, "height": 1.0, "columns": 1, "rows": 1}
         drawing.points, triangles = make(faults, ("geometry",), rectangle, given(table, "kind"), sound)

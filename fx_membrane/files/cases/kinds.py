@@ -14,13 +14,13 @@ from .schema import CaseModel
 from .table import Model
 from .units import Units
 
-DEPTH = 4  # tables of a kind within each other
+MAX_NESTING = 4  # tables of a kind within each other
 
 
 def with_kinds(data: Mapping[str, Any], units: Units | None) -> dict[str, Any]:
     """Copy of the data where tables without a known kind have the one of nearest name and keys."""
     guessed: dict[str, Any] = copy.deepcopy(dict(data))
-    for _ in range(2 * DEPTH):
+    for _ in range(2 * MAX_NESTING):
         try:
             CaseModel.model_validate(guessed, context={"units": units})
         except ValidationError as error:

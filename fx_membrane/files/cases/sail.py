@@ -17,7 +17,7 @@ from .structure_schema import HoleModel, SailGeometry
 from .table import BROKEN, given, is_whole
 
 KEYS = ("sag", "points", "holes", "lines", "sizes")  # lines name points, edges and holes; sizes name all
-FAR = 100.0  # size of a stand-in for faulty corners over that of all places
+STAND_IN_SIZE = 100.0  # size of a stand-in for faulty corners over that of all places
 
 
 def sail_of(faults: Faults, table: SailGeometry) -> SailMesh:
@@ -87,7 +87,7 @@ def _size(faults: Faults, size: Any, plan: Mapping[str, Any], sound: bool) -> fl
 
 def _stand_in(table: SailGeometry) -> tuple[dict[str, Any], float]:
     """Corners of the same names far around all places, and their distance from the middle."""
-    reach = FAR * max(_extent(table.corners), _extent(table.points), 1.0)
+    reach = STAND_IN_SIZE * max(_extent(table.corners), _extent(table.points), 1.0)
     names = list(table.corners) if isinstance(table.corners, Mapping) else list("0123")
     angles = 2 * np.pi * np.arange(max(len(names), 3)) / max(len(names), 3)
     names += [f"{number}, missing" for number in range(len(names), 3)]

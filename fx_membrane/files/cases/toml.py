@@ -10,7 +10,7 @@ from typing import Any
 HEAD = re.compile(r"\s*(\[\[?)\s*([\w.-]+)")
 WHOLE_HEAD = re.compile(r"\s*\[\[?[^\[\],]+\]\]?\s*(?:#.*)?")
 MARK = re.compile(r"""(?P<passed>"(?:[^"\\]|\\.)*"|'[^']*'|#.*)|(?P<opened>[\[{])|[\]}]""")
-MOST = 20  # unreadable lines that are passed over; more make no case file
+MAX_UNREADABLE_LINES = 20  # unreadable lines that are passed over; more make no case file
 
 
 def parsed(file: Path, text: str) -> tuple[dict[str, Any], str, list[str]]:
@@ -25,7 +25,7 @@ def parsed(file: Path, text: str) -> tuple[dict[str, Any], str, list[str]]:
         ones for the others, so that their numbers stay; and the faults, a line of text each.
     """
     lines, faults, passed = text.splitlines(), list[str](), -1
-    for _ in range(MOST):
+    for _ in range(MAX_UNREADABLE_LINES):
         readable = "\n".join(lines)
         try:
             return tomllib.loads(readable), readable, faults

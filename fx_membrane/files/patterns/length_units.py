@@ -10,8 +10,8 @@ from ...geometry.length_units import METRES
 from ...patterns.cloth_pieces import Piece
 from ...patterns.flat_strips import CuttingPattern
 
-LONGEST = 300.0  # piece of a roof: rolls have 50 to 100 m [m]
-SHORTEST = 0.05  # the longest piece of a model of one [m]
+LONGEST_PIECE = 300.0  # piece of a roof: rolls have 50 to 100 m [m]
+SHORTEST_PIECE = 0.05  # the longest piece of a model of one [m]
 NARROWEST = 1e-3  # allowance that can be welded or sewn [m]
 
 
@@ -42,7 +42,7 @@ def warn_of_length_unit(pieces: Mapping[str, Piece], unit: str, stacklevel: int)
 
 
 def _is_of_a_roof(length: float, unit: str) -> bool:
-    return SHORTEST <= length * METRES[unit] <= LONGEST
+    return SHORTEST_PIECE <= length * METRES[unit] <= LONGEST_PIECE
 
 
 def _narrow_allowance(pieces: Mapping[str, Piece], unit: str) -> str:

@@ -16,7 +16,7 @@ from .paper import SCALES, Paper, scale_for
 
 Array = NDArray[np.float64]
 
-APART = 0.1  # distance between pieces and bands, over the width of the roll
+BAND_DISTANCE = 0.1  # distance between pieces and bands, over the width of the roll
 
 
 class Head(NamedTuple):
@@ -100,15 +100,15 @@ def all_sheets(
     """
     layout = roll
     if layout is None:
-        layout = one_by_one(pieces, APART * max(piece.width for piece in pieces.values()))
+        layout = one_by_one(pieces, BAND_DISTANCE * max(piece.width for piece in pieces.values()))
     room = np.array(paper.room) / head.millimetres
     row = float(layout.rows[:, 1].max()), layout.width
     least = scale_for("The longest row of the drawing", row, paper, wanted, head.millimetres)
     scales = [scale for scale in SCALES if scale >= least] if wanted is None else [wanted]
     for scale in scales:
         bands = _bands(layout.rows, room[0] * scale)
-        high = layout.width * (1 + APART)
-        each = int((room[1] * scale * (1 + 1e-9) + APART * layout.width) // high)
+        high = layout.width * (1 + BAND_DISTANCE)
+        each = int((room[1] * scale * (1 + 1e-9) + BAND_DISTANCE * layout.width) // high)
         pages = -(-(bands[-1] + 1) // each)
         if pages == 1:
             break
@@ -138,7 +138,7 @@ def _sheet(
     there = np.unique(bands[(bands >= 0) & (bands < each)])
     starts = {band: float(layout.rows[bands == band, 0].min()) for band in there}
     ends = {band: float(layout.rows[bands == band].sum(axis=1).max()) for band in there}
-    step = layout.width * (1 + APART)
+    step = layout.width * (1 + BAND_DISTANCE)
     top = step * float(there.max())
     length = max(ends[band] - starts[band] for band in there)
     places = [

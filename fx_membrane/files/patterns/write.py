@@ -12,7 +12,7 @@ from ...geometry.length_units import METRES
 from ...patterns.allowances import Allowances
 from ...patterns.cloth_pieces import Piece, cut_pieces
 from ...patterns.flat_strips import CuttingPattern, check_pattern
-from ...patterns.roll_layout import GAP, Placement, RollLayout, laid_on_roll, one_by_one
+from ...patterns.roll_layout import PIECE_DISTANCE, Placement, RollLayout, laid_on_roll, one_by_one
 from ...runtime.processes import by_the_first
 from ...solvers.progress import Pulse
 from ..file_names import safe_name
@@ -20,7 +20,7 @@ from .drawing_of_pieces import write_drawing
 from .length_units import in_unit, warn_of_length_unit
 from .paper import Paper, paper_of
 from .proof_files import BOOK, DRAWING, SHEETS, TABLE
-from .sheet_plans import APART, Head, all_sheets, piece_sheet
+from .sheet_plans import BAND_DISTANCE, Head, all_sheets, piece_sheet
 from .sheets import write_pdf, write_svg
 from .tables_of_strips import write_strip_tables
 
@@ -45,7 +45,7 @@ class Job(NamedTuple):
     @property
     def placements(self) -> tuple[Placement, ...]:
         """Places of the pieces: on the roll if there is one, or else one behind the other."""
-        gap = APART * max(piece.width for piece in self.pieces.values())
+        gap = BAND_DISTANCE * max(piece.width for piece in self.pieces.values())
         return (self.roll or one_by_one(self.pieces, gap)).placements
 
 
@@ -115,7 +115,7 @@ def write_patterns(
     wide = None if roll_width is None else validation.positive("roll_width", roll_width)
     pieces = cut_pieces(in_unit(pattern, unit), allowances, mark_spacing=mark_spacing)
     warn_of_length_unit(pieces, unit, stacklevel=3)
-    roll = None if wide is None else laid_on_roll(pieces, wide, gap=GAP / METRES[unit])
+    roll = None if wide is None else laid_on_roll(pieces, wide, gap=PIECE_DISTANCE / METRES[unit])
     job = Job(pieces, roll, head, sheet, chosen)
     writers = [(file, WRITERS[ending])] if ending in WRITERS else _in_folder(file, job)
     for target, _ in writers:

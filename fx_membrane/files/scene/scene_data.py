@@ -17,8 +17,8 @@ from .coarsening import coarser
 from .field_data import described, encoded, fields
 from .view_data import Shown, views
 
-MOST = 100_000  # triangles that a browser turns without waiting
-FAR = 10  # sizes of a structure from zero, beyond which coordinates are told from an origin of their own
+MAX_TRIANGLES = 100_000  # triangles that a browser turns without waiting
+FAR_ORIGIN = 10  # sizes of a structure from zero, beyond which coordinates are told from an origin of their own
 ARROWS = 400  # forces drawn at once; more hide the structure
 
 
@@ -26,14 +26,16 @@ def document(shown: Shown, title: str, force: str, length: str) -> dict[str, Any
     """Scene as plain data that JSON has: dictionaries, lists, texts and numbers."""
     structure, seen = views(shown, force, length)
     membranes = {name: part.cells for name, part in structure.parts_of(Membrane).items()}
-    drawn = coarser(structure.points, membranes, MOST)
+    drawn = coarser(structure.points, membranes, MAX_TRIANGLES)
     for name, part in structure.parts.items():
         drawn.setdefault(name, (np.arange(len(part.cells)), part.cells))
     kept = {name: numbers for name, (numbers, _) in drawn.items()}
     every = fields(structure, seen, length)
     nodes = np.flatnonzero(_drawn(structure, [corners for _, corners in drawn.values()]))
     middle = structure.points[nodes].mean(axis=0)
-    origin = np.where(np.abs(middle) > FAR * structure.size, middle.round(), 0.0)  # there float32 has no digits left
+    origin = np.where(
+        np.abs(middle) > FAR_ORIGIN * structure.size, middle.round(), 0.0
+    )  # there float32 has no digits left
     return {
         "title": title,
         "force": force,

@@ -28,7 +28,7 @@ SCRIPTS = (  # in the order in which they need each other
     "controls.js",
 )
 ENDINGS = (".html", ".htm")
-MANY = 50_000  # cells of all stages, from which writing takes seconds
+MANY_CELLS = 50_000  # cells of all stages, from which writing takes seconds
 
 
 @by_the_first
@@ -83,7 +83,7 @@ def write_scene(
         raise ValueError(f"path is {str(file)!r}; give a name that ends in .html.")
     paths.check_writable("path", file)
     library = _library()
-    Pulse(file.name, shown=_cells(results) > MANY).tell(f"shapes and values of {_cells(results)} cells")
+    Pulse(file.name, shown=_cells(results) > MANY_CELLS).tell(f"shapes and values of {_cells(results)} cells")
     page = _page(document(results, title, force, length), library)
     with writing(file, encoding="utf-8", errors="xmlcharrefreplace") as stream:  # names may have lone surrogates
         stream.write(page)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...geometry.sizes import measures
 from ...model.parts import Line, Part
 from ...model.structure import Structure
-from ..plan import UPRIGHT, place
+from ..plan import UPRIGHT_SHARE, place
 from ..reasons.unheld import lone_head
 
 Array = NDArray[np.float64]
@@ -18,7 +18,7 @@ Measures = NDArray[np.str_]
 
 MEASURES = ("horizontal force", "force", "force density")
 FARTHEST = 1e9  # factor on a force density, beyond which a step is not accelerated
-DEPTH = 8  # number of earlier steps that the next one takes into account
+EARLIER_STEPS = 8  # number of earlier steps that the next one takes into account
 
 
 def check_bars(structure: Structure) -> None:
@@ -85,7 +85,7 @@ def measured_lengths(
         return length
     kinds = np.broadcast_to(np.asarray(measure), len(length))
     flat = measures(points @ axes[:, :2] @ axes[:, :2].T, part.cells)
-    upright = np.flatnonzero((flat <= UPRIGHT * length) & loaded & (kinds == "horizontal force"))
+    upright = np.flatnonzero((flat <= UPRIGHT_SHARE * length) & loaded & (kinds == "horizontal force"))
     if len(upright):
         raise ValueError(
             f"Part {name!r}, cell {upright[0]} at {place(points, part.cells, upright[0])} has no length in plan, so no "
@@ -133,8 +133,8 @@ class Acceleration:
         )
         if self._steps and np.linalg.norm(then - now) > np.linalg.norm(self._steps[-1]):
             self._points, self._steps = [], []
-        self._points = [*self._points[-DEPTH:], now]
-        self._steps = [*self._steps[-DEPTH:], then - now]
+        self._points = [*self._points[-EARLIER_STEPS:], now]
+        self._steps = [*self._steps[-EARLIER_STEPS:], then - now]
         following = then
         if len(self._steps) > 1 and len(now):
             change = np.diff(self._steps, axis=0).T

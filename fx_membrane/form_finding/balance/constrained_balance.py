@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...checks import validation
 from ...model.structure import Structure
-from ..constraints.cable_targets import MET, CableTargets
+from ..constraints.cable_targets import TARGET_ERROR, CableTargets
 from ..constraints.kinds import CableConstraint, Constraint, NodeConstraint
 from ..constraints.motions import motions_of
 from ..plan import Plan
@@ -21,10 +21,11 @@ from .membrane_balance import balanced, nodal_loads
 Array = NDArray[np.float64]
 
 # Ranges: tests/benchmarks/form_finding_constants.py, on 31 ropes and canopies of each kind of constraint.
-STEPS = 100  # maximum number of solves towards the geometry of cables: 10 are too few, 34 do
-LARGEST = 3.0  # factor on a force density in one step; forms are the same with 30
+MAX_SOLVES = 100  # maximum number of solves towards the geometry of cables: 10 are too few, 34 do
+MAX_DENSITY_FACTOR = 3.0  # factor on a force density in one step; forms are the same with 30
 UNBOUNDED = 1e100  # force density that only a cable without length has [N/m]
-EXACT = 1e-8  # accepted relative change of a force; with 1e-7 forms move by 1e-7, with 1e-9 by 1e-8 of their size
+# Accepted relative change of a force; with 1e-7 forms move by 1e-7, with 1e-9 by 1e-8 of their size.
+SETTLED_FORCE = 1e-8
 
 
 def continued(words: str) -> str:
@@ -34,7 +35,7 @@ def continued(words: str) -> str:
 
 def shortfall(error: float, tolerance: float, steps: int, miss: float, words: str) -> str:
     """Tell how far cables are from the forces or the geometry prescribed, in words; empty if they are near."""
-    if miss > MET:
+    if miss > TARGET_ERROR:
         return f"{words} after step {steps}, the last; allow more steps (max_iterations=...), or give a nearer value."
     if error <= tolerance:
         return ""
@@ -110,7 +111,7 @@ class ConstrainedBalance:
 
     def acceleration(self) -> Acceleration:
         """Return an acceleration of the steps, bounded where the geometry of cables is given."""
-        return Acceleration(LARGEST if self.targets.targets else np.inf)
+        return Acceleration(MAX_DENSITY_FACTOR if self.targets.targets else np.inf)
 
     def __call__(
         self,
@@ -160,7 +161,7 @@ class ConstrainedBalance:
         """
         accelerated, words = self.acceleration(), ""
         reference = start
-        for _ in range(STEPS):
+        for _ in range(MAX_SOLVES):
             found = self(start, plans, densities, number, reference)
             if isinstance(found, str):
                 return found
@@ -168,7 +169,7 @@ class ConstrainedBalance:
                 found = found._replace(wanted=self.targets.wanted(found.points, densities, found.points))
             miss, words = self.targets.miss(found.points, densities, found.wanted)
             wanted = self.targets.mixed(densities, found.wanted, meets_forces)
-            if miss <= MET and difference(densities, wanted) <= EXACT:
+            if miss <= TARGET_ERROR and difference(densities, wanted) <= SETTLED_FORCE:
                 return found
             densities, start = accelerated(densities, wanted), found.points
-        return f"{words or 'a force does not settle'} after {STEPS} solves; give a value nearer to that."
+        return f"{words or 'a force does not settle'} after {MAX_SOLVES} solves; give a value nearer to that."

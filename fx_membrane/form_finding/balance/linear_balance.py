@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 Cells = NDArray[np.int64]
 
 REPEATS = 400  # maximum number of solves for loads that follow the shape: enough where each leaves 92 % of the change
-FAR = 1e3  # displacement over size of the start, above which loads that still change grow without bound
+MAX_DISPLACEMENT = 1e3  # displacement over size of the start, above which loads that still change grow without bound
 
 
 class LinearBalance:
@@ -63,7 +63,7 @@ class LinearBalance:
             before, force = force, loads(shape)
             if have_settled(before, force):
                 return shape, self.motions.reactions(self.matrix @ shape - before)
-            if np.abs(shape - start).max() > FAR * np.ptp(start, axis=0).max():
+            if np.abs(shape - start).max() > MAX_DISPLACEMENT * np.ptp(start, axis=0).max():
                 break
         node = int(np.abs(shape - start).max(axis=1).argmax())
         raise RuntimeError(

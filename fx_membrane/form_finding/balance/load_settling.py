@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-ROUNDING = 1e-15  # change of the loads, relative to the largest, that is that of one operation: no solve does better
-NEAR = 1e-10  # the same, below which a change that rises is rounding of the shape; slow solves fall all the way
+# Change of the loads, relative to the largest, that is that of one operation: no solve does better.
+LOAD_ROUNDING = 1e-15
+# The same, below which a change that rises is rounding of the shape; slow solves fall all the way.
+SHAPE_ROUNDING = 1e-10
 
 
 class LoadSettling:
@@ -21,4 +23,4 @@ class LoadSettling:
         change = np.abs(now - before).max(initial=0.0)
         risen = change >= self.least
         self.least = min(self.least, change)
-        return bool(change <= ROUNDING * largest or (risen and change <= NEAR * largest))
+        return bool(change <= LOAD_ROUNDING * largest or (risen and change <= SHAPE_ROUNDING * largest))

@@ -20,14 +20,16 @@ Array = NDArray[np.float64]
 
 # Ranges: tests/benchmarks/form_finding_constants.py, on 24 rings and rigid bodies, near and from afar: with a tenth of
 # each forms move by less than 1e-9 of their size.
-EXACT = 1e-14  # accepted error of a constraint and unbalanced force, over the squared size and the largest force
-ROUNDING = 1e-11  # the same, where it falls no more
+# Accepted error of a constraint and unbalanced force, over the squared size and the largest force.
+ACCEPTED_ERROR = 1e-14
+STAGNANT_ERROR = 1e-11  # the same, where it falls no more
 REPEATS = 30  # maximum number of Newton's steps; 3 leave 1e-11 of the size
-CLOSE = 1e-8  # slope of the energy from which Newton's method goes on
-LONGEST = 500  # maximum number of steps downhill; 50 do
-ASIDE = 1e-3  # distance from the start, over the size
+NEWTON_SLOPE = 1e-8  # slope of the energy from which Newton's method goes on
+MAX_DESCENT_STEPS = 500  # maximum number of steps downhill; 50 do
+START_DISTANCE = 1e-3  # distance from the start, over the size
 UNSTABLE = -1e-9  # curvature over the largest, below which a balance is no minimum
-NEUTRAL = 1e-9  # the same, below which a direction counts as neutral: as masts that turn together about an axis
+# The same, below which a direction counts as neutral: as masts that turn together about an axis.
+NEUTRAL_CURVATURE = 1e-9
 
 
 def settled(bodies: Sequence[Body], stiffness: Array, loose: Array, start: Array) -> tuple[Array, Array]:
@@ -91,7 +93,7 @@ def _lowest(equations: _Equations, stiffness: Array, loose: Array, start: Array)
         jac=lambda z: equations.gradients(z * size) / size,
         hess=lambda z, v: np.tensordot(v, equations.curvatures, axes=1),
     )
-    aside = start / size + ASIDE * np.cos(np.arange(len(start)))  # off a balance that is no minimum
+    aside = start / size + START_DISTANCE * np.cos(np.arange(len(start)))  # off a balance that is no minimum
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # of constraints that contradict each other, told by the caller
         found = minimize(
@@ -101,7 +103,7 @@ def _lowest(equations: _Equations, stiffness: Array, loose: Array, start: Array)
             hess=lambda z: scaled,
             method="trust-constr",
             constraints=kept,
-            options={"gtol": CLOSE, "maxiter": LONGEST},
+            options={"gtol": NEWTON_SLOPE, "maxiter": MAX_DESCENT_STEPS},
         )
     return np.asarray(found.x * size)
 
@@ -163,14 +165,14 @@ def _newton(equations: _Equations, stiffness: Array, loose: Array, start: Array)
         values = equations.values(s) / size**2
         error = max(np.abs(values).max(), np.abs(unbalanced).max())
         curvature = stiffness - np.tensordot(multipliers, equations.curvatures, axes=1)
-        if error <= EXACT or (error <= ROUNDING and error > last / 2):
+        if error <= ACCEPTED_ERROR or (error <= STAGNANT_ERROR and error > last / 2):
             free = null_space(gradients)
             least = np.linalg.eigvalsh(free.T @ curvature @ free).min(initial=0.0)
             return (s, force) if least >= UNSTABLE * largest else None
         last = error
         zero = np.zeros((len(values), len(values)))
         system = np.block([[curvature / largest, -gradients.T / size], [gradients / size, zero]])
-        step = np.linalg.lstsq(system, -np.concatenate([unbalanced, values]), rcond=NEUTRAL)[0]
+        step = np.linalg.lstsq(system, -np.concatenate([unbalanced, values]), rcond=NEUTRAL_CURVATURE)[0]
         s, multipliers = s + size * step[: len(s)], multipliers + largest * step[len(s) :]
         if not np.abs(s).max() < 1 / np.finfo(float).eps * size:
             return None

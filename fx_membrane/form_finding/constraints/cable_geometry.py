@@ -14,7 +14,7 @@ from .kinds import CableLength, CableSag, EdgeAngle
 
 Array = NDArray[np.float64]
 
-STRAIGHT = 1e-9  # relative excess of a length over the distance of its ends, that no finite force gives
+STRAIGHT_EXCESS = 1e-9  # relative excess of a length over the distance of its ends, that no finite force gives
 
 Geometry = CableLength | CableSag | EdgeAngle
 
@@ -64,7 +64,7 @@ def targets_of(
         who = "The " + named(name, line, points)
         if isinstance(constraint, CableLength):
             apart = line.chord(points) if held[line.nodes[[0, -1]]].all() else 0.0
-            if constraint.length <= apart * (1 + STRAIGHT):
+            if constraint.length <= apart * (1 + STRAIGHT_EXCESS):
                 raise ValueError(
                     f"{who} is to have the length {constraint.length:.6g}, and its held ends are {apart:.6g} apart; "
                     "give a larger length."
@@ -132,7 +132,7 @@ def _is_along(line: Line, constraint: CableSag, points: Array) -> bool:
     """Return True if the chord of a line has the direction of its sag."""
     chord = points[line.nodes[-1]] - points[line.nodes[0]]
     across = np.cross(chord, validation.direction("along", constraint.along))  # type: ignore[arg-type]
-    return bool(np.linalg.norm(across) <= STRAIGHT * np.linalg.norm(chord)) and not line.is_closed
+    return bool(np.linalg.norm(across) <= STRAIGHT_EXCESS * np.linalg.norm(chord)) and not line.is_closed
 
 
 def noun(constraint: Geometry) -> str:

@@ -19,7 +19,7 @@ from ...model.parts import Cable, Line
 from ...model.structure import Structure
 from ..balance.cable_forces import densities_of, measured_lengths
 from ..plan import place as place_of
-from .cable_geometry import STRAIGHT, Target, along_of, factor, named, noun, targets_of, value
+from .cable_geometry import STRAIGHT_EXCESS, Target, along_of, factor, named, noun, targets_of, value
 from .kinds import CableConstraint, CableDensity, CableForce, EdgeAngle
 
 Array = NDArray[np.float64]
@@ -27,9 +27,10 @@ Array = NDArray[np.float64]
 # Ranges: tests/benchmarks/form_finding_constants.py, on 31 ropes and canopies of each kind of constraint.
 # Accepted difference of length, sag or angle from the wanted one, relative to the latter. Ten times as much moves ropes
 # that are longer than their span by 1e-5 by 4e-7 of their size; a step or two go to each digit.
-MET = 1e-10
-NEAR = 1e-3  # the same, of a force from that of a constraint; no word changes from 1e-4 to 1e-2
-STEP = 10.0  # largest factor on a force in one step; forms are the same from 3 to 30, another one is found with 300
+TARGET_ERROR = 1e-10
+TOLD_FORCE_ERROR = 1e-3  # the same, of a force from that of a constraint; no word changes from 1e-4 to 1e-2
+# Largest factor on a force in one step; forms are the same from 3 to 30, another one is found with 300.
+MAX_FORCE_FACTOR = 10.0
 FLOOR = 1e-6  # relative excess of a force over the prestress, above which an angle is what decides it; the same below
 RANGE = 1e9  # factor on the first guess of a force, beyond which none is looked for; the same from 1e8 to 1e10
 
@@ -108,7 +109,7 @@ class CableTargets:
             loaded[line.cells] = True
             place = points if reference is None else reference
             length = measured_lengths(name, part, place, self.axes, self.kinds[name], loaded)[line.cells]
-            share = np.clip(factor(line, constraint, points, is_anchored), 1 / STEP, STEP)
+            share = np.clip(factor(line, constraint, points, is_anchored), 1 / MAX_FORCE_FACTOR, MAX_FORCE_FACTOR)
             q = _mean(densities[name][line.cells] * length) * share / length
             if isinstance(constraint, EdgeAngle):
                 given = part.prestress_tensors().ravel()[line.cells]
@@ -169,7 +170,7 @@ class CableTargets:
             points: The shape.
             densities: Force densities in it.
         """
-        wanted, worst, words = self.by_force(points), NEAR, ""
+        wanted, worst, words = self.by_force(points), TOLD_FORCE_ERROR, ""
         for constraint, cells in self.given:
             ratio = densities[constraint.part][cells] / wanted[constraint.part][cells]
             cell = int(np.abs(ratio - 1).argmax())
@@ -186,7 +187,7 @@ class CableTargets:
         """Tell of a line that has its wanted geometry under no force, in words; empty without one."""
         for first, (name, line, constraint, is_anchored, _) in zip(self.first, self.targets, strict=True):
             now, goal, unit = value(line, constraint, points)
-            if is_anchored and line.sag(points, along_of(constraint)) <= STRAIGHT * line.length(points):
+            if is_anchored and line.sag(points, along_of(constraint)) <= STRAIGHT_EXCESS * line.length(points):
                 return (
                     f"the {named(name, line, points)} has no sag under any force, as no load and no membrane pulls it "
                     f"that way; it cannot have the {noun(constraint)} {goal:.6g}{unit}: give its force instead."

@@ -20,7 +20,7 @@ from .motions import Body, Motions
 Array = NDArray[np.float64]
 
 AXES = ["x", "y", "z"]
-BALANCED = 1e-11  # unbalanced force over the largest reaction, that counts as none; the same from 1e-12 to 1e-10
+BALANCED_FORCE = 1e-11  # unbalanced force over the largest reaction, that counts as none; the same from 1e-12 to 1e-10
 
 
 def handed_over(
@@ -54,7 +54,7 @@ def handed_over(
     for body in motions.bodies:
         free = ~structure.supported[body.nodes]
         borne = np.where(free, reactions[body.nodes], 0.0)
-        found = _bars(structure, points, body, borne, BALANCED * largest)
+        found = _bars(structure, points, body, borne, BALANCED_FORCE * largest)
         if found is None:
             extra[body.nodes] = True
             continue
@@ -90,7 +90,7 @@ def failed_mast(structure: Structure, motions: Motions, form: Form) -> str:
 
 
 def _pulled_mast(structure: Structure, motions: Motions, form: Form) -> str:
-    least = BALANCED * max((float(np.abs(force).max(initial=0.0)) for force in form.forces.values()), default=0.0)
+    least = BALANCED_FORCE * max((float(np.abs(force).max(initial=0.0)) for force in form.forces.values()), default=0.0)
     for body in (each for each in motions.bodies if each.is_line):
         for name, part in structure.parts.items():
             if part.is_strut:

@@ -23,10 +23,10 @@ Mask = NDArray[np.bool_]
 
 # Ranges: tests/benchmarks/form_finding_constants.py, on rings, rigid bodies, slides: with ROUND, FLAT and AXIS from a
 # tenth to ten times forms are the same.
-ROUND = 1e-6  # distance of a node from its circle, over the radius, that counts as none
-FLAT = 1e-9  # extent across a plane or a line, over the largest, that counts as none
-TURNED = 45.0  # angle by which a body has turned, above which it is told [degrees]; it changes words, no form
-GROWN = 1.5  # radius of a ring over the first one, above which it is told; the same
+ROUND_DISTANCE = 1e-6  # distance of a node from its circle, over the radius, that counts as none
+ZERO_EXTENT = 1e-9  # extent across a plane or a line, over the largest, that counts as none
+TOLD_TURN = 45.0  # angle by which a body has turned, above which it is told [degrees]; it changes words, no form
+TOLD_GROWTH = 1.5  # radius of a ring over the first one, above which it is told; the same
 AXIS = 1e-12  # component of a unit vector, or a stiffness against a motion, that counts as none
 
 
@@ -76,7 +76,7 @@ class Body:
         """Tell of a body that is far turned from its start, as a mast that falls, in words; empty if it is not."""
         now, then = (np.cross(each[0], each[1]) if len(each) > 1 else each[0] for each in self._frames(points))
         angle = float(np.degrees(np.arctan2(np.linalg.norm(np.cross(now, then)), now @ then)))
-        if angle <= TURNED:
+        if angle <= TOLD_TURN:
             return ""
         return (
             f"{self.label} has turned by {angle:.0f} degrees from its start: cables of given force do not hold a mast "
@@ -88,7 +88,7 @@ class Body:
         """Tell of a ring of free radius, with a tight cable or without, that has grown much; empty if it has not."""
         now, then = self._frames(points)
         growth = float(np.linalg.norm(now[0]) / np.linalg.norm(then[0]))
-        if not self.is_ring or self.scale is not None or growth <= GROWN:
+        if not self.is_ring or self.scale is not None or growth <= TOLD_GROWTH:
             return ""
         words = f"{self.label} has grown to {growth:.3g} times its radius at the start"
         if has_cable:
@@ -237,7 +237,7 @@ def _body(structure: Structure, constraint: Ring | RigidBody) -> Body:
         axes, radius = axes[:2], constraint.radius
     else:
         scale = radius = float(extent[0] / np.sqrt(len(nodes)))
-        axes = axes[extent > FLAT * extent[0]]
+        axes = axes[extent > ZERO_EXTENT * extent[0]]
     coordinates = np.column_stack([np.ones(len(nodes)), (points - origin) @ axes.T / scale])
     ways = _guided(coordinates, structure.supported[nodes])
     if not ways.shape[1]:
@@ -254,7 +254,7 @@ def _circle(
     Raises:
         ValueError: They are on no circle.
     """
-    if extent[1] <= FLAT * extent[0]:
+    if extent[1] <= ZERO_EXTENT * extent[0]:
         raise ValueError(f"{label} has its nodes on a line, which is no circle; give nodes around the ring.")
     flat = (points - middle) @ axes[:2].T
     system = np.column_stack([2 * flat, np.ones(len(flat))])  # 2 c x + (r^2 - c^2) = x^2
@@ -263,7 +263,7 @@ def _circle(
     height = (points - middle) @ axes[2] if len(axes) > 2 else np.zeros(len(points))
     off = np.hypot(np.linalg.norm(flat - centre[:2], axis=1) - radius, height)
     worst = int(off.argmax())
-    if off[worst] > ROUND * radius:
+    if off[worst] > ROUND_DISTANCE * radius:
         raise ValueError(
             f"{label} is not round: node {nodes[worst]} at {validation.format_point(points[worst])} is "
             f"{off[worst]:.3g} from the circle of radius {radius:.4g} through its nodes; move the nodes onto a circle."
@@ -278,7 +278,7 @@ def _guided(coordinates: Array, supported: Mask) -> Array:
     for component in range(3):
         rows = coordinates[supported[:, component]]
         _, size, directions = np.linalg.svd(np.vstack([rows, np.zeros((count, count))]))
-        for direction in directions[size <= FLAT * max(size[0], 1.0)]:
+        for direction in directions[size <= ZERO_EXTENT * max(size[0], 1.0)]:
             way = np.zeros((count, 3))
             way[:, component] = direction
             found.append(way.ravel())

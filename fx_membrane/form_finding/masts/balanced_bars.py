@@ -20,7 +20,7 @@ from .bar_frame import BarFrame, checked_parts
 Array = NDArray[np.float64]
 Nodes = NDArray[np.int64]
 
-MET = 1e-3  # accepted difference from a wanted force, relative to the largest of them
+WANTED_FORCE_ERROR = 1e-3  # accepted difference from a wanted force, relative to the largest of them
 
 
 def masts_and_stays(
@@ -104,7 +104,7 @@ def masts_and_stays(
     frame = BarFrame(parts, places, free)
     reactions = np.concatenate([form.reactions, np.zeros(added.shape)])
     forces = frame.balance(np.where(free, reactions, 0.0))
-    if unmet := frame.unmet(forces, MET):
+    if unmet := frame.unmet(forces, WANTED_FORCE_ERROR):
         warnings.warn(unmet, UnsettledFormWarning, stacklevel=2)
     by_part = _by_part(parts, forces)
     made = replace(

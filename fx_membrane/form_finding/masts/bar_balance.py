@@ -19,16 +19,19 @@ from ...model.structure import Structure
 Array = NDArray[np.float64]
 
 # Ranges: tests/benchmarks/form_finding_constants.py, on 15 guyed masts: upright, oblique, loaded, near their limit.
-BALANCED = 1e-12  # accepted unbalanced force, relative to the largest of a bar; forms are the same from 3e-13 to 1e-11
-SHORT = 3e-3  # share of its first length, below which a bar counts as shrunk to a point; the same from 1e-3 to 1e-2
+# Accepted unbalanced force, relative to the largest of a bar; forms are the same from 3e-13 to 1e-11.
+BALANCED_FORCE = 1e-12
+# Share of its first length, below which a bar counts as shrunk to a point; the same from 1e-3 to 1e-2.
+SHRUNK_LENGTH = 3e-3
 # Numbers of steps, tried in turn, in which the unbalanced forces of the first shape are let go; the same with a third.
-STEPS = (1, 5, 20)
-TRIES = 40  # maximum number of evaluations in each; the same from 20 to 200, fewer lose masts near their limit
+NUMBERS_OF_STEPS = (1, 5, 20)
+# Maximum number of evaluations in each; the same from 20 to 200, fewer lose masts near their limit.
+MAX_EVALUATIONS = 40
 EPS = 1e-15  # tolerance of each: all digits
 FOLLOWED = 1e-6  # unbalanced force, above which a step has lost its way; the same from 1e-7 to 1e-5
-FALLEN = 45.0  # angle by which a free mast has turned, above which it is told [degrees]
-FLAT = 1e-9  # coordinate over the size, that is rounding: of words
-TURNED = 0.5  # cosine of the angle by which a mast turns at most
+MAX_TURN = 45.0  # angle by which a free mast has turned, above which it is told [degrees]
+ZERO_COORDINATE = 1e-9  # coordinate over the size, that is rounding: of words
+MIN_TURN_COSINE = 0.5  # cosine of the angle by which a mast turns at most
 
 
 def has_free_masts(structure: Structure) -> bool:
@@ -78,17 +81,23 @@ def balanced_points(structure: Structure, loads: Array, pulse: Callable[[str], N
 
     start = structure.points[free] / size
     first = residual(start)
-    for count in STEPS:
+    for count in NUMBERS_OF_STEPS:
         x = start
         for left in np.linspace(1, 0, count + 1)[1:]:  # share of the first unbalanced forces
             rest = left * first
             x = least_squares(
-                lambda x, rest=rest: residual(x) - rest, x, jacobian, xtol=EPS, ftol=EPS, gtol=EPS, max_nfev=TRIES
+                lambda x, rest=rest: residual(x) - rest,
+                x,
+                jacobian,
+                xtol=EPS,
+                ftol=EPS,
+                gtol=EPS,
+                max_nfev=MAX_EVALUATIONS,
             ).x
             if np.abs(residual(x) - rest).max() > FOLLOWED:
                 break
         points = placed(x)
-        if np.abs(residual(x)).max() <= BALANCED and is_standing(structure, points):
+        if np.abs(residual(x)).max() <= BALANCED_FORCE and is_standing(structure, points):
             return points
     return None
 
@@ -98,8 +107,8 @@ def is_standing(structure: Structure, points: Array) -> bool:
     for part in structure.parts.values():
         first, before = _lines(structure.points, part.cells)
         now, after = _lines(points, part.cells)
-        turned = part.is_strut and (np.sum(before * after, axis=1) < TURNED).any()
-        if turned or (now < SHORT * first).any():
+        turned = part.is_strut and (np.sum(before * after, axis=1) < MIN_TURN_COSINE).any()
+        if turned or (now < SHRUNK_LENGTH * first).any():
             return False
     return True
 
@@ -141,9 +150,9 @@ def fallen_mast(structure: Structure, points: Array, guided: NDArray[np.bool_] |
                 loose &= ~guided[part.cells].all(axis=1)
             # The length of a mast with a force is found with it; one without a force keeps neither.
             upright = np.where(pushes, cosine, np.minimum(cosine, cosine * now / length))
-            for cell in np.flatnonzero(loose & (upright < np.cos(np.radians(FALLEN))))[:1]:
+            for cell in np.flatnonzero(loose & (upright < np.cos(np.radians(MAX_TURN))))[:1]:
                 head = part.cells[cell][free[part.cells[cell]]][-1]
-                place = np.where(np.abs(points[head]) > FLAT * structure.size, points[head], 0.0)
+                place = np.where(np.abs(points[head]) > ZERO_COORDINATE * structure.size, points[head], 0.0)
                 return _fallen(f"{cell} of part {name!r}", pushes[cell], cosine[cell], length[cell], now[cell], place)
     return ""
 

@@ -9,21 +9,28 @@ from scipy.optimize import lsq_linear
 Array = NDArray[np.float64]
 
 # Half and double of PENALTY, MINOR and REPEATS change forces of masts with three stays each by less than 1e-12.
-EXACT = 1e-14  # unbalanced force, relative to the largest, that is rounding
+FORCE_ROUNDING = 1e-14  # unbalanced force, relative to the largest, that is rounding
 PENALTY = 1e4  # weight of balance over wanted forces in one search, after which the next takes up the rest
 MINOR = 1e-2  # weight of bars without a wanted force, which stay near the last solution
-SAME = 1e-13  # change of forces, relative to the largest, that counts as none
+SETTLED_FORCES = 1e-13  # change of forces, relative to the largest, that counts as none
 REPEATS = 100  # limit of searches, of which some three are needed
 CARRYING = 1e-10  # force, relative to the largest, below which a bar carries nothing
 TOLERANCE = 1e-15  # of a search for signs, which ends after finitely many steps
-MANY = 20  # limit of these steps, in numbers of bars
+MAX_STEPS_PER_BAR = 20  # limit of these steps, in numbers of bars
 RANK = 1e-10  # singular value, relative to the largest, that counts as zero
 
 
 def signed(matrix: Array, target: Array) -> Array:
     """Non-negative x that leaves the least residual of matrix @ x = target, shape (bars,)."""
     count = matrix.shape[1]
-    found = lsq_linear(matrix, target, (0, np.inf), method="bvls", tol=TOLERANCE, max_iter=MANY * count + MANY)
+    found = lsq_linear(
+        matrix,
+        target,
+        (0, np.inf),
+        method="bvls",
+        tol=TOLERANCE,
+        max_iter=MAX_STEPS_PER_BAR * count + MAX_STEPS_PER_BAR,
+    )
     return np.asarray(np.maximum(found.x, 0.0))
 
 
@@ -61,7 +68,7 @@ def _closest(matrix: Array, target: Array, centre: Array, weight: Array, wished:
         x = signed(rows, np.concatenate([PENALTY * (target + shift), weight * np.where(wished, centre, x)]))
         rest = target - matrix @ x
         shift += rest
-        if max(np.abs(rest).max(), np.abs(x - before).max()) <= SAME:
+        if max(np.abs(rest).max(), np.abs(x - before).max()) <= SETTLED_FORCES:
             break
     return x
 
@@ -72,6 +79,6 @@ def _exact(matrix: Array, target: Array, near: Array) -> Array:
     x = np.where(carrying, near, 0.0)
     for _ in range(2):
         rest = target - matrix @ x
-        if np.abs(rest).max() > EXACT:
+        if np.abs(rest).max() > FORCE_ROUNDING:
             x[carrying] += np.linalg.lstsq(matrix[:, carrying], rest, rcond=RANK)[0]
     return np.asarray(np.maximum(x, 0.0))

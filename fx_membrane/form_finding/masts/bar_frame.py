@@ -17,8 +17,8 @@ from .bar_forces import RANK, nearest, signed
 
 Array = NDArray[np.float64]
 
-BALANCED = 1e-9  # unbalanced force, relative to the largest that is to be balanced, that is rounding of a form
-SHORT = 1e-9  # length of a bar, relative to the extent of all points, that counts as none
+BALANCED_FORCE = 1e-9  # unbalanced force, relative to the largest that is to be balanced, that is rounding of a form
+ZERO_LENGTH = 1e-9  # length of a bar, relative to the extent of all points, that counts as none
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class BarFrame:
     def __post_init__(self) -> None:
         size = np.ptp(self.points, axis=0).max()
         for name, part in self.parts.items():
-            for cell in np.flatnonzero(measures(self.points, part.cells) <= SHORT * size)[:1]:
+            for cell in np.flatnonzero(measures(self.points, part.cells) <= ZERO_LENGTH * size)[:1]:
                 a, b = part.cells[cell]
                 raise ValueError(
                     f"Part {name!r}, cell {cell} has no length: its nodes {a} and {b} are both at {self._place(a)}; "
@@ -83,7 +83,7 @@ class BarFrame:
         free = self.free[nodes]
         matrix, target = blocks[free] * self.signs, reactions[nodes][free]
         rest = target - matrix @ signed(matrix, target)
-        limit = BALANCED * max(np.abs(target).max(initial=0.0), np.abs(self.wanted).max())
+        limit = BALANCED_FORCE * max(np.abs(target).max(initial=0.0), np.abs(self.wanted).max())
         if np.abs(rest).max(initial=0.0) <= limit:
             return np.asarray(self.signs * nearest(matrix, target, np.abs(self.wanted)))
         any_sign, _, rank, _ = np.linalg.lstsq(matrix, target, rcond=RANK)

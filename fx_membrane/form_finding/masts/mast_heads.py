@@ -33,10 +33,11 @@ Array = NDArray[np.float64]
 # FALL and HALVINGS move nothing there; with SETTLING = 1 the heads are lost.
 FIRST = 12  # steps of the rest of the form before the first move of the heads
 SETTLING = 3  # the same, after each
-NEAR = 1e-5  # reaction at a head, relative to the largest force of a mast, from which on a free step is tried
+# Reaction at a head, relative to the largest force of a mast, from which on a free step is tried.
+FREE_STEP_REACTION = 1e-5
 DRIFT = 1e-2  # the same, below which it may come from the sliding of nodes, and no move is halved
-SMALL = 1e-3  # move of a head for a difference quotient, relative to the shortest mast
-FAR = 0.2  # the same, of a move at most
+DIFFERENCE_MOVE = 1e-3  # move of a head for a difference quotient, relative to the shortest mast
+MAX_MOVE = 0.2  # the same, of a move at most
 FALL = 0.1  # share by which a full move must reduce the reactions, or it is halved
 HALVINGS = 5  # maximum number for a move: to 3 % of it
 SINGULAR = 1e-8  # slope, relative to the largest, that counts as zero
@@ -133,7 +134,7 @@ def _search(
         return moved, reactions[at] / force
 
     def slopes(points: Array) -> Array:
-        base, small = settled(points, np.zeros(count))[1], SMALL * length
+        base, small = settled(points, np.zeros(count))[1], DIFFERENCE_MOVE * length
         return np.stack([(settled(points, small * one)[1] - base) / small for one in np.eye(count)], axis=1)
 
     points, rest = settled(points, np.zeros(count))
@@ -141,10 +142,10 @@ def _search(
     for number in range(moves):
         worst = np.abs(rest).max()
         pulse(f"move {number} of the mast heads, unbalanced share of the largest force of a mast {worst:.1e}")
-        if worst <= NEAR and fits(points):
+        if worst <= FREE_STEP_REACTION and fits(points):
             return points
         way = np.linalg.lstsq(slope, -rest, rcond=SINGULAR)[0]
-        way = way * min(1.0, FAR * length / max(np.abs(way).max(), np.finfo(float).tiny))
+        way = way * min(1.0, MAX_MOVE * length / max(np.abs(way).max(), np.finfo(float).tiny))
         taken = _shortened(settled, points, way, rest)
         if taken is not None:
             move, points, left = taken

@@ -26,7 +26,7 @@ from ...model.structure import Structure
 from ...model.supports import Support
 from ..constraints.kinds import RigidBody
 from ..form import Form
-from .bar_balance import FALLEN
+from .bar_balance import MAX_TURN
 from .bar_frame import BarFrame, format_force
 
 Array = NDArray[np.float64]
@@ -35,12 +35,13 @@ Find = Callable[..., Form]  # of a structure, and constraints by that name
 # Half and double of each were tried on a hypar in projection, on two masts in stays of unequal force: no node moves by
 # more than 1e-13 of the size: the search is Newton's, and ends far below ACROSS.
 ACROSS = 1e-4  # force across masts over the largest reaction at a head, which the forces of stays take up afterwards
-NEAR = 1e-9  # change of turns at which the search ends: the forces across are below the limit long before
+SETTLED_TURN = 1e-9  # change of turns at which the search ends: the forces across are below the limit long before
 SLOPE = 1e-3  # turn for a difference quotient [rad]: far above rounding, far below any turn that bends the forces
 REACH = 0.3  # first move of all heads at most [rad]: a third of the way to the turn that counts as fallen
-TRIES = 20  # maximum number of moves of the heads, of which some five are needed
-MET = 1e-3  # accepted difference of stays from their forces, over the largest: ten times what is left across masts
-LOST = 10.0  # force across a mast, over the largest reaction at a head, that stands for a place without a form
+MAX_MOVES = 20  # maximum number of moves of the heads, of which some five are needed
+# Accepted difference of stays from their forces, over the largest: ten times what is left across masts.
+WANTED_FORCE_ERROR = 1e-3
+LOST_FORCE = 10.0  # force across a mast, over the largest reaction at a head, that stands for a place without a form
 
 
 @dataclass(frozen=True)
@@ -104,12 +105,12 @@ def stand(
 
     def slopes(turns: Array) -> Array:
         for method in (guide or find, find):
-            if (base := across(turns, method)).max() < LOST:
+            if (base := across(turns, method)).max() < LOST_FORCE:
                 break
         return np.stack([across(turns + SLOPE * one, method) - base for one in np.eye(len(turns))], axis=1) / SLOPE
 
     start = np.ones(2 * len(masts.heads))
-    options = {"factor": REACH / np.sqrt(len(start)), "maxfev": TRIES, "xtol": NEAR}
+    options = {"factor": REACH / np.sqrt(len(start)), "maxfev": MAX_MOVES, "xtol": SETTLED_TURN}
     found = root(across, start, jac=slopes, method="hybr", options=options)
     if np.abs(found.fun).max() > ACROSS:
         return None, heads.missing(first)
@@ -146,11 +147,11 @@ class _Heads:
         """Return forces across the masts along two axes of each, over the largest reaction, shape (2 m,)."""
         points = self.placed(turns)
         if _turned(self.masts, self.points, points):
-            return np.full(turns.shape, LOST)
+            return np.full(turns.shape, LOST_FORCE)
         try:
             form = form_at(points)
         except (RuntimeError, ValueError):
-            return np.full(turns.shape, LOST)
+            return np.full(turns.shape, LOST_FORCE)
         return np.einsum("mc,mkc->mk", self._rest(form), self.axes).ravel() / self.force
 
     def missing(self, first: Form) -> str:
@@ -188,7 +189,7 @@ def _turned(masts: _Masts, before: Array, now: Array) -> bool:
     """Return True if one has turned by more than 45 degrees."""
     first, last = before[masts.heads] - before[masts.feet], now[masts.heads] - now[masts.feet]
     sizes = np.linalg.norm(first, axis=1) * np.linalg.norm(last, axis=1)
-    return bool((np.sum(first * last, axis=1) < np.cos(np.radians(FALLEN)) * sizes).any())
+    return bool((np.sum(first * last, axis=1) < np.cos(np.radians(MAX_TURN)) * sizes).any())
 
 
 def _released(form: Form, masts: _Masts, held: Support) -> Form:
@@ -206,7 +207,7 @@ def _released(form: Form, masts: _Masts, held: Support) -> Form:
     now = np.concatenate([form.forces[name][numbers] for name, numbers in cells.items()])
     carried = form.reactions + frame.pulls(now)
     balanced = frame.balance(np.where(free, carried, 0.0))
-    if unmet := frame.unmet(balanced, MET):
+    if unmet := frame.unmet(balanced, WANTED_FORCE_ERROR):
         raise ValueError(unmet)
     forces, parts = dict(form.forces), dict(made.parts)
     bounds = np.cumsum([len(numbers) for numbers in cells.values()])[:-1]

@@ -18,13 +18,13 @@ Array = NDArray[np.float64]
 
 # The minimum does not depend on the way there: half and double of each but PRESSED move forms by less than 2e-8 of
 # their size, at a tolerance of 1e-6. Tried: a cone, a roof under snow, one with given sags.
-EXACT = 0.05  # largest change in a step, below which Newton's equations of the mesh are exact, not convex
+EXACT_CHANGE = 0.05  # largest change in a step, below which Newton's equations of the mesh are exact, not convex
 DAMPING = 1e-2  # first factor of Levenberg's damping
 FACTOR = 6.0  # its change from try to try
-TRIES = 12  # maximum number of tries of a step: with 7, forms of rings between 1.3 and 1.4 of their reach are lost
+MAX_TRIES = 12  # maximum number of tries of a step: with 7, forms of rings between 1.3 and 1.4 of their reach are lost
 RISE = 1e-2  # relative increase of the norm accepted in a step: the mesh that becomes even has its own
 SLACK = 0.01  # rise of the mean difference accepted where the difference is small
-EVEN = 1e-6  # mean difference that is none
+EVEN_DIFFERENCE = 1e-6  # mean difference that is none
 PRESSED = 0.1  # area of a cell over that in the first shape, below which a body is not to slide further
 
 
@@ -49,13 +49,13 @@ def settled(
         before = state
         here = problem.on(before.points)
         blocks = problem.at(before).blocks
-        exact = largest < EXACT
+        exact = largest < EXACT_CHANGE
         lines = steered_lines(problem, before)
         system = system_of(
             blocks, problem.control, problem.point_loads, before.points, before.multipliers, lines, exact
         )
         equations = equations_of(system, problem.control.guide.basis(before.points))
-        for tried in range(TRIES):
+        for tried in range(MAX_TRIES):
             pulse(f"step {len(steps) + 1}, try {tried + 1}, difference of the stress {before.mean:.2e}")
             found = _stepped(here, before, equations, damping / before.area, 0.5**tried, starts)
             if found is not None:
@@ -86,7 +86,7 @@ def _stepped(
         return found if found.norm <= before.norm * (1 + RISE) + (SLACK * SLACK) * before.area else None
     # No mesh keeps bodies from sliding within surfaces: each step comes nearer, and no cell is pressed flat.
     shrunk = float((_areas(problem, found.points) / starts).min(initial=1.0))
-    limit = before.norm * (1 + RISE) + (EVEN * EVEN) * before.area
+    limit = before.norm * (1 + RISE) + (EVEN_DIFFERENCE * EVEN_DIFFERENCE) * before.area
     return found if found.norm <= limit and shrunk > PRESSED else None
 
 

@@ -26,7 +26,7 @@ SLIDES = 0.05  # part of a motion of a body off its lines, below which it slides
 NEUTRAL = (
     1e-6  # work of forces on a slide, and its change, over the forces, that count as none; the same from 1e-7 to 1e-5
 )
-SHORT = 1e-4  # length of a difference over the extent of a body; the same from 1e-5 to 1e-3
+DIFFERENCE_LENGTH = 1e-4  # length of a difference over the extent of a body; the same from 1e-5 to 1e-3
 
 
 class BodyWays(NamedTuple):
@@ -89,12 +89,12 @@ class MotionGuide:
         along, start, first = self.of_bodies(points) @ self.split(points, lines).along, forces(points), 0
         for number, (body, ways) in enumerate(zip(self.motions.bodies, self._split(points, lines), strict=True)):
             turned = ways[1].T @ tangents(body, points, start)[1] @ ways[1]
-            short = SHORT * float(np.ptp(points[body.nodes], axis=0).max())
+            short = DIFFERENCE_LENGTH * float(np.ptp(points[body.nodes], axis=0).max())
             size = NEUTRAL * float(np.linalg.norm(start[body.nodes], axis=1).sum())
             for column in range(ways[1].shape[1]):
                 way = along[:, [first + column]].toarray().reshape(points.shape)
                 rise = np.sum(way * (forces(points + short * way) - forces(points - short * way))) / (2 * short)
-                change = abs(float(rise + turned[column, column])) * short / SHORT
+                change = abs(float(rise + turned[column, column])) * short / DIFFERENCE_LENGTH
                 self.slides[number] &= bool(abs(float(np.sum(way * start))) <= size and change <= size)
             first += ways[1].shape[1]
 

@@ -27,7 +27,7 @@ Segments = NDArray[np.int64]
 NORMAL = 0.05  # component of a direction that supports leave, below which it counts as held
 HALVINGS = 8  # of a slide that turns a triangle over
 SLIDES = 20  # maximum number of slides to an even mesh
-EVEN = 0.02  # motion in a slide over the usual edge, at which a mesh counts as even
+EVEN_MOTION = 0.02  # motion in a slide over the usual edge, at which a mesh counts as even
 
 
 class Ways(NamedTuple):
@@ -161,7 +161,7 @@ class MeshControl:
                 following = self._slid(at, near=False)
                 after = self._slope(following)
             moved, at = np.abs(following - at.points).max(), after
-            if moved < EVEN * self.mean_edge(at.points):
+            if moved < EVEN_MOTION * self.mean_edge(at.points):
                 break
         return at.points
 

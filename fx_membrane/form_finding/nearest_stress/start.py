@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 GUESSES = 14  # maximum number of linear solves
 WORSE = 3  # number of guesses in a row farther than the nearest, after which the guesses end
 HALVINGS = 5  # of a correction that leaves a stress no tension
-SETTLED = 0.02  # relative change of the difference from the wish, at which the guesses end
+SETTLED_CHANGE = 0.02  # relative change of the difference from the wish, at which the guesses end
 EVENED = 6  # number of solves of the even shape with cables, whose force densities follow their lengths
 RAISES = 12  # number of doublings of the stress at most, with which an even shape holds the loads
 CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [0.5, np.sqrt(0.75)]])  # triangle of equal sides
@@ -44,7 +44,7 @@ def near_state(problem: NearestProblem, pulse: Pulse) -> State:
         if following is None:
             break
         found.append(following)
-        if len(found) > 3 and abs(following.norm / max(state.norm, 1e-300) - 1) <= SETTLED:
+        if len(found) > 3 and abs(following.norm / max(state.norm, 1e-300) - 1) <= SETTLED_CHANGE:
             break
         state = following
         nearest = min(range(1, len(found)), key=lambda number: found[number].norm)

@@ -32,7 +32,7 @@ from .ratios import check_ratios, check_tension, power, relative
 Array = NDArray[np.float64]
 
 # Share of the wish that a principal stress, or the force of a bar, keeps at least; forms are the same with 0.005.
-LEAST = 0.05
+MIN_STRESS_SHARE = 0.05
 
 
 class NearestProblem:
@@ -144,7 +144,11 @@ class NearestProblem:
         return found
 
     def state(
-        self, points: Array, multipliers: Array, least: float = LEAST, before: Mapping[str, Array] | None = None
+        self,
+        points: Array,
+        multipliers: Array,
+        least: float = MIN_STRESS_SHARE,
+        before: Mapping[str, Array] | None = None,
     ) -> State:
         """Shape in exact equilibrium with the corrected stress that multipliers make in a shape near it.
 

@@ -18,7 +18,7 @@ from .sewn_surfaces import cells_of, joined_membranes, listed
 
 Array = NDArray[np.float64]
 
-SAME = 1e-9  # relative difference of stresses that counts as rounding
+EQUAL_STRESSES = 1e-9  # relative difference of stresses that counts as rounding
 MISSED = 0.02  # distance of the axis from the lines through cells along their stress, over their length
 UNBALANCED = 0.02  # mean of (r n_radial)' - n_tangential over the latter, above which a stress does not balance
 TENSE = 0.9  # share of n_radial that c / r takes away at most
@@ -55,13 +55,13 @@ def remarks_of(problem: NearestProblem, state: State) -> tuple[str, ...]:
         direction = directions[0]
         triangles = [block.triangles(state.points[block.cells]) for block in map(problem.membranes.get, names) if block]
         wish, areas = (np.concatenate([getattr(one, what) for one in triangles]) for what in ("wish", "areas"))
-        if not isinstance(direction, RadialDirection) or np.ptp(wish, axis=0).max() > SAME * wish.max():
+        if not isinstance(direction, RadialDirection) or np.ptp(wish, axis=0).max() > EQUAL_STRESSES * wish.max():
             continue
         if any(other != direction for other in directions):
             continue
         cells = cells_of(problem.structure, names)
         radial, tangential = float(wish[0, 0, 0]), float(wish[0, 1, 1])
-        if abs(radial - tangential) <= SAME * radial or abs(wish[0, 0, 1]) > SAME * radial:
+        if abs(radial - tangential) <= EQUAL_STRESSES * radial or abs(wish[0, 0, 1]) > EQUAL_STRESSES * radial:
             continue
         if not _is_of_revolution(state.points, cells, direction):
             continue
@@ -91,7 +91,7 @@ def unbalanced(plan: Plan, flat: Array, axes: Array) -> str:
             for one, other in ((along, along), (along, around), (around, around))
         )
         centre = _meeting(centres, along, plan.areas)
-        if centre is not None and (np.abs(shear) <= SAME * radial).all():
+        if centre is not None and (np.abs(shear) <= EQUAL_STRESSES * radial).all():
             break
     else:
         return ""
@@ -102,7 +102,7 @@ def unbalanced(plan: Plan, flat: Array, axes: Array) -> str:
     if gap <= UNBALANCED:
         return ""
     choice = exact_choice(radial, tangential, r, plan.areas)
-    where = axes @ np.where(np.abs(centre) > SAME * r.mean(), centre, 0.0)
+    where = axes @ np.where(np.abs(centre) > EQUAL_STRESSES * r.mean(), centre, 0.0)
     return (
         f"about the axis at {format_point(where)} in plan equilibrium demands (r n_radial)' = "
         f"n_tangential, but these are {share @ slope:.4g} and {share @ tangential:.4g} in the mean; {choice.words} is "
@@ -132,7 +132,7 @@ def _meeting(centres: Array, along: Array, areas: Array) -> Array | None:
     """Point where lines through cells along unit vectors meet, shape (2,) [m]; None if they do not."""
     across = np.eye(2) - along[:, :, None] * along[:, None, :]
     matrix = np.einsum("c,cab->ab", areas, across)
-    if np.linalg.eigvalsh(matrix)[0] <= SAME * areas.sum():
+    if np.linalg.eigvalsh(matrix)[0] <= EQUAL_STRESSES * areas.sum():
         return None
     point = np.linalg.solve(matrix, np.einsum("c,cab,cb->a", areas, across, centres))
     away = centres - point

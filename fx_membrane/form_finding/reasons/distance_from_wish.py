@@ -15,13 +15,13 @@ Array = NDArray[np.float64]
 
 TOLD = 0.1  # mean relative difference of stress and wish, above which a form says so
 LOCAL = 0.25  # largest relative difference in a cell, above which it says so: few nearest forms are off by more
-NEAR = 0.01  # the same, up to which a ring counts as near enough: rules for rings are a guide
+ACCEPTED_RING_ERROR = 0.01  # the same, up to which a ring counts as near enough: rules for rings are a guide
 
 
 def distance(problem: NearestProblem, state: State) -> str:
     """Tell how far the stress is from the wish, and of a ring too far for it; empty where it is near."""
     is_far = state.mean > TOLD or state.largest > LOCAL
-    if state.mean <= NEAR and not is_far:
+    if state.mean <= ACCEPTED_RING_ERROR and not is_far:
         return ""
     ring = far_ring(problem.structure, problem.structure.points, wished(problem))
     if not (is_far or ring):

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ...checks.values import format_point
 from ...model.structure import Structure
 from .edge_arcs import Conflict, conflicts_of, least_forces
-from .edge_lines import SAME, Edge, edges_of, held_segments, rims_of
+from .edge_lines import EQUAL_FORCES, Edge, edges_of, held_segments, rims_of
 
 Array = NDArray[np.float64]
 
@@ -51,7 +51,7 @@ class WeakEdges:
     @property
     def weak(self) -> list[int]:
         """Numbers of the edges that are too weak."""
-        return [k for k, edge in enumerate(self.edges) if self.needs[k] > edge.given * (1 + SAME)]
+        return [k for k, edge in enumerate(self.edges) if self.needs[k] > edge.given * (1 + EQUAL_FORCES)]
 
     @property
     def largest(self) -> float:
@@ -64,7 +64,9 @@ class WeakEdges:
         if not self.weak:
             return ""
         ratios = {k: self.needs[k] / self.edges[k].given for k in self.weak}
-        lacking = [k for k, ratio in ratios.items() if ratio >= max(ratios.values()) * (1 - SAME)]  # with one force
+        lacking = [
+            k for k, ratio in ratios.items() if ratio >= max(ratios.values()) * (1 - EQUAL_FORCES)
+        ]  # with one force
         conflict = next((one for one in self.conflicts if set(lacking) & set(one.edges)), None)
         worst = max(lacking, key=lambda k: self.edges[k].need)
         words = self._of_span(worst) if conflict is None else self._of_conflict(conflict)
@@ -78,7 +80,7 @@ class WeakEdges:
         ends = np.concatenate([edge.ends for edge in self.edges])
         away = self.points - self.points[ends].mean(axis=0)
         heights = np.abs(away @ np.linalg.svd(away, full_matrices=False)[2][-1])
-        is_flat = heights.max() <= SAME * np.abs(away).max()
+        is_flat = heights.max() <= EQUAL_FORCES * np.abs(away).max()
         return "" if is_flat or self.tried else "; by the rule of arcs, in space mostly sufficient: less may do"
 
     def trials(self) -> Iterator[WeakEdges]:
@@ -95,7 +97,7 @@ class WeakEdges:
         edge, rule = self.edges[k], self.by_rule[k]
         return (
             f", as by trial; {edge.shown(rule)} by the rule of arcs"
-            if rule > edge.given * (1 + SAME)
+            if rule > edge.given * (1 + EQUAL_FORCES)
             else ", as by trial"
         )
 
@@ -109,7 +111,7 @@ class WeakEdges:
         given = {name: force.copy() for name, force in forces.items()}
         for k in self.weak:
             edge, need = self.edges[k], (1 + margin) * self.needs[k]
-            if np.ptp(forces[edge.part]) <= SAME * forces[edge.part].max():  # a cable of one force keeps to one
+            if np.ptp(forces[edge.part]) <= EQUAL_FORCES * forces[edge.part].max():  # a cable of one force keeps to one
                 given[edge.part] = np.maximum(given[edge.part], need)
             else:
                 given[edge.part][edge.cells] *= need / edge.given
@@ -174,7 +176,7 @@ class WeakEdges:
 def _rounded_up(force: float) -> float:
     """Round up to the digits of words."""
     unit = 10.0 ** (np.floor(np.log10(force)) - DIGITS + 1)
-    return float(f"{np.ceil(force / unit * (1 - SAME)) * unit:.{DIGITS}g}")
+    return float(f"{np.ceil(force / unit * (1 - EQUAL_FORCES)) * unit:.{DIGITS}g}")
 
 
 def weak_edges(

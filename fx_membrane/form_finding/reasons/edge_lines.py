@@ -19,7 +19,7 @@ from ..constraints.cable_lines import TINY, Line, lines_of
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 
-SAME = 1e-9  # relative difference of forces that counts as rounding
+EQUAL_FORCES = 1e-9  # relative difference of forces that counts as rounding
 
 
 class Edge(NamedTuple):
@@ -171,7 +171,7 @@ def _grouped(edges: list[Edge]) -> list[Edge]:
             other.group
             for other in found
             if (other.part, other.by_density) == (edge.part, edge.by_density)
-            and abs(other.given * other.slope / (edge.given * edge.slope) - 1) <= SAME
+            and abs(other.given * other.slope / (edge.given * edge.slope) - 1) <= EQUAL_FORCES
         )
         found.append(edge._replace(group=next(mates, len(found))))
     return found

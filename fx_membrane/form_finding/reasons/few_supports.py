@@ -22,7 +22,7 @@ Numbers = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 ALL_HELD = ("All nodes are held, so the form is the first shape; take supports from the nodes to be found.",)
-SAME = 1e-9  # extent over that of the first shape, that counts as none
+ZERO_EXTENT = 1e-9  # extent over that of the first shape, that counts as none
 
 
 def check_supports_of_form(structure: Structure, loads: Sequence[object], constraints: Sequence[object] = ()) -> None:
@@ -81,7 +81,7 @@ def _unspread(points: Array, held: Mask, has_meshes: bool) -> str:
     """Tell of the place or the line at which a piece is held, in words; empty if its held nodes spread it."""
     if not held.any(axis=0).all():  # told as a piece without hold
         return ""
-    least = SAME * np.ptp(points, axis=0).max()
+    least = ZERO_EXTENT * np.ptp(points, axis=0).max()
     varies = [component for component in range(3) if np.ptp(points[held[:, component], component]) > least]
     if not varies:
         place = np.array([points[held[:, component], component].mean() for component in range(3)])

@@ -16,7 +16,7 @@ from ..nearest_stress.start import factor_for_loads
 from ..nearest_stress.state import NearestProblem
 from ..wishes import Wish
 from .asked_structure import Asked, as_asked
-from .distance_from_wish import NEAR, mean, wished, worst
+from .distance_from_wish import ACCEPTED_RING_ERROR, mean, wished, worst
 from .edge_forces import GUIDED, WeakEdges, weak_edges
 from .folds import fold
 from .necks import neck
@@ -35,7 +35,7 @@ WHOLE = 1000  # cells up to which a trial may be a whole search
 # are found on all meshes tried at 1.1 and 1.49, and found on some only at 1.7 and 2.1. From 1.3 on, cones with 12
 # segments around the ring lose their stress there on the way to a form.
 BEYOND = 1.5
-UNEQUAL = 1.05  # ratio of principal stresses, above which they count as unequal
+UNEQUAL_RATIO = 1.05  # ratio of principal stresses, above which they count as unequal
 UNKNOWN = (
     "The reason is not established: by the rules the edge cables are strong enough and no ring is too far. No trial "
     "with stronger cables, without loads or with equal stress has a form. Change the stress there, refine the mesh, or "
@@ -84,7 +84,7 @@ def reason_of(
         depends = "it depends on the mesh" if lone else "it is not that of the wish"
         return f"{depends}. {causes(weak.words, lone, folded)} {where}"
     far_away = far_ring(structure, structure.points, wished(problem))
-    if settled and state.mean > NEAR and is_beyond_reach(problem):
+    if settled and state.mean > ACCEPTED_RING_ERROR and is_beyond_reach(problem):
         return (
             "no surface has the stress wished for, and the form depends on the mesh: its stress differs by "
             f"{mean(problem, state)}. {causes(far_away, folded)} {where}"
@@ -192,7 +192,7 @@ def _by_trial(problem: NearestProblem, weak: WeakEdges, is_found: Trial | None) 
     if weak.edges and (stronger := _with_stronger_edges(problem, weak, is_found)):
         return causes(stronger.words)
     ratio = _ratio(problem)
-    if ratio > UNEQUAL and is_found(_equal(problem), True):
+    if ratio > UNEQUAL_RATIO and is_found(_equal(problem), True):
         return (
             f"The stress wished for is {ratio:.3g} times as large in one direction as in the other. Only with their "
             "mean in all directions a form is found: wish for a smaller ratio, or give the stress in plan, "

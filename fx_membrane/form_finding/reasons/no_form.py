@@ -18,7 +18,7 @@ from .unheld import free_edge, lone_point
 
 Array = NDArray[np.float64]
 
-UNEQUAL = 1.05  # ratio of principal stresses, above which they count as unequal
+UNEQUAL_RATIO = 1.05  # ratio of principal stresses, above which they count as unequal
 
 
 def cause(structure: Structure, points: Array, asked: Asked | None = None, collapsed: Array | None = None) -> str:
@@ -75,7 +75,7 @@ def _unequal(structure: Structure) -> str:
     """Tell of a membrane whose stress is unlike along warp and weft."""
     for name, part in structure.membranes.items():
         least, largest = np.linalg.eigvalsh(part.prestress_tensors()).mean(axis=0)
-        if largest > UNEQUAL * least:
+        if largest > UNEQUAL_RATIO * least:
             unequal = (
                 f"{largest / least:.3g} times as large in one direction as in the other"
                 if least > 0

@@ -35,7 +35,7 @@ Array = NDArray[np.float64]
 
 # Deviation of the distances from the centre, relative to the radius, up to which a loop counts as a ring: of an ellipse
 # with axes of 3 : 1; a square has 0.11.
-ROUND = 0.35
+ROUND_RING = 0.35
 ZERO = 1e-9  # coordinate of a centre over the radius, that counts as rounding
 NODES, WEIGHTS = roots_legendre(40)  # the integrand, a power of cosh, is smooth
 
@@ -143,7 +143,7 @@ def _rings(points: Array, triangles: NDArray[np.int64], stress: Array, held: NDA
         centre = points[nodes].mean(axis=0)
         axis = np.linalg.svd(points[nodes] - centre, full_matrices=False)[2][-1]
         distance = lengths(points[nodes] - centre)
-        if distance.std() > ROUND * distance.mean():
+        if distance.std() > ROUND_RING * distance.mean():
             continue
         beside = triangles[cells[loop == k]]
         # Around the axis at the centre of the cell, as an edge has another angle there on a coarse mesh.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-TURN = 0.6  # difference of the unit vectors of two segments, 35 degrees, above which a line has a corner
+CORNER_TURN = 0.6  # difference of the unit vectors of two segments, 35 degrees, above which a line has a corner
 
 
 def line_tangents(points: NDArray[np.float64], segments: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -21,7 +21,7 @@ def line_tangents(points: NDArray[np.float64], segments: NDArray[np.int64]) -> N
         np.add.at(leaving, end, away)
         last[end] = away
     count = np.bincount(segments.ravel(), minlength=len(points))
-    slides = (count == 2) & (np.linalg.norm(leaving, axis=1) < TURN)
+    slides = (count == 2) & (np.linalg.norm(leaving, axis=1) < CORNER_TURN)
     return np.where(slides[:, None], unit(2 * last - leaving), 0.0)  # one direction less the other
 
 

@@ -122,7 +122,7 @@ def test_heads_move_to_where_other_forces_balance(method, unit, force, load):
 
 @pytest.mark.parametrize("method", ["projection", "natural", "prescribed"])
 def test_forces_that_balance_nowhere_near_are_told_with_the_missing_one(method, monkeypatch):
-    monkeypatch.setattr(standing_masts, "TRIES", 4)  # of places for the heads: 20 find none, either
+    monkeypatch.setattr(standing_masts, "MAX_MOVES", 4)  # of places for the heads: 20 find none, either
     structure, bodies, _ = on_masts(100e3)
     form, words = found(METHODS[method], structure, constraints=bodies)
     assert not form.converged

@@ -141,7 +141,7 @@ def test_length_out_of_reach_is_told_with_the_length_found():
 
 def test_mast_of_given_length_that_falls_is_told(monkeypatch):
     """Stays of 60 kN balance the sail nowhere near; with 25 kN the masts stand."""
-    monkeypatch.setattr(standing_masts, "TRIES", 4)  # of places for the heads: 20 find none, either
+    monkeypatch.setattr(standing_masts, "MAX_MOVES", 4)  # of places for the heads: 20 find none, either
     structure, masts = sail_on_masts(0.0, pull=60e3)
     with pytest.warns(UnsettledFormWarning, match=r"the RigidBody .* has turned by \d+ degrees .* masts_and_stays"):
         form = updated_reference(structure, constraints=[RigidBody(mast) for mast in masts])

@@ -98,7 +98,7 @@ def test_window_holds_structure_and_axes_without_empty_corners_of_the_box():
     subject = shown("a test", Structure(points, {"sheet": Membrane(triangles, Fabric(1e5, 0.3), 1e3)}))
     same = setting([subject], [[]], Look(1.0, (1, -1.6, 1.1), axes=True))
     seen = same.window.seen(np.concatenate([points, *edges_of(same.box, (1, -1.6, 1.1)).values()]))
-    room = windows.MARGIN * same.window.size
+    room = windows.WINDOW_MARGIN * same.window.size
     assert same.window.high[1] == pytest.approx(seen[:, 1].max() + room, abs=0.1 * room)
     assert (seen >= same.window.low).all()
     assert (seen <= same.window.high).all()

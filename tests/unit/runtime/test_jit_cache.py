@@ -221,7 +221,7 @@ def test_module_that_was_compiled_is_not_taken_for_found(tmp_path):
 
 
 def test_few_modules_are_kept(tmp_path, monkeypatch):
-    monkeypatch.setattr(jit_cache, "KEPT", 2)
+    monkeypatch.setattr(jit_cache, "MAX_KEPT_MODULES", 2)
     FFCx(None).compile(tmp_path)
     ffcx = FFCx("found")
     for name in ("a", "b", "a", "c", "a", "b"):

@@ -194,7 +194,7 @@ def test_structure_far_from_zero_keeps_its_shape(tmp_path):
 
 
 def test_more_triangles_than_a_browser_turns_are_drawn_coarser(found, tmp_path, monkeypatch):
-    monkeypatch.setattr(scene_data, "MOST", 40)
+    monkeypatch.setattr(scene_data, "MAX_TRIANGLES", 40)
     write_scene(found, tmp_path / "scene.html")
     _, scene = opened(tmp_path / "scene.html")
     membrane = found["snow"].membrane(EVIL)
