@@ -144,12 +144,14 @@ def with_constraints_of(start: Actions, end: Actions, displacement: Array) -> Ac
             without = (tension[:, 0] == 0)[:, None, None]
             natural[name] = np.where(without, end.natural[name], start.natural.get(name, 0.0))
     displaced = np.where(start.held, start.displacement, displacement)
+    if np.array_equal(displaced, start.displacement):
+        displaced = start.displacement  # one array less: eight bytes for each unknown
     return replace(start, held=end.held, displacement=displaced, natural=natural)
 
 
 def between(start: Actions, end: Actions, factor: float) -> Actions:
-    """Actions at a load factor between start and end."""
-    return _combined(start, end, lambda a, b: a + factor * (b - a))
+    """Actions at a load factor between start and end; arrays that are equal at both are those of the end."""
+    return _combined(start, end, lambda a, b: b if np.array_equal(a, b) else a + factor * (b - a))
 
 
 def _combined(start: Actions, end: Actions, combine: Callable[[Any, Any], Any]) -> Actions:

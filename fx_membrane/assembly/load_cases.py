@@ -63,7 +63,7 @@ def at_end(
     return Actions(
         loads=start.loads + point_loads + nodal_loads(distributed_loads),
         held=start.held | held,
-        displacement=np.where(held, displacement, start.displacement),
+        displacement=np.where(held, displacement, start.displacement) if stage.displacements else start.displacement,
         pressures=pressures,
         terms=_with(start, terms),
         **stress._asdict(),
