@@ -11,6 +11,7 @@ from mpi4py import MPI
 
 from fx_membrane import Analysis
 from fx_membrane.runtime import jit_cache
+from fx_membrane.solvers.newton_loop import NewtonLoop
 from models import sheet
 
 
@@ -18,6 +19,21 @@ from models import sheet
 def analysis():
     """Analysis of the square sheet."""
     return Analysis(sheet())
+
+
+@pytest.fixture
+def steps(monkeypatch):
+    """List with the number of steps of each solve."""
+    counts = []
+    begin, step = NewtonLoop.begin, NewtonLoop.step
+    monkeypatch.setattr(NewtonLoop, "begin", lambda *args: counts.append(0) or begin(*args))
+
+    def counted(*args):
+        counts[-1] += 1
+        step(*args)
+
+    monkeypatch.setattr(NewtonLoop, "step", counted)
+    return counts
 
 
 @pytest.fixture

@@ -20,7 +20,7 @@ from .distance_from_wish import ACCEPTED_RING_ERROR, mean, wished, worst
 from .edge_forces import GUIDED, WeakEdges, weak_edges
 from .folds import fold
 from .necks import neck
-from .no_form import causes, forces_in
+from .no_form import UNEQUAL_RATIO, causes, forces_in
 from .ring_reach import far_ring
 from .unheld import lone_point
 from .wish_balance import unbalanced_wish
@@ -35,7 +35,6 @@ WHOLE = 1000  # cells up to which a trial may be a whole search
 # are found on all meshes tried at 1.1 and 1.49, and found on some only at 1.7 and 2.1. From 1.3 on, cones with 12
 # segments around the ring lose their stress there on the way to a form.
 BEYOND = 1.5
-UNEQUAL_RATIO = 1.05  # ratio of principal stresses, above which they count as unequal
 UNKNOWN = (
     "The reason is not established: by the rules the edge cables are strong enough and no ring is too far. No trial "
     "with stronger cables, without loads or with equal stress has a form. Change the stress there, refine the mesh, or "

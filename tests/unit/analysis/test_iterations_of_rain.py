@@ -21,7 +21,6 @@ from fx_membrane import (
     boundary_edges,
     rectangle,
 )
-from fx_membrane.solvers.newton_loop import NewtonLoop
 
 PLACES = [(0.0, 0.0), (2.5, 0.0), (-2.5, 0.0), (0.0, 2.5), (0.0, -2.5)]
 
@@ -34,21 +33,6 @@ def dented():
     nodes = [int(np.linalg.norm(points[:, :2] - place, axis=1).argmin()) for place in PLACES]
     dents = [PointLoad(node, (0, 0, -500.0 - 100 * number)) for number, node in enumerate(nodes)]
     return structure, [Stage("dents", dents), Stage("rain", [Pond("roof", rain=0.05)], after="dents")]
-
-
-@pytest.fixture
-def steps(monkeypatch):
-    """List with the number of steps of each solve."""
-    counts = []
-    begin, step = NewtonLoop.begin, NewtonLoop.step
-    monkeypatch.setattr(NewtonLoop, "begin", lambda *args: counts.append(0) or begin(*args))
-
-    def counted(*args):
-        counts[-1] += 1
-        step(*args)
-
-    monkeypatch.setattr(NewtonLoop, "step", counted)
-    return counts
 
 
 @pytest.mark.mpi
